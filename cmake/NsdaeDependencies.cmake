@@ -131,10 +131,10 @@ endif()
 # SUNDIALS 6.4 to 7.x: stiff smooth phases. core exists from version 7 on.
 set(NSDAE_SUNDIALS_VERSION none)
 if(NSDAE_SUNDIALS)
-  set(modules ida cvode nvecserial sunmatrixdense sunlinsoldense)
+  set(modules ida nvecserial)
   find_package(SUNDIALS QUIET COMPONENTS ${modules})
   if(NOT SUNDIALS_FOUND)
-    message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for penalty and event; "
+    message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for stiff phases; "
                         "-DNSDAE_SUNDIALS=OFF builds without. ${SUNDIALS_NOT_FOUND_MESSAGE}")
   endif()
   set(NSDAE_SUNDIALS_VERSION ${SUNDIALS_VERSION})

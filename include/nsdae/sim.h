@@ -34,10 +34,10 @@ enum nsdae_method {
 
 /* Integrators of the smooth phases of penalty and event:
  *
- * - AUTO: DOPRI5; IDA if stiffness limits the step for long.
+ * - AUTO: DOPRI5 or DOP853, by rtol; IDA if stiffness limits the step for long.
  * - DOPRI5: explicit pair of Dormand and Prince, orders 5 and 4.
- * - DOP853: reserved for the pair of order 8 by Hairer; DOPRI5 is used until it is there.
- * - IDA: backward differences of variable order (SUNDIALS): IDA by penalty, CVODE by event. */
+ * - DOP853: explicit pair of Dormand and Prince, order 8, by Hairer.
+ * - IDA: backward differences of variable order (SUNDIALS). */
 enum nsdae_integrator {
   NSDAE_INTEGRATOR_AUTO,
   NSDAE_INTEGRATOR_DOPRI5,

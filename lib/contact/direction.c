@@ -10,17 +10,21 @@ static double slip_ahead(const double *last, double slow, const double *v_t, dou
   return more;
 }
 
-void nsdae_direction_ahead(const double *last, double slow, const double *v_t, const double *base,
-                           double *d)
+void nsdae_direction_ahead(const double *last, double slow, const double *v_t, double *d)
 {
-  double u[2], du[2], along = 0;
-  double more = slip_ahead(last, slow, base ? base : v_t, u), size = hypot(u[0], u[1]);
+  double u[2];
+  slip_ahead(last, slow, v_t, u);
+  double size = hypot(u[0], u[1]);
   for (int l = 0; l < 2; l++) d[l] = u[l] / size;
-  if (!base) return;
-  for (int l = 0; l < 2; l++) du[l] = v_t[l] - base[l];
-  double lost = more > 0 ? last[0] * du[0] + last[1] * du[1] : 0;
-  for (int l = 0; l < 2; l++) along += d[l] * (du[l] - lost * last[l]);
-  for (int l = 0; l < 2; l++) d[l] += (du[l] - lost * last[l] - along * u[l] / size) / size;
+}
+
+void nsdae_direction_slope(const double *last, double slow, const double *v_t, int l, double *slope)
+{
+  double u[2], du[2];
+  double more = slip_ahead(last, slow, v_t, u), size = hypot(u[0], u[1]);
+  for (int j = 0; j < 2; j++) du[j] = (j == l) - (more > 0 ? last[l] * last[j] : 0);
+  double along = (u[0] * du[0] + u[1] * du[1]) / size;
+  for (int j = 0; j < 2; j++) slope[j] = (du[j] - along * u[j] / size) / size;
 }
 
 void nsdae_direction_against(double *direction, int nt, const double *force)

@@ -126,7 +126,7 @@ static void destroy(void *own)
 {
   event *e = own;
   if (!e) return;
-  nsdae_ode_destroy(&e->integrator.stiff);
+  nsdae_event_integrator_release(&e->integrator);
   nsdae_cones_close(&e->instant.acceleration.problem.cones);
   nsdae_cones_close(&e->instant.impacts.problem.cones);
   nsdae_least_release(&e->instant.projection.least);
@@ -138,6 +138,7 @@ static void destroy(void *own)
 static int integrator_failed(event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
+  const char *cause = e->integrator.smooth.cause;
   if (error->status != NSDAE_OK) return error->status;
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   int contact = nsdae_event_unbounded(&e->roots, NEAR_POLE, 0);
@@ -148,10 +149,9 @@ static int integrator_failed(event *e, int status, double t)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(
       error, status, "nsdae_event", "rtol",
-      "the integrator failed at t = %.17g: no step length satisfies rtol and atol (code %d); the "
+      "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s; the "
       "equations may have no solution after this time: try a larger rtol, or method = implicit",
-      nsdae_system_time(e->setting.system, t), e->integrator.code);
-  error->code = e->integrator.code;
+      nsdae_system_time(e->setting.system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
   error->time = nsdae_system_time(e->setting.system, t);
   return status;
 }
@@ -159,6 +159,12 @@ static int integrator_failed(event *e, int status, double t)
 static int goes_by_ida(const event *e)
 {
   return e->setting.options->integrator == NSDAE_INTEGRATOR_IDA;
+}
+
+/* The integrator of the option, as a phase begins. */
+static void set_integrator(event *e)
+{
+  *e->phase.modes.is_stiff = goes_by_ida(e);
 }
 
 /* The integrator starts at t, which is the base from now on. */
@@ -197,7 +203,7 @@ static int restart(event *e, double t)
   double *looser = &e->instant.acceleration.looser;
   for (*looser = 1; *looser <= LOOSEST; *looser *= LOOSER) {
     status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-    *e->phase.modes.is_stiff = goes_by_ida(e);
+    set_integrator(e);
     if (status == NSDAE_OK) status = start(e, t);
     wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
     if (wrong < 0) break;
@@ -312,6 +318,7 @@ static int begin(event *e, const nsdae_terms *from)
   memset(memory->real, 0, memory->reals * sizeof *memory->real);
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
+  e->integrator.smooth.steps.h = 0;
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
   blur(e);
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
@@ -386,7 +393,7 @@ static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   double from = g->ahead, tiny = TINY * e->setting.options->dt;
-  if (g->steps.last > 0 && g->steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
+  if (g->smooth.steps.last > 0 && g->smooth.steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
       read_state(e, from) == NSDAE_OK && cross_kink(e, from))
     return change_modes(e, from);
   int status = step(e);
@@ -395,14 +402,14 @@ static int integrate(event *e)
   if (status == NSDAE_OK) return NSDAE_OK;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
-  if (!*e->phase.modes.is_stiff || goes_by_ida(e)) {
+  if (!g->smooth.is_stiff || goes_by_ida(e)) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
     if (refused) return explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
     if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
-  *e->phase.modes.is_stiff = 0; /* what backward differences do not solve, the other may */
+  *e->phase.modes.is_stiff = 0; /* a pair may solve what IDA does not */
   return start(e, from);
 }
 
@@ -433,7 +440,7 @@ static int arrive(event *e, const nsdae_state *state)
   }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
-    *e->phase.modes.is_stiff = goes_by_ida(e); /* the option may be new */
+    set_integrator(e); /* the option may be new */
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
   if (stands < 0) return stands;
@@ -454,16 +461,25 @@ static int too_many(const event *e)
          *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
+/* Whether an integrator starts anew: IDA after steps that stability bounds; the pair, which may be
+ * enough again, after STIFF_STEPS of IDA. */
+static int change_integrator(event *e)
+{
+  int *is_stiff = e->phase.modes.is_stiff, steps = *e->base.steps;
+  const nsdae_smooth *g = &e->integrator.smooth;
+  int is_auto = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO;
+  int found = is_auto && nsdae_smooth_stiff(g);
+  if (!found && steps < (g->is_stiff ? STIFF_STEPS : STEPS_MAX)) return 0;
+  if (is_auto) *is_stiff = found;
+  return 1;
+}
+
 static int advance_from(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
-  int stiff = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO &&
-              !*e->phase.modes.is_stiff && nsdae_runge_kutta_stiff(&g->steps);
-  if (!stiff && *e->base.steps < (*e->phase.modes.is_stiff ? STIFF_STEPS : STEPS_MAX))
-    return integrate(e);
+  if (!change_integrator(e)) return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
-  *e->phase.modes.is_stiff = stiff || goes_by_ida(e);
   return status < 0 ? status : start(e, g->ahead);
 }
 
@@ -507,7 +523,11 @@ static int read_results(event *e, const nsdae_terms *from)
   r->located = 1;
   r->smooth = r->counters.events == 0;
   nsdae_event_move(&e->setting, e->reached, e->integrator.y);
-  return nsdae_event_certify(&e->phase, from);
+  /* Newton's matrix of IDA may be regular if M or Phi_q is not. */
+  if (e->integrator.smooth.is_stiff)
+    status = nsdae_terms_need(e->setting.here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (e->integrator.smooth.is_stiff && status == NSDAE_OK) status = nsdae_event_factor(&e->setting);
+  return status < 0 ? status : nsdae_event_certify(&e->phase, from);
 }
 
 static int prepare(void *own)
@@ -516,6 +536,12 @@ static int prepare(void *own)
   prepare_problems(e);
   nsdae_event_integrator_prepare(&e->integrator);
   return NSDAE_OK;
+}
+
+static int start_run(void *own, const nsdae_terms *at)
+{
+  event *e = own;
+  return e->integrator.smooth.ida ? nsdae_stepper_start(e->tools, &e->phase.newton, at) : NSDAE_OK;
 }
 
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
@@ -579,5 +605,6 @@ const nsdae_stepping nsdae_stepping_event = {
     .destroy = destroy,
     .sizes = nsdae_event_memory_sizes,
     .prepare = prepare,
+    .start = start_run,
     .settle = settle,
     .advance = advance};

@@ -1,14 +1,15 @@
 /* The laws of contact that a record must fulfil. With h its length, no contact pulls and no
  * friction leaves its cone:
  *
- *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 (3 rtol max(|P|, dt |F|) + atol h) + m u
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 ((n + 2) rtol max |P| + atol h) + m u
  *
- * Each step integrates impulses to 10 rtol of what the largest force makes in dt, however short the
- * record is, and a record has one or two steps. A force is zero up to 10 (rtol max |F| + atol). u
- * is the tolerance of velocities and m the mass of the contact, bounded from above by inertia().
- * The end of an accumulation is ahead of its forces by accumulation_time at most. Within
- * BROUGHT_BACK tolerances no gap is below zero, none of a closed contact is above it
- * (complementarity), and independent constraints and their rates are zero. */
+ * The integrator bounds the error of an impulse by 10 rtol max |P| in each step, however short:
+ * n steps begin in the record, one before it, and the last ends after it. max |P| is at least dt
+ * |F| and M |v|. A force is zero up to 10 (rtol max |F| + atol). u is the tolerance of velocities
+ * and m the mass of the contact, bounded from above by inertia(). The end of an accumulation is
+ * ahead of its forces by accumulation_time at most. Within BROUGHT_BACK tolerances no gap is below
+ * zero, none of a closed contact is above it (complementarity), and independent constraints and
+ * their rates are zero. */
 #include "event_certificate.h"
 
 #include <math.h>
@@ -69,11 +70,15 @@ static int check_impulses(const nsdae_event_phase *phase, double h)
   const nsdae_result *r = s->result;
   const nsdae_impulses *p = &r->impulses;
   const nsdae_sim_options *o = s->options;
+  const nsdae_blocks *blocks = &s->system->blocks;
   int k = s->system->dims.k, nt = s->system->dims.nt;
   double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
-  most = fmax(most, o->dt * nsdae_largest(s->system->dims.nv, r->end.F));
-  double all = 10 * (3 * o->rtol * most + o->atol * h), slow = nsdae_event_velocity_size(s);
-  if (ends_ahead(s)) all += fmin(1, o->accumulation_time / h) * most;
+  double heaviest = nsdae_largest((int)blocks->square[blocks->count], r->end.M);
+  double force = nsdae_largest(s->system->dims.nv, r->end.F), slow = nsdae_event_velocity_size(s);
+  double early = ends_ahead(s) ? fmin(1, o->accumulation_time / h) * fmax(most, h * force) : 0;
+  most = fmax(most, fmax(o->dt * force, heaviest * nsdae_largest(s->system->dims.nv, r->end.v)));
+  double steps = (double)(r->counters.iterations + 2);
+  double all = 10 * (steps * o->rtol * most + o->atol * h) + early;
   for (int i = 0; i < k; i++) {
     double tol = all + inertia(&r->end, i) * slow;
     double along = nsdae_norm(nt, p->tangential + i * nt);

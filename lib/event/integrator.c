@@ -5,11 +5,13 @@
 
 #include "errors.h"
 
-/* Backward differences lose that much more over many steps than the other method. */
-static const double STIFF_TOLERANCE = 0.1;
-
 /* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
+
+/* Of 1 / alpha, the longest step: Baumgarte's terms make v' = -2 alpha v of a drift, and beyond the
+ * border of stability (|h lambda| 3.3 and 6.1) the rounding of a body at rest would grow up to the
+ * tolerance. */
+static const double DAMPED = 1;
 
 /* Of dt: a step that leads nowhere. */
 static const double SHORT = 1e-6;
@@ -24,20 +26,29 @@ static int rate(double t, const double *state, double *ydot, int whole, void *us
   return nsdae_event_account_rate(e->account, t, state, whole, ydot);
 }
 
-static int whole_rate(double t, const double *state, double *ydot, void *user)
-{
-  return rate(t, state, ydot, 1, user);
-}
-
-static int near(double t, const double *from, const double *state, double *ydot, void *user)
+static int powers(double t, const double *y, const double *ydot, double *power, void *user)
 {
   nsdae_event_integrator *e = user;
-  nsdae_event_phase *p = e->roots->phase;
-  int status = nsdae_event_linearise(p, t, from);
-  int code =
-      status < 0 ? nsdae_progress_code(status, p->setting->error) : rate(t, state, ydot, 1, e);
-  p->linear = 0;
-  return code;
+  (void)ydot;
+  return nsdae_event_account_powers(e->account, t, y, power);
+}
+
+static int residual(double t, const double *y, const double *ydot, double cj, double *r, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_residual(t, y, ydot, cj, r, e->roots->phase);
+}
+
+static int setup(double t, const double *y, const double *ydot, double cj, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_newton_setup(t, y, ydot, cj, e->roots->phase);
+}
+
+static int solve(double cj, double *r, double *x, void *user)
+{
+  nsdae_event_integrator *e = user;
+  return nsdae_event_newton_solve(cj, r, x, e->roots->phase);
 }
 
 static int values(double t, double *g, void *user)
@@ -66,15 +77,18 @@ static int look(double t, double *gap, double *rate, void *user)
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  e->steps = (nsdae_runge_kutta){.n = s->at.n + 2,
-                                 .controlled = s->at.lambda,
-                                 .positions = s->at.v,
-                                 .forces = s->at.n - s->at.lambda,
-                                 .rate = rate,
-                                 .user = e};
+  e->smooth.steps = (nsdae_runge_kutta){.n = s->at.n + 2,
+                                        .controlled = s->at.lambda,
+                                        .positions = s->at.v,
+                                        .forces = s->at.n - s->at.lambda,
+                                        .rate = rate,
+                                        .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
   e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
-  nsdae_runge_kutta_layout(&e->steps, arena);
+  e->smooth.implicit =
+      (nsdae_ida_problem){.residual = residual, .setup = setup, .solve = solve, .user = e};
+  e->smooth.powers = powers;
+  nsdae_smooth_layout(&e->smooth, arena);
   nsdae_fall_layout(&e->fall, arena);
   nsdae_dip_layout(&e->dip, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
@@ -86,22 +100,27 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
 
 int nsdae_event_integrator_make(nsdae_event_integrator *e)
 {
-  const nsdae_event_setting *s = e->roots->phase->setting;
-  const nsdae_ode_problem problem = {
-      .n = s->at.n + 2, .controlled = s->at.lambda, .rate = whole_rate, .near = near, .user = e};
-  int status = nsdae_ode_create(&problem, s->options->rtol, s->options->atol, &e->stiff);
+  int needed = e->roots->phase->setting->options->integrator == NSDAE_INTEGRATOR_IDA;
+  int status = nsdae_bordered_make(&e->roots->phase->newton);
+  if (status == NSDAE_OK) status = nsdae_smooth_make(&e->smooth);
+  if (status == NSDAE_E_UNSUPPORTED && !needed) status = NSDAE_OK;
   if (status == NSDAE_OK) nsdae_event_integrator_prepare(e);
   return status;
+}
+
+void nsdae_event_integrator_release(nsdae_event_integrator *e)
+{
+  if (e->roots) nsdae_bordered_release(&e->roots->phase->newton);
+  nsdae_smooth_destroy(&e->smooth);
 }
 
 void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
 {
   const nsdae_sim_options *o = e->roots->phase->setting->options;
-  e->steps.rtol = o->rtol;
-  e->steps.atol = o->atol;
-  e->steps.max_step = fmin(o->dt, o->step_max);
-  nsdae_ode_tolerances(e->stiff, STIFF_TOLERANCE * o->rtol, STIFF_TOLERANCE * o->atol, o->step_max);
-  nsdae_ode_positions(e->stiff, e->steps.positions, o->dt);
+  e->smooth.steps.rtol = o->rtol;
+  e->smooth.steps.atol = o->atol;
+  e->smooth.steps.max_step = fmin(fmin(o->step_max, o->dt), DAMPED / o->baumgarte_alpha);
+  e->smooth.steps.span = o->dt;
 }
 
 /* The largest force applied, or what would stop the bodies in a dt. */
@@ -112,54 +131,80 @@ static double force_of(const nsdae_event_integrator *e)
   int n = T->system->dims.nv;
   double inertia = 0;
   for (size_t i = 0; i < b->square[b->count]; i++) inertia = fmax(inertia, fabs(T->M[i]));
-  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->steps.max_step);
+  return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->smooth.steps.span);
 }
 
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
 {
   nsdae_event_phase *p = e->roots->phase;
+  const nsdae_sim_options *o = p->setting->options;
   nsdae_event_begin_phase(p);
+  /* forces of what is closed may turn or jump within a long step: auto takes the shorter ones */
+  int closed = o->integrator == NSDAE_INTEGRATOR_AUTO &&
+               (p->terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
+  e->smooth.steps.pair = closed ? &nsdae_dopri5 : nsdae_runge_kutta_pair(o->integrator, o->rtol);
   nsdae_error_clear(p->setting->error);
   nsdae_power_start(&e->account->power); /* a phase begins */
-  memset(e->end, 0, (size_t)e->steps.n * sizeof *e->end);
-  memcpy(e->end, e->y, (size_t)e->steps.controlled * sizeof *e->y);
+  memset(e->end, 0, (size_t)e->smooth.steps.n * sizeof *e->end);
+  memcpy(e->end, e->y, (size_t)e->smooth.steps.controlled * sizeof *e->y);
   e->ahead = t;
   nsdae_dip_start(&e->dip);
   e->pending = e->roots->short_steps = 0;
-  int status = *e->roots->phase->modes.is_stiff ? nsdae_ode_start(e->stiff, t, e->end)
-                                                : nsdae_runge_kutta_start(&e->steps, t, e->end);
-  if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
-  if (status == NSDAE_OK) e->steps.force = force_of(e);
+  int status = nsdae_event_forces(p, t, e->y);
+  e->smooth.is_stiff = *p->modes.is_stiff;
+  if (status == NSDAE_OK) {
+    e->smooth.steps.force = force_of(e);
+    status = nsdae_smooth_start(&e->smooth, t, e->end);
+  }
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 
-/* A step of the integrator at work; its end is in `end`. */
+/* The end of the step at work. */
+static double step_end(const nsdae_event_integrator *e)
+{
+  return e->smooth.is_stiff ? e->smooth.to : e->smooth.steps.t;
+}
+
+/* The end of the next window, in which roots are looked for: dt at most. */
+static double window_end(const nsdae_event_integrator *e)
+{
+  double left = step_end(e) - e->ahead, dt = e->roots->phase->setting->options->dt;
+  double count = ceil(left / dt * (1 - 1e-9));
+  return count > 1 ? e->ahead + left / count : step_end(e);
+}
+
+/* In how many pieces dips are looked for from there: a polynomial of DOP853 has two extrema more
+ * than one of DOPRI5, for whose steps the two halves do. */
+static int pieces_of(const nsdae_event_integrator *e, double from)
+{
+  const nsdae_runge_kutta *s = &e->smooth.steps;
+  if (e->smooth.is_stiff || s->pair != &nsdae_dop853) return 2;
+  return 2 * (int)fmax(1, fmin(3, ceil(3 * (e->ahead - from) / s->last)));
+}
+
+/* A window of the integrator at work, of a new step if the last one is searched; its end is in
+ * `end`. */
 static int step(nsdae_event_integrator *e)
 {
-  int what = NSDAE_ODE_STEP;
-  if (*e->roots->phase->modes.is_stiff)
-    return nsdae_ode_advance(e->stiff, e->ahead + e->steps.max_step, &e->ahead, e->end, &what, NULL,
-                             &e->code);
-  int status = nsdae_runge_kutta_advance(&e->steps);
+  int status = e->ahead < step_end(e) ? NSDAE_OK : nsdae_smooth_advance(&e->smooth);
   if (status < 0) return status;
-  e->ahead = e->steps.t;
-  nsdae_runge_kutta_read(&e->steps, e->ahead, e->steps.controlled, e->end);
-  return NSDAE_OK;
+  e->ahead = window_end(e);
+  return nsdae_smooth_read(&e->smooth, e->ahead, e->smooth.steps.controlled, e->end);
 }
 
 /* Whether a step in which the forces have no solution may be tried again, shorter: as where a gap
  * has a kink in it. */
-static int can_retreat(const nsdae_event_integrator *e)
+static int can_retreat(const nsdae_event_integrator *e, double from)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  return s->error->status == NSDAE_OK && !*e->roots->phase->modes.is_stiff &&
-         e->steps.last > SHORT * s->options->dt;
+  return s->error->status == NSDAE_OK && !e->smooth.is_stiff &&
+         e->ahead - from > SHORT * s->options->dt;
 }
 
 /* A force that falls may have jumped, as where a ball rolls from a face to an edge: beyond, the
  * forces of the phase are none, and the impulses of a step to there are not those up to here. So
  * such a step is taken again, to here. 0: it has to be shorter. */
-static int land(nsdae_event_integrator *e, double from)
+static int land(nsdae_event_integrator *e)
 {
   const int *mode = e->roots->phase->modes.contact;
   int force = 0;
@@ -168,25 +213,40 @@ static int land(nsdae_event_integrator *e, double from)
     force |=
         e->fallen[i] && root->kind == NSDAE_ROOT_NORMAL && mode[root->index] != NSDAE_MODE_OPEN;
   }
-  if (!force || *e->roots->phase->modes.is_stiff || !(e->ahead < e->steps.t)) return 1;
-  return nsdae_runge_kutta_land(&e->steps, from, e->ahead) == 0;
+  if (!force || e->smooth.is_stiff || !(e->ahead < e->smooth.steps.t)) return 1;
+  return nsdae_runge_kutta_land(&e->smooth.steps, e->ahead) == 0;
 }
 
-/* A step that ends at the first fall of a root; returns how many fell, or a status. */
+/* Back to the start of the window, with a shorter step. 0 where f is not defined up to there. */
+static int retreat(nsdae_event_integrator *e, double from)
+{
+  nsdae_runge_kutta *s = &e->smooth.steps;
+  double length = SHORTER * (e->ahead - from);
+  int whole = from == s->from;
+  e->ahead = from;
+  if (!whole && nsdae_runge_kutta_land(s, from) != 0) return 0;
+  if (whole) nsdae_runge_kutta_retreat(s);
+  s->h = length;
+  return 1;
+}
+
+/* A window that ends at the first fall of a root; returns how many fell, or a status. */
 static int step_to_fall(nsdae_event_integrator *e)
 {
   double from = e->ahead;
-  memcpy(e->y, e->end, (size_t)e->steps.controlled * sizeof *e->y);
+  memcpy(e->y, e->end, (size_t)e->smooth.steps.controlled * sizeof *e->y);
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
-    int status = step(e);
-    if (status < 0 || e->fall.count == 0) return status;
-    int fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
-    if (fell == 0 || (fell > 0 && land(e, from))) return fell;
-    e->ahead = from;
-    if (!can_retreat(e)) return NSDAE_E_CONVERGENCE;
-    nsdae_runge_kutta_retreat(&e->steps, from, SHORTER);
+    const nsdae_runge_kutta *s = &e->smooth.steps;
+    int status = step(e), fell = 0;
+    if (status < 0) return status;
+    if (!nsdae_runge_kutta_is_rough(s) && e->fall.count > 0)
+      fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
+    int rough = nsdae_runge_kutta_is_rough(s) && can_retreat(e, from);
+    if (!rough && (fell == 0 || (fell > 0 && land(e)))) return fell;
+    if (!can_retreat(e, from) || !retreat(e, from)) return NSDAE_E_CONVERGENCE;
+    if (e->fall.count > 0 && values(from, e->fall.low, e) < 0) return NSDAE_E_CONVERGENCE;
   }
 }
 
@@ -199,8 +259,9 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   int fell = step_to_fall(e);
   if (fell < 0) return fell;
   /* a contact that closes and opens again between two steps is none of the roots */
-  int found = nsdae_dip_find(&e->dip, from, e->ahead, e->roots->phase->modes.contact,
-                             DEEP * nsdae_event_position_size(s), &hidden, &contact);
+  int found =
+      nsdae_dip_find(&e->dip, from, e->ahead, pieces_of(e, from), e->roots->phase->modes.contact,
+                     DEEP * nsdae_event_position_size(s), &hidden, &contact);
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
   int status = nsdae_event_integrator_read(e, e->ahead, e->y);
@@ -214,25 +275,15 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   return NSDAE_OK;
 }
 
-/* The first `count` of z; backward differences have all of them at once, in e->z. */
-static int read_some(nsdae_event_integrator *e, double t, int count, double *z)
-{
-  int status = NSDAE_OK, stiff = *e->roots->phase->modes.is_stiff;
-  if (!stiff) nsdae_runge_kutta_read(&e->steps, t, count, z);
-  if (stiff) status = nsdae_ode_read(e->stiff, t, e->z);
-  if (stiff && z != e->z) memcpy(z, e->z, (size_t)count * sizeof *z);
-  return status;
-}
-
 int nsdae_event_integrator_read(nsdae_event_integrator *e, double t, double *y)
 {
-  return read_some(e, t, e->steps.controlled, y);
+  return nsdae_smooth_read(&e->smooth, t, e->smooth.steps.controlled, y);
 }
 
 int nsdae_event_integrator_account(nsdae_event_integrator *e, double from, double to)
 {
-  int n = e->steps.n, status = read_some(e, to, n, e->later);
-  if (status == NSDAE_OK) status = read_some(e, from, n, e->z);
+  int n = e->smooth.steps.n, status = nsdae_smooth_read(&e->smooth, to, n, e->later);
+  if (status == NSDAE_OK) status = nsdae_smooth_read(&e->smooth, from, n, e->z);
   if (status == NSDAE_OK) nsdae_event_account_phase(e->account, e->z, e->later);
   return status;
 }

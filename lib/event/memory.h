@@ -12,6 +12,7 @@ typedef struct nsdae_event_base {
   double *t, *y, *direction;   /* 1, nq + nv, k nt: where the integrator started last, */
   double *slow, *blur;         /* and the modes': 1, k */
   int *steps;                  /* of its own since then */
+  double *h;                   /* the next step there */
   double *goal;                /* of the dt in work, which may take several steps */
   int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
   int *finer;                  /* 2: of the differences, since they were last tuned */

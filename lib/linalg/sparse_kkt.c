@@ -175,7 +175,7 @@ static double final_error(const nsdae_sparse_kkt *k, double error)
  * errors itself, what is enough. */
 static double small_error(const nsdae_sparse_kkt *k)
 {
-  return k->coupled ? ENOUGH : 16 * DBL_EPSILON;
+  return fmax(k->coupled ? ENOUGH : 16 * DBL_EPSILON, k->enough);
 }
 
 /* Corrections until the error is small or no longer falls; returns it. A last one that made it
@@ -221,7 +221,7 @@ int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v
     nsdae_sparse_kkt_shorten(k);
     error = refine(k);
   }
-  if (!(error <= ENOUGH)) return NSDAE_E_CONVERGENCE;
+  if (!(error <= fmax(ENOUGH, k->enough))) return NSDAE_E_CONVERGENCE;
   for (int i = 0; i < a->blocks.count; i++)
     memcpy(v + k->part.blocks->first[k->part.block[i]], a->x + a->blocks.first[i],
            (size_t)nsdae_blocks_size(&a->blocks, i) * sizeof *v);

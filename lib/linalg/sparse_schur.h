@@ -72,7 +72,8 @@ typedef struct nsdae_kkt_whole {
 } nsdae_kkt_whole;
 
 typedef struct nsdae_sparse_kkt {
-  double rank_tol; /* set before; likewise backend, for tests */
+  double rank_tol; /* set before; likewise backend, for tests, */
+  double enough;   /* and the relative error at which refinement may end; 0: as far as it falls */
   int backend, ready;
   int ldl_first, by_ldl, coupled; /* choice of the analysis; of the last factorisation */
   int pivot, bad_block;           /* the pivot of this block of the system is not positive */

@@ -21,6 +21,10 @@ typedef struct nsdae_stepping {
   /* Settings or coefficients changed; NULL where nothing is made of them beside the stepper. */
   int (*prepare)(void *own);
 
+  /* A run starts at the terms' point: what it takes of memory that depends on the model's pattern;
+   * NULL: nothing. */
+  int (*start)(void *own, const nsdae_terms *at);
+
   /* Leaves in the result's memory that the integrator starts anew at the state, whatever led there;
    * NULL where nothing of it is kept beside the memory. Then the end of a step also tells what is
    * between: see nsdae_sim_interpolate. */

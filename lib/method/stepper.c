@@ -65,6 +65,15 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   s->rate = NSDAE_ARENA_DOUBLES(arena, dims->m);
 }
 
+int nsdae_stepper_start(nsdae_stepper *s, nsdae_bordered_kkt *newton, const nsdae_terms *at)
+{
+  nsdae_counters counted = *s->counters;
+  nsdae_terms_at(&s->middle, at->t, at->q, at->v);
+  int status = nsdae_bordered_start(newton, &s->middle);
+  *s->counters = counted;
+  return status;
+}
+
 void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_result *result)
 {
   s->counters = &result->counters;

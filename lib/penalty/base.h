@@ -7,7 +7,7 @@
 
 typedef struct nsdae_penalty_base {
   double *t, *qv;                    /* 1, nq + nv */
-  double *first;                     /* 1: length of IDA's first step, or 0 */
+  double *first;                     /* 1: length of the first step, or 0 */
   double *since, *start_rate, *mass; /* k: when it closed, d'_0, effective mass */
   double *impulse, *impulse_t;       /* k, k nt: from then to t */
   double *peak;                      /* k: largest force until t */

@@ -175,7 +175,11 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   long k = d->k, kt = k * d->nt, f = d->f;
   p->room = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
   nsdae_power_layout(&p->power, p->stepper->system, arena);
-  nsdae_penalty_border_layout(p, arena);
+  nsdae_bordered_layout(&p->newton, p->stepper->system, (int)(k + kt + f),
+                        p->stepper->options->rank_tol, arena);
+  p->border_force = NSDAE_ARENA_INTS(arena, k + kt + f);
+  p->border_room = NSDAE_ARENA_DOUBLES(arena, k + kt + f);
+  p->basis = NSDAE_ARENA_DOUBLES(arena, nsdae_kkt_basis_size(&p->stepper->kkt));
   at->normal = NSDAE_ARENA_DOUBLES(arena, k);
   at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
   at->frictional_joint = NSDAE_ARENA_DOUBLES(arena, f);
@@ -185,4 +189,11 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   at->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
   at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
   at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
+}
+
+void nsdae_penalty_start_newton(nsdae_penalty_equations *p)
+{
+  const nsdae_kkt *kkt = &p->stepper->kkt;
+  p->rank = kkt->rank;
+  if (kkt->rank < kkt->m) nsdae_kkt_basis(kkt, p->basis);
 }

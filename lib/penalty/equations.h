@@ -13,7 +13,7 @@
 #define NSDAE_PENALTY_EQUATIONS_H
 
 #include "base.h"
-#include "newton_matrix.h"
+#include "bordered_kkt.h"
 #include "penalty_law.h"
 #include "places.h"
 #include "power.h"
@@ -26,34 +26,24 @@ typedef struct nsdae_penalty_forces {
   double *U, *D; /* nv x f, m x f: a unit friction force on each slide */
 } nsdae_penalty_forces;
 
-/* The border of Newton's matrix (newton.c): a row and a column for each force that is not zero
- * anyway. */
-typedef struct nsdae_penalty_border {
-  int count;
-  int *force;    /* count: its place behind lambda in y */
-  int *normal;   /* count: the place in here of the normal force that it depends on, */
-  double *part;  /* count: by which factor */
-  int *row;      /* count: the multiplier that it depends on, or -1, */
-  double *h;     /* count: by which factor */
-  double *G;     /* nv x count: how it depends on dv */
-  double *V, *L; /* nv x count, m x count: what a unit of it makes of dv and dlambda */
-  double *B, *f; /* count x count: the rows, factored; count: right side, then forces */
-  int *pivot;    /* count */
-  double cj;     /* of the factors */
-} nsdae_penalty_border;
-
 typedef struct nsdae_penalty_equations {
   nsdae_stepper *stepper;
   nsdae_penalty_force law;
   nsdae_penalty_base base; /* within the memory of the step in work: how its contacts began */
   nsdae_penalty_forces at;
-  nsdae_newton_matrix newton;
-  nsdae_penalty_border border;
-  double *room; /* nq + nv */
+  nsdae_bordered_kkt newton; /* see newton.c */
+  int *border_force;         /* of its forces: the place behind lambda in y */
+  double *border_room, cj;   /* forces; of the factors */
+  double *basis;             /* the independent constraints where IDA started, */
+  int rank;                  /* and their number */
+  double *room;              /* nq + nv */
   nsdae_power power;
 } nsdae_penalty_equations;
 
 void nsdae_penalty_equations_layout(nsdae_penalty_equations *equations, nsdae_arena *arena);
+
+/* IDA starts at the point of the last factorisation. */
+void nsdae_penalty_start_newton(nsdae_penalty_equations *equations);
 
 /* What the integrator asks for (smooth.h); user: the equations. */
 int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void *user);
@@ -69,8 +59,5 @@ int nsdae_penalty_evaluate(nsdae_penalty_equations *equations, double t, const d
 
 /* The forces in `at` := those of y. */
 void nsdae_penalty_take(nsdae_penalty_equations *equations, const double *y);
-
-/* Takes the arrays of the border. */
-void nsdae_penalty_border_layout(nsdae_penalty_equations *equations, nsdae_arena *arena);
 
 #endif

@@ -13,9 +13,7 @@
  *   cj phi_T + cj mu v_T / s phi_N + mu F_N (1 / s - v_T v_T^T / s^3) W_T^T dv = r_T
  *   cj phi_S + cj mu sign(lambda) v_S / s l + mu |lambda| v_r^2 / s^3 W_S^T dv = r_S
  *
- * [V; L] := K^-1 [W; 0] with the saddle-point matrix K of A and J gives dv = dv_0 + V phi,
- * l = l_0 + L phi, and for phi a dense system of as many unknowns as forces. */
-#include "dense.h"
+ * which bordered_kkt.h solves. */
 #include "equations.h"
 #include "stalled_steps.h"
 #include "vector.h"
@@ -106,19 +104,11 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
 
 /* ---- Newton's matrix */
 
-/* Row a of the border is  cj phi_a + G_a . dv + h_a l_row + cj part phi_normal = r_a:  of contact i
- * or frictional joint i. */
-typedef nsdae_penalty_border border;
-
-static int add_force(border *b, int force, size_t nv)
+static int add(nsdae_penalty_equations *p, const nsdae_rows *rows, int i, int force)
 {
-  int a = b->count++;
-  b->force[a] = force;
-  b->row[a] = -1;
-  b->normal[a] = a;
-  b->part[a] = b->h[a] = 0;
-  memset(b->G + (size_t)a * nv, 0, nv * sizeof *b->G);
-  memset(b->V + (size_t)a * nv, 0, nv * sizeof *b->V);
+  int a = nsdae_bordered_add(&p->newton, &p->stepper->middle, rows, i);
+  p->border_force[a] = force;
+  *nsdae_bordered_entry(&p->newton, a, a) = p->cj;
   return a;
 }
 
@@ -126,25 +116,19 @@ static void add_contact(nsdae_penalty_equations *p, int i)
 {
   const nsdae_terms *T = &p->stepper->middle;
   const nsdae_dims *d = &T->system->dims;
-  const nsdae_blocks *blocks = &T->system->blocks;
   const nsdae_coefficients *c = &T->system->contact[i];
-  border *b = &p->border;
-  size_t n = (size_t)d->nv;
+  nsdae_bordered_kkt *b = &p->newton;
   double slope[2], s = speed(p, i), force = c->mu * p->at.normal[i];
   nsdae_penalty_slopes(&p->law, -T->gap[i], -p->at.v_n[i], p->base.start_rate[i], c->e_n,
                        p->base.mass[i], slope);
-  int first = add_force(b, i, n);
-  nsdae_rows_add(blocks, &T->by.normal, i, 1, b->V + (size_t)first * n);
-  nsdae_rows_add(blocks, &T->by.normal, i, slope[0] / b->cj + slope[1], b->G + (size_t)first * n);
+  int normal = add(p, &T->by.normal, i, i);
+  nsdae_bordered_depend(b, T, normal, &T->by.normal, i, slope[0] / p->cj + slope[1]);
   for (int j = i * d->nt; j < (i + 1) * d->nt && c->mu > 0; j++) {
-    int a = add_force(b, d->k + j, n);
-    nsdae_rows_add(blocks, &T->by.tangent, j, 1, b->V + (size_t)a * n);
-    for (int l = i * d->nt; l < (i + 1) * d->nt; l++) {
-      double factor = force / s * ((j == l) - p->at.v_t[j] * p->at.v_t[l] / (s * s));
-      nsdae_rows_add(blocks, &T->by.tangent, l, factor, b->G + (size_t)a * n);
-    }
-    b->normal[a] = first;
-    b->part[a] = c->mu * p->at.v_t[j] / s;
+    int a = add(p, &T->by.tangent, j, d->k + j);
+    for (int l = i * d->nt; l < (i + 1) * d->nt; l++)
+      nsdae_bordered_depend(b, T, a, &T->by.tangent, l,
+                            force / s * ((j == l) - p->at.v_t[j] * p->at.v_t[l] / (s * s)));
+    *nsdae_bordered_entry(b, a, normal) = p->cj * c->mu * p->at.v_t[j] / s;
   }
 }
 
@@ -153,36 +137,13 @@ static void add_joint(nsdae_penalty_equations *p, int j)
   const nsdae_terms *T = &p->stepper->middle;
   const nsdae_dims *d = &T->system->dims;
   const nsdae_frictional_joint *joint = &T->system->frictional_joint[j];
-  border *b = &p->border;
-  size_t n = (size_t)d->nv;
   double v = p->at.v_s[j], regular = p->stepper->options->friction_velocity, s = hypot(v, regular);
   double lambda = p->at.lambda[joint->constraint];
-  double factor = joint->mu * fabs(lambda) * regular * regular / (s * s * s);
-  int a = add_force(b, d->k * (1 + d->nt) + j, n);
-  nsdae_rows_add(&T->system->blocks, &T->by.frictional_joint, j, 1, b->V + (size_t)a * n);
-  nsdae_rows_add(&T->system->blocks, &T->by.frictional_joint, j, factor, b->G + (size_t)a * n);
-  b->row[a] = joint->constraint;
-  b->h[a] = b->cj * joint->mu * copysign(1, lambda) * v / s;
-}
-
-static int factor_border(nsdae_penalty_equations *p)
-{
-  const nsdae_stepper *s = p->stepper;
-  const nsdae_dims *d = &s->system->dims;
-  border *b = &p->border;
-  size_t n = (size_t)d->nv, m = (size_t)d->m, count = (size_t)b->count;
-  if (count == 0) return 0;
-  memset(b->L, 0, count * m * sizeof *b->L);
-  int status = nsdae_terms_solve(&s->middle, &s->kkt, b->count, b->V, b->L);
-  if (status < 0) return nsdae_progress_code(status, s->error);
-  for (size_t c = 0; c < count; c++)
-    for (size_t a = 0; a < count; a++) {
-      double *B = b->B + c * count + a;
-      *B = nsdae_dot(d->nv, b->G + a * n, b->V + c * n) + (a == c ? b->cj : 0);
-      if ((int)c == b->normal[a]) *B += b->cj * b->part[a];
-      if (b->row[a] >= 0) *B += b->h[a] * b->L[c * m + (size_t)b->row[a]];
-    }
-  return nsdae_la_lu(b->count, b->B, b->count, b->pivot) == 0 ? 0 : 1;
+  int a = add(p, &T->by.frictional_joint, j, d->k * (1 + d->nt) + j);
+  nsdae_bordered_depend(&p->newton, T, a, &T->by.frictional_joint, j,
+                        joint->mu * fabs(lambda) * regular * regular / (s * s * s));
+  p->newton.row[a] = joint->constraint;
+  p->newton.h[a] = p->cj * joint->mu * copysign(1, lambda) * v / s;
 }
 
 int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj, void *user)
@@ -192,12 +153,11 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
   nsdae_terms *T = &s->middle;
   const nsdae_dims *d = &s->system->dims;
   (void)ydot;
-  p->border.cj = cj;
-  p->border.count = 0;
+  p->cj = cj;
   int status = nsdae_penalty_evaluate(p, t, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, MOTION_TERMS);
-  if (status == NSDAE_OK) status = nsdae_terms_newton_matrix(T, cj, &p->newton);
-  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, p->newton.A);
+  if (status == NSDAE_OK)
+    status = nsdae_bordered_factor(&p->newton, T, cj, p->rank < d->m ? p->basis : NULL, p->rank);
   if (status < 0) return nsdae_progress_code(status, s->error);
   nsdae_penalty_take(p, y);
   for (int i = 0; i < d->k; i++)
@@ -206,7 +166,7 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
     p->at.v_s[j] = nsdae_terms_slide_rate(T, j, T->v);
     if (s->system->frictional_joint[j].mu > 0) add_joint(p, j);
   }
-  return factor_border(p);
+  return nsdae_progress_code(nsdae_bordered_finish(&p->newton, T), s->error);
 }
 
 int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
@@ -215,46 +175,18 @@ int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
   nsdae_stepper *s = p->stepper;
   const nsdae_dims *d = &s->system->dims;
   const nsdae_sim_options *o = s->options;
-  border *b = &p->border;
-  double alpha = o->baumgarte_alpha, beta = o->baumgarte_beta;
+  double alpha = o->baumgarte_alpha, beta = o->baumgarte_beta, *phi = p->border_room;
   int forces = nsdae_penalty_at_normal(d), n = nsdae_penalty_at_work(d);
   double *dv = x + d->nq, *l = x + nsdae_penalty_at_lambda(d);
   for (int i = 0; i < d->nv; i++) dv[i] = r[d->nq + i] / cj;
   for (int i = 0; i < d->m; i++)
     l[i] = r[nsdae_penalty_at_lambda(d) + i] / (cj + 2 * alpha + beta * beta / cj);
+  for (int a = 0; a < p->newton.count; a++) phi[a] = r[forces + p->border_force[a]];
   memcpy(x + forces, r + forces, (size_t)(n - forces) * sizeof *x);
-  int status = nsdae_terms_solve(&s->middle, &s->kkt, 1, dv, l);
-  if (status < 0) return nsdae_progress_code(status, s->error);
-  for (int a = 0; a < b->count; a++) {
-    b->f[a] = r[forces + b->force[a]] - nsdae_dot(d->nv, b->G + (size_t)a * (size_t)d->nv, dv);
-    if (b->row[a] >= 0) b->f[a] -= b->h[a] * l[b->row[a]];
-  }
-  if (b->count > 0) nsdae_la_lu_solve(b->count, b->B, b->count, b->pivot, b->f);
-  nsdae_add_product(d->nv, b->count, b->V, b->f, dv);
-  nsdae_add_product(d->m, b->count, b->L, b->f, l);
+  int status = nsdae_bordered_solve(&p->newton, &s->middle, dv, l, phi);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(&s->middle, dv, x);
   for (int i = 0; i < d->m; i++) l[i] *= cj;
-  for (int a = 0; a < b->count; a++) x[forces + b->force[a]] = cj * b->f[a];
-  status = nsdae_kinematics_at(&s->middle, dv, x);
+  for (int a = 0; a < p->newton.count; a++) x[forces + p->border_force[a]] = cj * phi[a];
   for (int i = 0; i < d->nq; i++) x[i] = (x[i] + r[i]) / cj;
   return nsdae_progress_code(status, s->error);
-}
-
-/* ---- arrays */
-
-void nsdae_penalty_border_layout(nsdae_penalty_equations *p, nsdae_arena *arena)
-{
-  const nsdae_system *s = p->stepper->system;
-  const nsdae_dims *d = &s->dims;
-  border *b = &p->border;
-  long n = d->nv, forces = (long)d->k * (1 + d->nt) + d->f;
-  int **whole[] = {&b->force, &b->normal, &b->row, &b->pivot};
-  double **real[] = {&b->part, &b->h, &b->f};
-  for (int i = 0; i < 4; i++) *whole[i] = NSDAE_ARENA_INTS(arena, forces);
-  for (int i = 0; i < 3; i++) *real[i] = NSDAE_ARENA_DOUBLES(arena, forces);
-  b->G = NSDAE_ARENA_DOUBLES(arena, n * forces);
-  b->V = NSDAE_ARENA_DOUBLES(arena, n * forces);
-  b->L = NSDAE_ARENA_DOUBLES(arena, d->m * forces);
-  b->B = NSDAE_ARENA_DOUBLES(arena, forces * forces);
-  p->newton.system = s;
-  nsdae_newton_matrix_layout(&p->newton, arena);
 }

@@ -86,6 +86,9 @@ static int prepare(void *own)
   p->integrator.steps.rtol = o->rtol;
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
+  p->integrator.steps.span = o->dt;
+  p->integrator.steps.pair =
+      o->integrator == NSDAE_INTEGRATOR_DOP853 ? &nsdae_dop853 : &nsdae_dopri5;
   return check_law(p->equations.stepper);
 }
 
@@ -134,7 +137,7 @@ static int make(penalty *p)
   p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
   p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
-  if (status == NSDAE_OK) status = nsdae_newton_matrix_make(&p->equations.newton);
+  if (status == NSDAE_OK) status = nsdae_bordered_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
   int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
@@ -155,14 +158,15 @@ static void destroy(void *own)
   penalty *p = own;
   if (!p) return;
   nsdae_smooth_destroy(&p->integrator);
-  nsdae_newton_matrix_release(&p->equations.newton);
+  nsdae_bordered_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
 }
 
 /* ---- starts */
 
-/* The velocity of the largest change at t, in units of its tolerance; -1: unknown. */
+/* The velocity of the largest change at t, in units of its tolerance; -1: the equations have no
+ * solution there, as the error record says. */
 static int fastest(penalty *p, double t)
 {
   const nsdae_sim_options *o = p->equations.stepper->options;
@@ -183,6 +187,7 @@ static int integrator_failed(penalty *p, int status, double t)
   const char *cause = p->integrator.cause;
   if (s->error->status != NSDAE_OK) return s->error->status;
   int velocity = fastest(p, t);
+  if (s->error->status != NSDAE_OK) return s->error->status;          /* no solution there */
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
                   "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s: "
@@ -217,7 +222,7 @@ static int start_integrator(penalty *p)
   p->ahead = *b->t;
   p->pending = 0;
   p->integrator.is_stiff = *b->is_stiff;
-  p->integrator.first = *b->first;
+  p->integrator.first = p->integrator.steps.h = *b->first;
   nsdae_error_clear(s->error);
   nsdae_power_start(&p->equations.power);
   nsdae_dip_start(&p->dip);
@@ -232,6 +237,7 @@ static int start_integrator(penalty *p)
     p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
+  nsdae_penalty_start_newton(&p->equations);
   return status < 0 ? integrator_failed(p, status, p->ahead) : NSDAE_OK;
 }
 
@@ -248,7 +254,7 @@ static int move_base(penalty *p, double t)
     if (status < 0) return status;
     nsdae_add(d->k, 1, z + nsdae_penalty_at_normal(d), b->impulse);
     nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at_tangential(d), b->impulse_t);
-    *b->first = (p->integrator.is_stiff ? FIRST : 1) * nsdae_smooth_last(&p->integrator);
+    *b->first = g->is_stiff ? FIRST * nsdae_smooth_last(g) : g->steps.h;
   }
   *b->t = t;
   *b->steps = 0;
@@ -414,8 +420,10 @@ static int one_step(penalty *p)
     double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
     found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
     if (found < 0) return found;
-    status =
-        nsdae_dip_find(&p->dip, from, p->ahead, p->equations.base.closed, deep, &hidden, &contact);
+    /* polynomials of DOP853 have two extrema more than those of DOPRI5 and IDA */
+    int pieces = !g->is_stiff && g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2;
+    status = nsdae_dip_find(&p->dip, from, p->ahead, pieces, p->equations.base.closed, deep,
+                            &hidden, &contact);
     if (status < 0) return status;
   }
   if (contact >= 0) {
@@ -434,8 +442,7 @@ static int step_or_start(penalty *p)
   double from = p->ahead;
   int steps = *p->equations.base.steps, stiff = *p->equations.base.is_stiff;
   int automatic = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_AUTO;
-  if (nsdae_smooth_stiff(&p->integrator) && automatic && p->integrator.ida)
-    return start(p, from, 1);
+  if (nsdae_smooth_stiff(&p->integrator) && automatic) return start(p, from, 1);
   if (steps >= (stiff ? STIFF_STEPS_MAX : STEPS_MAX)) return start(p, from, stiff);
   int status = one_step(p);
   if (status == NSDAE_OK) return NSDAE_OK;
@@ -542,7 +549,10 @@ static int read_results(penalty *p, nsdae_result *result, double h)
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
   if (status == NSDAE_OK)
     status = nsdae_terms_need(T, NSDAE_TERM_PHI | NSDAE_TERM_SLIDE | NSDAE_TERM_JACOBIAN |
-                                     NSDAE_TERM_PHI_T);
+                                     NSDAE_TERM_PHI_T | NSDAE_TERM_MASS);
+  /* Newton's matrix of IDA may be regular if M or Phi_q is not. */
+  if (status == NSDAE_OK && p->integrator.is_stiff)
+    status = nsdae_stepper_factor(p->equations.stepper, T, T->M);
   if (status < 0) return status;
   for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
@@ -567,6 +577,13 @@ static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters
   int status = replay(p, state->terms);
   *counters = counted;
   return status;
+}
+
+static int start_run(void *own, const nsdae_terms *at)
+{
+  penalty *p = own;
+  return p->integrator.ida ? nsdae_stepper_start(p->equations.stepper, &p->equations.newton, at)
+                           : NSDAE_OK;
 }
 
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
@@ -604,5 +621,6 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .destroy = destroy,
     .sizes = nsdae_penalty_base_sizes,
     .prepare = prepare,
+    .start = start_run,
     .settle = settle,
     .advance = advance};

@@ -467,6 +467,8 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
                : NSDAE_OK;
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
+  if (status == NSDAE_OK && sim->method->start)
+    status = sim->method->start(sim->own, &sim->next->result.end);
   if (status < 0) {
     sim->model.epoch = epoch;
     return status;

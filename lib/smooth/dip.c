@@ -6,13 +6,13 @@
 /* Of a time in a step: to the last digits. */
 enum { BISECTIONS = 60 };
 
-/* Of the way at the ends' rates, how far a cubic may be off within a half of a step. */
+/* Of the way at the ends' rates, how far a cubic may be off within a piece of a step. */
 static const double NEAR = 0.1;
 
 void nsdae_dip_layout(nsdae_dip *p, nsdae_arena *arena)
 {
-  p->value = NSDAE_ARENA_DOUBLES(arena, 4L * p->count);
-  p->rate = NSDAE_ARENA_DOUBLES(arena, 4L * p->count);
+  p->value = NSDAE_ARENA_DOUBLES(arena, (NSDAE_DIP_PIECES + 2L) * p->count);
+  p->rate = NSDAE_ARENA_DOUBLES(arena, (NSDAE_DIP_PIECES + 2L) * p->count);
 }
 
 void nsdae_dip_start(nsdae_dip *p)
@@ -29,9 +29,10 @@ static int look(nsdae_dip *p, double t, int point)
 /* Function i at t; its rate in *rate. */
 static double value_at(nsdae_dip *p, int i, double t, double *rate, int *status)
 {
-  *status = look(p, t, 3);
-  *rate = p->rate[3 * p->count + i];
-  return p->value[3 * p->count + i];
+  const int last = NSDAE_DIP_PIECES + 1;
+  *status = look(p, t, last);
+  *rate = p->rate[last * p->count + i];
+  return p->value[last * p->count + i];
 }
 
 /* Where function i, above zero at low and falling at a, is below at b, or, above and rising there,
@@ -60,12 +61,12 @@ static int may_touch(const nsdae_dip *p, int i, int first, double h)
 {
   int k = p->count;
   const double *value = p->value + first * k + i, *rate = p->rate + first * k + i;
-  if (first == 0 && value[0] > 0 && value[k] <= 0) return 1;
+  if (value[0] > 0 && value[k] <= 0) return 1;
   if (!(value[0] > 0 && value[k] > 0 && rate[0] < 0 && rate[k] > 0)) return 0;
   return fmin(value[0], value[k]) < h * fmax(-rate[0], rate[k]);
 }
 
-/* A function that rises at both ends of a half, but by less in between: the cubic through both
+/* A function that rises at both ends of a piece, but by less in between: the cubic through both
  * values and rates, v_0 + c s + b s^2 + a s^3 with s from 0 to 1, has a top and then a lowest
  * point. Whether that is near zero, and where the top is and a place between the two. */
 static int has_hump(const nsdae_dip *p, int i, int first, double h, double *top, double *down)
@@ -86,42 +87,47 @@ static int has_hump(const nsdae_dip *p, int i, int first, double h, double *top,
 /* Whether, at the rates of the step's ends, function i could come to zero within h. */
 static int may_reach(const nsdae_dip *p, int i, double h)
 {
-  double fastest = fmax(fabs(p->rate[i]), fabs(p->rate[2 * p->count + i]));
-  return fmin(p->value[i], p->value[2 * p->count + i]) < h * fastest;
+  int end = NSDAE_DIP_PIECES * p->count + i;
+  double fastest = fmax(fabs(p->rate[i]), fabs(p->rate[end]));
+  return fmin(p->value[i], p->value[end]) < h * fastest;
 }
 
 /* Both ends of the step: its start is where the one before ended, if that is known. */
-static int look_at_ends(nsdae_dip *p, double from, double to)
+static int look_at_ends(nsdae_dip *p, double from, double to, int pieces)
 {
   size_t size = (size_t)p->count * sizeof *p->value;
+  const int end = NSDAE_DIP_PIECES * p->count; /* the last point is kept there, too */
   int status = 0;
   if (p->known == from) {
-    memcpy(p->value, p->value + 2 * p->count, size);
-    memcpy(p->rate, p->rate + 2 * p->count, size);
+    memcpy(p->value, p->value + end, size);
+    memcpy(p->rate, p->rate + end, size);
   } else {
     status = look(p, from, 0);
   }
   p->known = to;
-  return status < 0 ? status : look(p, to, 2);
+  if (status == 0) status = look(p, to, NSDAE_DIP_PIECES);
+  memmove(p->value + pieces * p->count, p->value + end, size);
+  memmove(p->rate + pieces * p->count, p->rate + end, size);
+  return status;
 }
 
-int nsdae_dip_find(nsdae_dip *p, double from, double to, const int *out, double deep, double *when,
-                   int *which)
+int nsdae_dip_find(nsdae_dip *p, double from, double to, int pieces, const int *out, double deep,
+                   double *when, int *which)
 {
-  double h = (to - from) / 2;
+  double h = (to - from) / pieces;
   int any = 0, status = 0;
   *when = INFINITY;
   for (int i = 0; i < p->count; i++) any |= !out[i];
-  if (any) status = look_at_ends(p, from, to);
+  if (any) status = look_at_ends(p, from, to, pieces);
   any = 0;
-  for (int i = 0; i < p->count && status == 0; i++) any |= !out[i] && may_reach(p, i, 2 * h);
-  if (any) status = look(p, from + h, 1);
+  for (int i = 0; i < p->count && status == 0; i++) any |= !out[i] && may_reach(p, i, to - from);
+  for (int j = 1; j < pieces && any && status == 0; j++) status = look(p, from + j * h, j);
   for (int i = 0; i < p->count && any && status == 0; i++)
-    for (int half = 0; half < 2 && !out[i] && status == 0; half++) {
+    for (int piece = 0; piece < pieces && !out[i] && status == 0; piece++) {
       double top = 0, down = 0;
-      if (!may_touch(p, i, half, h) && !has_hump(p, i, half, h, &top, &down)) continue;
-      double a = from + half * h;
-      double t = fall_of(p, i, a + top * h, a + down * h, half ? to : a + h, deep, &status);
+      if (!may_touch(p, i, piece, h) && !has_hump(p, i, piece, h, &top, &down)) continue;
+      double a = from + piece * h, b = piece == pieces - 1 ? to : a + h;
+      double t = fall_of(p, i, a + top * h, a + down * h, b, deep, &status);
       if (t < *when) *when = t, *which = i;
     }
   return status;

@@ -1,17 +1,19 @@
 /* A function that falls through zero and rises again between two points of an integrator has the
  * same sign at both: what looks for falls there (fall.h) does not see it. Its values and rates at
- * the ends and in the middle of a step bound how low it may come; where that is below zero, its
+ * the ends and inside of a step bound how low it may come; where that is below zero, its
  * lowest point is where the rate changes its sign. */
 #ifndef NSDAE_DIP_H
 #define NSDAE_DIP_H
 
 #include "arena.h"
 
+enum { NSDAE_DIP_PIECES = 6 };
+
 typedef struct nsdae_dip {
   int count;
-  double *value, *rate; /* 4 count: at the start, the middle and the end of a step, and where they
-                           were looked at last */
-  double known;         /* the time of the third, or NaN */
+  double *value, *rate; /* (pieces + 2) count: at the ends of the pieces of a step, of the most
+                           pieces last; and where they were looked at last */
+  double known;         /* the time of the end, or NaN */
   /* values and rates [count] at t; 0, or < 0 where it gave up */
   int (*look)(double t, double *value, double *rate, void *user);
   void *user;
@@ -22,10 +24,10 @@ void nsdae_dip_layout(nsdae_dip *dip, nsdae_arena *arena);
 /* Nothing is known of a step before. */
 void nsdae_dip_start(nsdae_dip *dip);
 
-/* The first fall through zero in the step between two times of a function that is not out [count],
- * and comes `deep` below: at *when, of *which; INFINITY where there is none. 0, or what `look` gave
- * up with. */
-int nsdae_dip_find(nsdae_dip *dip, double from, double to, const int *out, double deep,
+/* The first fall through zero in the step of 2 to 6 pieces between two times of a function that is
+ * not out [count], and comes `deep` below: at *when, of *which; INFINITY where there is none. 0, or
+ * what `look` gave up with. */
+int nsdae_dip_find(nsdae_dip *dip, double from, double to, int pieces, const int *out, double deep,
                    double *when, int *which);
 
 #endif

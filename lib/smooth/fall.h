@@ -1,5 +1,5 @@
 /* The first fall through zero of several functions in a step, by the method of Illinois on the one
- * that falls deepest, as CVODE and IDA look for roots (Hiebert and Shampine, "Implicitly defined
+ * that falls deepest, as IDA looks for roots (Hiebert and Shampine, "Implicitly defined
  * output points for solutions of ODEs", SAND80-0180, 1980). */
 #ifndef NSDAE_FALL_H
 #define NSDAE_FALL_H

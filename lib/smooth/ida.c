@@ -8,8 +8,9 @@
 
 #include <ida/ida.h>
 #include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sundials/sundials_version.h>
 
-#include "context.h"
 #include "stalled_steps.h"
 #include "vector.h"
 
@@ -37,6 +38,8 @@ struct nsdae_ida {
   SUNLinearSolver solver;
   double t, way;  /* where it is; l of runge_kutta.h */
   long residuals; /* evaluations of F */
+  long failed;    /* error tests since the start */
+  int held;       /* steps that must not grow */
   int flag;       /* of the last step */
   nsdae_progress progress;
 };
@@ -195,6 +198,26 @@ static int make_solver(nsdae_ida *s)
 
 /* ---- creation */
 
+/* More than what a context and IDA's record take together (some 10 kB). */
+enum { RESERVE = 65536 };
+
+/* A context that prints nothing: version 7 takes a communicator and reports through the context,
+ * version 6 through IDA, which is silenced by IDASetErrFile. Up to 6.4 SUNContext_Create does not
+ * survive a lost allocation in its logger, and IDACreate prints: if the reserve is not to be had,
+ * they are not called. */
+static int make_context(SUNContext *context)
+{
+  void *reserve = malloc(RESERVE);
+  if (!reserve) return NSDAE_E_MEMORY;
+  free(reserve);
+#if SUNDIALS_VERSION_MAJOR >= 7
+  if (SUNContext_Create(SUN_COMM_NULL, context) != 0) return NSDAE_E_MEMORY;
+  return SUNContext_ClearErrHandlers(*context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
+#else
+  return SUNContext_Create(NULL, context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
+#endif
+}
+
 static int make_integrator(nsdae_ida *s)
 {
   s->ida = IDACreate(s->context);
@@ -219,7 +242,7 @@ int nsdae_ida_create(const nsdae_ida_problem *problem, nsdae_ida **ida)
   nsdae_ida *s = calloc(1, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
   s->problem = *problem;
-  int status = nsdae_make_context(&s->context) == 0 ? NSDAE_OK : NSDAE_E_MEMORY;
+  int status = make_context(&s->context);
   if (status == NSDAE_OK) status = make_vectors(s);
   if (status == NSDAE_OK) status = make_solver(s);
   if (status == NSDAE_OK) status = make_integrator(s);
@@ -255,6 +278,7 @@ int nsdae_ida_start(nsdae_ida *s, const nsdae_ida_tolerances *tolerances, double
   s->progress = (nsdae_progress){0};
   s->tolerances = *tolerances;
   s->t = t;
+  s->failed = s->held = 0;
   memcpy(N_VGetArrayPointer(s->y), y, bytes);
   memcpy(N_VGetArrayPointer(s->ydot), ydot, bytes);
   measure_way(s);
@@ -266,6 +290,25 @@ int nsdae_ida_start(nsdae_ida *s, const nsdae_ida_tolerances *tolerances, double
   return s->flag == 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
 }
 
+/* IDA doubles a step whose error is small, and looks at the next order only after k + 2 equal steps
+ * of order k. If each doubled step fails the error test, as at the end of a transient, it stays at
+ * order 1. So after a step that failed the test first, k + 2 steps do not grow. */
+static void hold_step(nsdae_ida *s)
+{
+  long failed = 0;
+  int order = 1;
+  double most = isfinite(s->tolerances.step_max) ? s->tolerances.step_max : 0; /* 0: no bound */
+  IDAGetNumErrTestFails(s->ida, &failed);
+  IDAGetLastOrder(s->ida, &order);
+  if (failed > s->failed) {
+    s->held = order + 2;
+    IDASetMaxStep(s->ida, nsdae_ida_last_step(s));
+  } else if (s->held > 0 && --s->held == 0) {
+    IDASetMaxStep(s->ida, most);
+  }
+  s->failed = failed;
+}
+
 int nsdae_ida_advance(nsdae_ida *s, double *t)
 {
   double from = s->t, reached = from;
@@ -274,6 +317,7 @@ int nsdae_ida_advance(nsdae_ida *s, double *t)
   double end = from + fmax(s->tolerances.longest, 1e-6 * fabs(from));
   s->flag = IDASolve(s->ida, end, &reached, s->y, s->ydot, IDA_ONE_STEP);
   if (nsdae_progress_lost(&s->progress, reached > from) && s->flag >= 0) s->flag = IDA_CONV_FAIL;
+  if (s->flag >= 0) hold_step(s);
   if (s->flag < 0) {
     int callback = s->progress.failed || s->progress.refused;
     return callback ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;

@@ -3,11 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The error of backward differences of variable order, which change sign from step to step less
- * often than those of the pairs, adds up over a run to more than rtol: their tolerances are smaller
- * by this factor (measured on a stiff chain and on sliding blocks: 0.03 to 0.3 for equal errors at
- * the end). */
-static const double STIFF_TOLERANCE = 0.1;
+#include "vector.h"
 
 static int integrals(const nsdae_smooth *g)
 {
@@ -23,6 +19,7 @@ void nsdae_smooth_layout(nsdae_smooth *g, nsdae_arena *arena)
   for (int i = 0; i < 2; i++) g->sum[i] = NSDAE_ARENA_DOUBLES(arena, integrals(g));
   g->y = NSDAE_ARENA_DOUBLES(arena, g->steps.n);
   g->ydot = NSDAE_ARENA_DOUBLES(arena, g->steps.n);
+  g->power = NSDAE_ARENA_DOUBLES(arena, 3L * (integrals(g) - g->steps.forces));
 }
 
 int nsdae_smooth_make(nsdae_smooth *g)
@@ -41,8 +38,8 @@ void nsdae_smooth_destroy(nsdae_smooth *g)
 static int start_ida(nsdae_smooth *g, double t, const double *qv)
 {
   const nsdae_runge_kutta *s = &g->steps;
-  const nsdae_ida_tolerances tolerances = {STIFF_TOLERANCE * s->rtol, STIFF_TOLERANCE * s->atol,
-                                           s->max_step, s->force, s->max_step};
+  const nsdae_ida_tolerances tolerances = {s->rtol, s->atol, s->span, s->force,
+                                           fmin(s->max_step, s->span)};
   size_t controlled = (size_t)s->controlled, forces = (size_t)s->forces;
   memset(g->y, 0, (size_t)s->n * sizeof *qv);
   memcpy(g->y, qv, controlled * sizeof *qv);
@@ -63,23 +60,51 @@ int nsdae_smooth_start(nsdae_smooth *g, double t, const double *qv)
   return nsdae_runge_kutta_start(&g->steps, t, g->y);
 }
 
-/* sum += the integrals from a to b within the last step of IDA. */
-static int quadrature(nsdae_smooth *g, double a, double b, double *sum)
+/* Gauss's nodes and weights in [-1, 1]: 0 and +- sqrt(3 / 5). */
+static const double node[] = {-0.77459666924148337704, 0, 0.77459666924148337704};
+static const double weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+
+static double node_in(double a, double b, int i)
 {
-  static const double node[] = {-0.77459666924148337704, 0, 0.77459666924148337704}; /* sqrt(3/5) */
-  static const double weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
-  const nsdae_runge_kutta *s = &g->steps;
-  int further = integrals(g) - s->forces;
-  for (int i = 0; i < 3; i++) {
-    double t = (a + b) / 2 + node[i] * (b - a) / 2, part = weight[i] * (b - a) / 2;
-    double *forces = g->y + s->controlled, *powers = g->ydot + g->implicit.n;
+  return (a + b) / 2 + node[i] * (b - a) / 2;
+}
+
+/* The rates of the further integrals at the nodes of the last step of IDA. */
+static int find_powers(nsdae_smooth *g)
+{
+  int further = integrals(g) - g->steps.forces;
+  for (int i = 0; i < 3 && further > 0; i++) {
+    double t = node_in(g->from, g->to, i);
     int status = nsdae_ida_read(g->ida, t, 0, g->y);
-    if (status == NSDAE_OK && further > 0) status = nsdae_ida_read(g->ida, t, 1, g->ydot);
+    if (status == NSDAE_OK) status = nsdae_ida_read(g->ida, t, 1, g->ydot);
     if (status < 0) return status;
-    if (further > 0 && g->powers(t, g->y, g->ydot, powers, s->user) != 0) return NSDAE_E_CALLBACK;
-    for (int j = 0; j < s->forces; j++) sum[j] += part * forces[j];
-    for (int j = 0; j < further; j++) sum[s->forces + j] += part * powers[j];
+    if (g->powers(t, g->y, g->ydot, g->power + i * further, g->steps.user) != 0)
+      return NSDAE_E_CALLBACK;
   }
+  return NSDAE_OK;
+}
+
+/* sum := the integrals up to t within the last step of IDA. Of forces Gauss's sum from its start to
+ * t; of powers the integral of the parabola through those at the nodes of the step, which is
+ * Gauss's sum at its end. */
+static int quadrature(nsdae_smooth *g, double t, double *sum)
+{
+  int forces = g->steps.forces, further = integrals(g) - forces;
+  double h = (t - g->from) / 2;
+  memcpy(sum, g->sum[0], (size_t)integrals(g) * sizeof *sum);
+  if (!(g->to > g->from)) return NSDAE_OK; /* a step of IDA below the rounding of t */
+  for (int i = 0; i < 3 && forces > 0; i++) {
+    int status = nsdae_ida_read(g->ida, node_in(g->from, t, i), 0, g->y);
+    if (status < 0) return status;
+    nsdae_add(forces, weight[i] * h, g->y + g->steps.controlled, sum);
+  }
+  /* with x in [-1, 1] over the step, the integrals from -1 to x of Lagrange's polynomials */
+  double x = 2 * (t - g->from) / (g->to - g->from) - 1, s = node[2];
+  double square = (x * x * x + 1) / 3, line = (x * x - 1) / 2;
+  const double part[] = {(square - s * line) / (2 * s * s), x + 1 - square / (s * s),
+                         (square + s * line) / (2 * s * s)};
+  for (int i = 0; i < 3; i++)
+    nsdae_add(further, part[i] * (g->to - g->from) / 2, g->power + i * further, sum + forces);
   return NSDAE_OK;
 }
 
@@ -92,7 +117,8 @@ int nsdae_smooth_advance(nsdae_smooth *g)
     g->cause = status < 0 ? nsdae_ida_failure(g->ida) : "";
     if (status < 0) return status;
     memcpy(g->sum[0], g->sum[1], (size_t)integrals(g) * sizeof *g->sum[0]);
-    return quadrature(g, g->from, g->to, g->sum[1]);
+    status = find_powers(g);
+    return status < 0 ? status : quadrature(g, g->to, g->sum[1]);
   }
   status = nsdae_runge_kutta_advance(&g->steps);
   g->to = g->steps.t;
@@ -102,14 +128,12 @@ int nsdae_smooth_advance(nsdae_smooth *g)
 int nsdae_smooth_read(nsdae_smooth *g, double t, int count, double *z)
 {
   int controlled = g->steps.controlled, first = count < controlled ? count : controlled;
-  if (!g->is_stiff) {
-    nsdae_runge_kutta_read(&g->steps, t, count, z);
-    return NSDAE_OK;
-  }
+  if (!g->is_stiff) return nsdae_runge_kutta_read(&g->steps, t, count, z);
   int status = nsdae_ida_read(g->ida, t, 0, g->y);
   if (status < 0) return status;
   memcpy(z, g->y, (size_t)first * sizeof *z);
   if (count == first) return NSDAE_OK;
+  if (t > g->from && t < g->to) return quadrature(g, t, z + controlled);
   memcpy(z + controlled, g->sum[t == g->to], (size_t)integrals(g) * sizeof *z);
-  return t > g->from && t < g->to ? quadrature(g, g->from, t, z + controlled) : NSDAE_OK;
+  return NSDAE_OK;
 }

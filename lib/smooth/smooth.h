@@ -24,6 +24,7 @@ typedef struct nsdae_smooth {
   int is_stiff;      /* IDA is at work; set before a start */
   double first;      /* length of IDA's first step, or 0; set before a start */
   double *sum[2];    /* integrals: at the start and at the end of the last step */
+  double *power;     /* 3 x further: their rates at the nodes of the last step */
   double *y, *ydot;  /* room */
   double from, to;   /* the last step */
   const char *cause; /* of the last failure of IDA, as SUNDIALS names it; or "" */
@@ -45,10 +46,10 @@ int nsdae_smooth_advance(nsdae_smooth *smooth);
  * NSDAE_E_CONVERGENCE. */
 int nsdae_smooth_read(nsdae_smooth *smooth, double t, int count, double *z);
 
-/* The explicit steps have for long been held back by stability. */
+/* The explicit steps have for long been held back by stability, and IDA is there. */
 static inline int nsdae_smooth_stiff(const nsdae_smooth *smooth)
 {
-  return !smooth->is_stiff && nsdae_runge_kutta_stiff(&smooth->steps);
+  return smooth->ida && !smooth->is_stiff && nsdae_runge_kutta_stiff(&smooth->steps);
 }
 
 /* Length of the last step. */

@@ -116,11 +116,23 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   return status < 0 ? status : positions(step);
 }
 
+/* The constraint with the largest |Phi| at the end of the step; -1: none. */
+static int most_violated(const nsdae_step *step)
+{
+  const double *phi = step->end->constraint.phi;
+  int worst = -1, m = step->tools->system->dims.m;
+  if (nsdae_terms_need(step->end, NSDAE_TERM_PHI) < 0) return -1;
+  for (int i = 0; i < m; i++)
+    if (worst < 0 || fabs(phi[i]) > fabs(phi[worst])) worst = i;
+  return worst;
+}
+
 /* rank: the least and largest of the constraints in the iterates; redundant ones that drift apart
  * by about rank_tol count in one iterate and not in the next. */
 static int no_convergence(const nsdae_step *step, double moved, const int rank[2])
 {
   const nsdae_stepper *s = step->tools;
+  int violated = most_violated(step);
   if (rank[0] < rank[1])
     nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "rank_tol",
                     "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
@@ -132,8 +144,10 @@ static int no_convergence(const nsdae_step *step, double moved, const int rank[2
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
         "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
-        "%.3g): make dt smaller",
-        nsdae_terms_time(step->start), s->options->iteration_max, moved, s->iteration_tol);
+        "%.3g): make dt smaller%s",
+        nsdae_terms_time(step->start), s->options->iteration_max, moved, s->iteration_tol,
+        violated < 0 ? "" : "; largest violation");
+  if (violated >= 0) nsdae_system_name_item(s->system, NSDAE_NAME_CONSTRAINT, violated, s->error);
   s->error->time = nsdae_terms_time(step->start);
   return NSDAE_E_CONVERGENCE;
 }

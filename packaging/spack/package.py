@@ -32,7 +32,7 @@ class Nsdae(CMakePackage):
     # brings CBLAS and LAPACKE; one thread serves the small matrices of a step best
     depends_on("openblas")
     depends_on("hdf5+hl~mpi", when="+hdf5")
-    depends_on("sundials@6.4:7+CVODE+IDA~mpi precision=double", when="+sundials")
+    depends_on("sundials@6.4:7+IDA~mpi precision=double", when="+sundials")
     depends_on("suite-sparse")
     depends_on("gsl", type="test")
     depends_on("cmocka", type="test")

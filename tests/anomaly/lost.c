@@ -1,7 +1,7 @@
 /* Lost allocations, those inside libraries included: malloc and its family are replaced for the
  * process, and each call in turn fails, from the making of the system to the end of a run, for
  * every method and both linear solvers. NSDAE_E_MEMORY comes back, nothing is left behind, nothing
- * printed; and once a simulation is made, nobody allocates.
+ * printed; and once a simulation has started, nobody allocates.
  *
  * The calls of SUNContext_Create are exempt: see process_allocator.h. */
 #define _POSIX_C_SOURCE 200809L /* dup2, fileno */
@@ -19,20 +19,10 @@ int main(void)
 }
 #else
 
-void *__real_CVodeCreate(int lmm, void *context);
-void *__wrap_CVodeCreate(int lmm, void *context);
-
-void *__real_IDACreate(void *context);
+__attribute__((weak)) void *__real_IDACreate(void *context); /* none without SUNDIALS */
 void *__wrap_IDACreate(void *context);
 
 static int may_print; /* the call that failed may print */
-
-void *__wrap_CVodeCreate(int lmm, void *context)
-{
-  void *made = __real_CVodeCreate(lmm, context);
-  may_print |= !made;
-  return made;
-}
 
 void *__wrap_IDACreate(void *context)
 {
@@ -45,7 +35,7 @@ enum { BALLS = 8 };
 
 typedef struct life {
   int method, integrator;
-  long made, ran;         /* allocations until the simulation was made, and after */
+  long made, ran;         /* allocations until the simulation started, and after */
   int spare, spared;      /* a run may end well without one of them; how many times it did */
   double end[13 * BALLS]; /* of the heap: q and v */
   int again;              /* its run was called twice */
@@ -63,8 +53,8 @@ static int live(life *l, random_system *r)
   nsdae_system *system = random_system_make(r);
   if (!system) return NSDAE_E_MEMORY;
   int status = nsdae_sim_create(system, &options, &sim, NULL);
-  l->made = the_process.calls;
   if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, r->q0, r->v0);
+  l->made = the_process.calls;
   if (status == NSDAE_OK) status = nsdae_sim_run(sim, 0.3);
   l->ran = the_process.calls - l->made;
   nsdae_sim_destroy(&sim);
@@ -212,6 +202,7 @@ static void test_every_place(void **state)
              integrator = NSDAE_INTEGRATOR_AUTO;
          integrator <= last; integrator++) {
       life l = {.method = method, .integrator = integrator};
+      if (integrator == NSDAE_INTEGRATOR_IDA && strstr(nsdae_build_info(), "SUNDIALS none")) break;
       random_system r;
       uint64_t seed = seed_of(&r, 1, method);
       long places = every_place(live, &l, &r, seed);

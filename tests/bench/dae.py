@@ -5,6 +5,7 @@ import sys
 import matplotlib
 
 matplotlib.use("Agg")
+matplotlib.rcParams["svg.fonttype"] = "none"
 from matplotlib import pyplot
 
 STYLES = {"dopri5": "o-", "dop853": "s-", "ida": "^-"}
@@ -23,6 +24,8 @@ def main(source, target):
     for (upper, lower), (problem, published) in zip(axes.T, MEBDFI.items()):
         for integrator, style in STYLES.items():
             own = [row for row in rows if row["problem"] == problem and row["integrator"] == integrator]
+            if not own:
+                continue
             digits = [float(row["digits_q"]) for row in own]
             upper.semilogy(digits, [float(row["forces"]) for row in own], style, label=integrator)
             lower.semilogy(digits, [float(row["ms"]) for row in own], style)
@@ -33,8 +36,8 @@ def main(source, target):
             axis.grid(True, which="major", alpha=0.3)
     axes[0, 0].set_ylabel("evaluations of the forces")
     axes[1, 0].set_ylabel("CPU time [ms]")
-    axes[0, 0].legend()
-    figure.savefig(target)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="upper center", ncol=4, bbox_to_anchor=(0.5, 0))
+    figure.savefig(target, bbox_inches="tight")
 
 
 if __name__ == "__main__":

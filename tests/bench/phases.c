@@ -30,7 +30,8 @@ static void run(const char *name, const char *integrator, nsdae_system *system,
     nsdae_sim *sim;
     if (nsdae_sim_create(system, o, &sim, NULL) < 0) return;
     clock_t start = clock();
-    if (nsdae_sim_init(sim, 0, q0, v0) < 0 || nsdae_sim_run(sim, t_end) < 0) seconds = NAN;
+    if (nsdae_sim_init(sim, 0, q0, v0) < 0 || nsdae_sim_run(sim, t_end) < 0)
+      fprintf(stderr, "%s %s %.0e: %s\n", name, integrator, o->rtol, nsdae_sim_error(sim)->text);
     seconds = fmin(seconds, (double)(clock() - start) / CLOCKS_PER_SEC);
     nsdae_sim_get_stats(sim, &stats);
     nsdae_sim_get_record(sim, &record);

@@ -44,7 +44,7 @@ class Plot:
             yield from (f'<circle cx="{a:.1f}" cy="{b:.1f}" r="2.5" fill="{colour}"/>' for a, b in places)
 
 
-def picture(plots, target):
+def picture(plots, names, target):
     width, height = LEFT + 4 * ACROSS - 50, TOP + 2 * DOWN
     with open(target, "w") as file:
         file.write(
@@ -54,7 +54,7 @@ def picture(plots, target):
         for plot in plots:
             file.writelines(line + "\n" for line in plot.draw())
         x, y = LEFT + 3 * ACROSS, TOP + DOWN + 30
-        for i, (name, colour) in enumerate(COLOURS.items()):
+        for i, (name, colour) in enumerate((name, COLOURS[name]) for name in names):
             file.write(f'<circle cx="{x}" cy="{y + 20 * i - 4}" r="4" fill="{colour}"/>')
             file.write(f'<text x="{x + 10}" y="{y + 20 * i}">{name}</text>\n')
         file.write(f'<text x="{x}" y="{y + 90}">error at the end (upwards)</text>\n')
@@ -72,21 +72,22 @@ def read(path):
 
 
 def main(source, target):
-    plots = []
-    print(f"{'':16} {'':>5} " + " ".join(f"{name:>22}" for name in COLOURS))
-    print(f"{'example':16} {'rtol':>5} " + " ".join(f"{'evals':>6} {'error':>8} {'time':>6}" for _ in COLOURS))
-    for example, of in read(source).items():
-        exact, curves = of["dopri5"].pop("1e-13")[2], {name: [] for name in COLOURS}
+    runs, plots = read(source), []
+    names = [name for name in COLOURS if name in next(iter(runs.values()))]
+    print(f"{'':16} {'':>5} " + " ".join(f"{name:>22}" for name in names))
+    print(f"{'example':16} {'rtol':>5} " + " ".join(f"{'evals':>6} {'error':>8} {'time':>6}" for _ in names))
+    for example, of in runs.items():
+        exact, curves = of["dopri5"].pop("1e-13")[2], {name: [] for name in names}
         for rtol, (_, seconds, _) in of["dopri5"].items():
             line = f"{example:16} {rtol:>5}"
-            for name in COLOURS:
+            for name in names:
                 evaluations, time, q = of[name][rtol]
                 error = max(abs(a - b) for a, b in zip(q, exact))
                 curves[name].append((evaluations, max(error, 1e-16)))
                 line += f" {evaluations:6d} {error:8.1e} {time / seconds:6.2f}"
             print(line)
         plots.append(Plot(len(plots), example, curves))
-    picture(plots, target)
+    picture(plots, names, target)
 
 
 if __name__ == "__main__":

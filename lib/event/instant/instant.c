@@ -24,6 +24,10 @@ static const double HARDLY = 100;
  */
 enum { CHOICES = 3 };
 
+/* Terms that say nothing of a deviation. */
+static const unsigned BY_FORCES =
+    NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA | NSDAE_TERM_ACCELERATION;
+
 /* Of the friction that there can be: shared friction is not told apart from all of it. */
 static const double NEARLY_ALL = 0.01;
 
@@ -270,7 +274,7 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
   int closed = (p->roots->phase->terms & NSDAE_TERM_NORMAL) != 0;
   if (s->system->dims.m == 0 && !closed) return 0;
   nsdae_event_move(s, t, y);
-  int status = nsdae_terms_need(s->here, p->roots->phase->terms);
+  int status = nsdae_terms_need(s->here, p->roots->phase->terms & ~BY_FORCES);
   if (status < 0) return status;
   deviation is = deviation_at(p->roots->phase);
   double lost = fmax(fmax(is.unexplained, is.together), fmax(is.position, is.velocity));

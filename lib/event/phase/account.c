@@ -82,6 +82,19 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   return 0;
 }
 
+int nsdae_event_account_powers(nsdae_event_account *a, double t, const double *y, double *power)
+{
+  nsdae_event_phase *p = a->phase;
+  const unsigned rubs = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE;
+  power[0] = power[1] = 0;
+  if (!(p->terms & rubs)) return 0;
+  nsdae_event_move(p->setting, t, y);
+  int status = nsdae_terms_need(p->setting->here, p->terms & (rubs | NSDAE_TERM_BIAS));
+  if (status < 0) return nsdae_progress_code(status, p->setting->error);
+  power[0] = friction_power(p, y);
+  return 0;
+}
+
 void nsdae_event_account_phase(const nsdae_event_account *a, const double *from, const double *to)
 {
   const nsdae_event_setting *s = a->phase->setting;

@@ -22,6 +22,10 @@ void nsdae_event_account_layout(nsdae_event_account *account, nsdae_arena *arena
 int nsdae_event_account_rate(nsdae_event_account *account, double t, const double *z, int integrals,
                              double *rate);
 
+/* power [2] := the friction's power, and zero for T', at y with its forces. A code as above. */
+int nsdae_event_account_powers(nsdae_event_account *account, double t, const double *y,
+                               double *power);
+
 /* Adds what is between two z of the same phase to the step's result. */
 void nsdae_event_account_phase(const nsdae_event_account *account, const double *from,
                                const double *to);

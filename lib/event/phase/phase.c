@@ -27,7 +27,9 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->border.f = NSDAE_ARENA_DOUBLES(arena, forces);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->slip = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->moved = NSDAE_ARENA_DOUBLES(arena, p->setting->at.lambda);
+  nsdae_bordered_layout(&p->newton, p->setting->system, (int)forces, p->setting->options->rank_tol,
+                        arena);
 }
 
 static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
@@ -46,35 +48,27 @@ static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
   return p->setting->system->contact[i].mu > 0 ? NSDAE_ROW_RUBS : NSDAE_ROW_NONE;
 }
 
-static nsdae_event_row row_of(const nsdae_event_phase *p, int force)
-{
-  const nsdae_terms *T = p->setting->here;
-  const nsdae_dims *d = &T->system->dims;
-  int j = force - d->k, l = j - d->k * d->nt;
-  nsdae_event_row row = {kind_of(p, force), force, force, &T->by.normal, T->w_N,
-                         T->omega.N,        T->gap};
-  if (l >= 0)
-    row = (nsdae_event_row){row.kind,
-                            force,
-                            l,
-                            &T->by.frictional_joint,
-                            T->frictional_joint.w,
-                            T->frictional_joint.omega,
-                            NULL};
-  else if (j >= 0)
-    row = (nsdae_event_row){row.kind, force, j, &T->by.tangent, T->w_T, T->omega.T, NULL};
-  return row;
-}
-
+/* Normal, tangential and of frictional joints. */
 static void list_rows(nsdae_event_phase *p)
 {
+  const nsdae_terms *T = p->setting->here;
   nsdae_event_border *b = &p->border;
+  const nsdae_event_row of[] = {
+      {.rows = &T->by.normal, .w = T->w_N, .omega = T->omega.N, .gap = T->gap},
+      {.rows = &T->by.tangent, .w = T->w_T, .omega = T->omega.T},
+      {.rows = &T->by.frictional_joint,
+       .w = T->frictional_joint.w,
+       .omega = T->frictional_joint.omega}};
   b->count = 0;
-  for (int force = 0; force < forces_of(&p->setting->system->dims); force++) {
-    nsdae_event_row row = row_of(p, force);
-    b->place[force] = row.kind == NSDAE_ROW_NONE ? -1 : b->count;
-    if (row.kind != NSDAE_ROW_NONE) b->row[b->count++] = row;
-  }
+  for (int l = 0, force = 0; l < 3; l++)
+    for (int i = 0; i < of[l].rows->count; i++, force++) {
+      nsdae_event_row *row = &b->row[b->count];
+      nsdae_event_row_kind kind = kind_of(p, force);
+      b->place[force] = kind == NSDAE_ROW_NONE ? -1 : b->count++;
+      if (kind == NSDAE_ROW_NONE) continue;
+      *row = of[l];
+      row->kind = kind, row->force = force, row->index = i;
+    }
 }
 
 void nsdae_event_begin_phase(nsdae_event_phase *p)
@@ -109,15 +103,33 @@ int nsdae_event_hardly_slides(const nsdae_event_phase *p, int i)
   return nsdae_terms_slip(T, i, T->v) <= 10 * nsdae_event_velocity_size(p->setting);
 }
 
-static void sliding_direction(const nsdae_event_phase *p, const nsdae_terms *T, int i, double *d)
+void nsdae_event_sliding_direction(const nsdae_event_phase *p, int i, double *d)
 {
+  const nsdae_terms *T = p->setting->here;
   int nt = T->system->dims.nt;
   const double *last = p->modes.direction + i * nt;
   double v_t[2];
   for (int l = 0; l < nt; l++) d[l] = last[l];
   if (nt < 2 || (last[0] == 0 && last[1] == 0)) return;
   for (int l = 0; l < 2; l++) v_t[l] = nsdae_terms_tangent_rate(T, 2 * i + l, T->v);
-  nsdae_direction_ahead(last, p->modes.slow, v_t, p->linear ? p->slip + 2 * i : NULL, d);
+  nsdae_direction_ahead(last, p->modes.slow, v_t, d);
+}
+
+void nsdae_event_direction_slope(const nsdae_event_phase *p, int i, int l, double *slope)
+{
+  const nsdae_terms *T = p->setting->here;
+  const double *last = p->modes.direction + 2 * i;
+  double v_t[2];
+  slope[0] = slope[1] = 0;
+  if (last[0] == 0 && last[1] == 0) return;
+  for (int j = 0; j < 2; j++) v_t[j] = nsdae_terms_tangent_rate(T, 2 * i + j, T->v);
+  nsdae_direction_slope(last, p->modes.slow, v_t, l, slope);
+}
+
+double nsdae_event_joint_friction(const nsdae_event_phase *p, int j)
+{
+  return p->setting->system->frictional_joint[j].mu * p->modes.normal_sense[j] *
+         p->modes.slide_part[j];
 }
 
 /* x, l := K^-1 [F; c] with c from (6), and behind them K^-1 [w; 0] of every row. Of redundant
@@ -147,9 +159,7 @@ static int solve(nsdae_event_phase *p)
 
 /* ---- the border */
 
-/* W^T (v' + 2 alpha v) + omega + 2 alpha w + beta^2 g = 0 of what is closed: Baumgarte's
- * stabilisation. */
-static double wanted(const nsdae_event_phase *p, const nsdae_event_row *r)
+double nsdae_event_wanted(const nsdae_event_phase *p, const nsdae_event_row *r)
 {
   const nsdae_terms *T = p->setting->here;
   const nsdae_sim_options *o = p->setting->options;
@@ -164,7 +174,7 @@ static void closed_row(nsdae_event_phase *p, int a)
   const nsdae_event_row *r = &b->row[a];
   const nsdae_system *s = p->setting->system;
   size_t n = (size_t)s->dims.nv;
-  b->f[a] = wanted(p, r) - nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x);
+  b->f[a] = nsdae_event_wanted(p, r) - nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x);
   for (int c = 0; c < b->count; c++)
     AT(b->A, b->count, a, c) =
         nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x + (size_t)(c + 1) * n);
@@ -187,13 +197,13 @@ static void following_row(nsdae_event_phase *p, int a)
   }
   if (kind == NSDAE_ROW_RUBS) {
     int i = (force - k) / nt;
-    sliding_direction(p, p->setting->here, i, d);
+    nsdae_event_sliding_direction(p, i, d);
     AT(b->A, b->count, a, b->place[i]) = s->contact[i].mu * d[(force - k) % nt];
   }
   if (kind != NSDAE_ROW_SLIDE_RUBS) return;
   int j = force - all;
   const double *lambda = p->l + s->frictional_joint[j].constraint;
-  double factor = s->frictional_joint[j].mu * p->modes.normal_sense[j] * p->modes.slide_part[j];
+  double factor = nsdae_event_joint_friction(p, j);
   b->f[a] = -factor * *lambda;
   for (int c = 0; c < b->count; c++) AT(b->A, b->count, a, c) += factor * *(lambda += s->dims.m);
 }
@@ -228,20 +238,6 @@ int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
   if (status < 0) return status;
   memcpy(y + at->lambda, p->l, (size_t)T->system->dims.m * sizeof *y);
   for (int a = 0; a < b->count; a++) y[at->normal + b->row[a].force] = b->f[a];
-  return NSDAE_OK;
-}
-
-int nsdae_event_linearise(nsdae_event_phase *p, double t, const double *from)
-{
-  nsdae_terms *T = p->setting->here;
-  const nsdae_dims *d = &T->system->dims;
-  p->linear = 0;
-  if (!from || d->nt < 2 || !(p->terms & NSDAE_TERM_TANGENT)) return NSDAE_OK;
-  nsdae_event_move(p->setting, t, from);
-  int status = nsdae_terms_need(T, p->terms);
-  if (status < 0) return status;
-  for (int j = 0; j < d->k * d->nt; j++) p->slip[j] = nsdae_terms_tangent_rate(T, j, T->v);
-  p->linear = 1;
   return NSDAE_OK;
 }
 

@@ -24,6 +24,7 @@
 #ifndef NSDAE_EVENT_PHASE_H
 #define NSDAE_EVENT_PHASE_H
 
+#include "bordered_kkt.h"
 #include "event_context.h"
 
 /* The state between two events. */
@@ -77,8 +78,8 @@ typedef struct nsdae_event_phase {
   unsigned terms; /* what the equations of the modes need */
   double *x, *l;  /* nv, m: v', lambda; then those of K^-1 [w; 0] of every row */
   nsdae_event_border border;
-  double *slip; /* k nt: v_T around which directions of sliding are linear */
-  int linear;   /* now */
+  nsdae_bordered_kkt newton; /* of IDA's steps: see newton.c */
+  double *moved;             /* nq + nv */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
@@ -91,10 +92,22 @@ void nsdae_event_begin_phase(nsdae_event_phase *phase);
  * setting's kkt has the factors of this point then. */
 int nsdae_event_forces(nsdae_event_phase *phase, double t, double *y);
 
-/* From now on directions of sliding are linear around those at the state of y, until `from` is
- * NULL: where a body hardly slides they turn within less than a difference can see. A callback's
- * status. */
-int nsdae_event_linearise(nsdae_event_phase *phase, double t, const double *from);
+/* F(t, y, y') of the phase, Newton's matrix and its solution: the callbacks of ida.h. */
+int nsdae_event_residual(double t, const double *y, const double *ydot, double cj, double *r,
+                         nsdae_event_phase *phase);
+int nsdae_event_newton_setup(double t, const double *y, const double *ydot, double cj,
+                             nsdae_event_phase *phase);
+int nsdae_event_newton_solve(double cj, double *r, double *x, nsdae_event_phase *phase);
+
+/* At the point in work. W^T v' of what is closed, by Baumgarte's stabilisation: W^T (v' + 2 alpha
+ * v)
+ * + omega + 2 alpha w + beta^2 g = 0. */
+double nsdae_event_wanted(const nsdae_event_phase *phase, const nsdae_event_row *row);
+/* d [nt] of contact i that slides, and its derivative by v_T along tangent l of two. */
+void nsdae_event_sliding_direction(const nsdae_event_phase *phase, int i, double *d);
+void nsdae_event_direction_slope(const nsdae_event_phase *phase, int i, int l, double *slope);
+/* -F_S / lambda of frictional joint j that slides. */
+double nsdae_event_joint_friction(const nsdae_event_phase *phase, int j);
 
 /* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
