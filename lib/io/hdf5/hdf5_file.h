@@ -1,14 +1,13 @@
-/* The calls to HDF5 that a trajectory needs, each with its failure as a status. HDF5's own error
- * printing must be off (NSDAE_H5_QUIETLY) while they run; its innermost message goes to the record.
- */
+/* The calls to HDF5 that a file needs. The first failure of a public call stays in status: after it
+ * nothing more is read or written, and all functions return it. HDF5's own error printing is off
+ * while they run (nsdae_h5_begin); its innermost message goes to the record. */
 #ifndef NSDAE_IO_HDF5_FILE_H
 #define NSDAE_IO_HDF5_FILE_H
 
 #include <hdf5.h>
 
-#include <nsdae/status.h>
-
 #include "crash_safe_vfd.h"
+#include "errors.h"
 
 /* How the program has HDF5 print its errors. */
 typedef struct nsdae_h5_voice {
@@ -18,25 +17,20 @@ typedef struct nsdae_h5_voice {
   void *user;
 } nsdae_h5_voice;
 
-/* Turns it off; puts it back. */
-nsdae_h5_voice nsdae_h5_hush(void);
-void nsdae_h5_speak(const nsdae_h5_voice *voice);
-
-/* status = expression, with HDF5's error printing off and put back after. */
-#define NSDAE_H5_QUIETLY(status, expression)          \
-  {                                                   \
-    const nsdae_h5_voice voice_was = nsdae_h5_hush(); \
-    status = (expression);                            \
-    nsdae_h5_speak(&voice_was);                       \
-  }
-
 typedef struct nsdae_h5 {
   hid_t file;
   nsdae_vfd disk; /* under it; must stay where it is while the file is open */
   const char *path;
-  const char *where;  /* public function at work; NULL: nsdae_trajectory */
-  nsdae_error *error; /* of the call at work */
+  const char *where;    /* public function at work, for errors */
+  nsdae_error *error;   /* of the call at work; may be NULL */
+  int status;           /* of the call at work: its first failure, or NSDAE_OK */
+  nsdae_h5_voice voice; /* of the program, while a call is at work */
 } nsdae_h5;
+
+/* Around all that a public call does: printing of errors off, no failure yet; printing as before,
+ * returns status. */
+void nsdae_h5_begin(nsdae_h5 *h5, nsdae_error *error);
+int nsdae_h5_end(nsdae_h5 *h5);
 
 typedef enum nsdae_h5_kind {
   NSDAE_H5_PLAIN, /* any HDF5 from 1.8 on reads it */
@@ -46,7 +40,7 @@ typedef enum nsdae_h5_kind {
 } nsdae_h5_kind;
 
 /* Makes the file, which takes the place of one of that name at the first nsdae_h5_flush and is gone
- * where there is none. */
+ * if there is none. */
 int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind);
 /* Opens it to be changed. */
 int nsdae_h5_reopen(nsdae_h5 *h5);
@@ -58,12 +52,19 @@ int nsdae_h5_prepare(nsdae_h5 *h5, long bytes);
 /* After it the file on disk has all that was written; a program killed within it leaves what was
  * there at the flush before. */
 int nsdae_h5_flush(nsdae_h5 *h5);
+/* In any case, after a failure too. */
 int nsdae_h5_close(nsdae_h5 *h5);
 /* Lets readers in: from here on nothing can be made in the file. */
 int nsdae_h5_start_swmr(nsdae_h5 *h5);
 
-/* status of a call to HDF5 that returned code, < 0 where it failed; to be called right after it.
- * what: "write to", ... */
+/* Of a call to HDF5 that returned code, < 0 if it failed; to be called right after it. what: "write
+ * to", ... */
 int nsdae_h5_result(nsdae_h5 *h5, long code, const char *what);
+/* NSDAE_E_IO, "cannot WHAT 'FILE': ..." */
+int nsdae_h5_refuse(nsdae_h5 *h5, const char *what, const char *format, ...) NSDAE_PRINTF(3, 4);
+/* NSDAE_E_MEMORY */
+int nsdae_h5_no_memory(nsdae_h5 *h5);
+/* Zeros, from calloc: count and one more. NULL after a failure. */
+void *nsdae_h5_allocate(nsdae_h5 *h5, size_t count, size_t size);
 
 #endif

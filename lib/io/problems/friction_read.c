@@ -2,9 +2,7 @@
  * is compared before memory is asked for. */
 #include <limits.h>
 #include <nsdae/friction_file.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "to_blocks.h"
 
@@ -12,389 +10,289 @@
 typedef struct reader {
   nsdae_h5 *h5;
   nsdae_friction_file *out;
+  int local;         /* the form */
   const char *root;  /* "/fclib_local" or "/fclib_global" */
   int dim, contacts; /* rows of a contact in the file */
   int bilateral;
-  int *rows;        /* contacts: of each, or NULL */
   nsdae_triplets A; /* W, or H, with the bilateral rows behind */
   nsdae_triplets M;
   nsdae_partition items;  /* of the rows of the file */
   nsdae_partition blocks; /* global: of v */
-  nsdae_blocked_problem gathered;
 } reader;
-
-static const char *path_of(const reader *r, char path[64], const char *name)
-{
-  snprintf(path, 64, "%s/%s", r->root, name);
-  return path;
-}
-
-static int take_reals(const reader *r, const char *name, int length, const double **values)
-{
-  char path[64];
-  double *block = NULL;
-  int status = nsdae_h5_take_reals(r->h5, path_of(r, path, name), 1, length, &block);
-  *values = block;
-  return status;
-}
 
 /* ---- form and contacts */
 
 /* Which form the file has; rolling friction is refused. */
-static int read_form(reader *r)
+static void read_form(reader *r)
 {
   nsdae_h5 *h5 = r->h5;
+  r->local = nsdae_h5_has(h5, "/fclib_local");
+  r->root = r->local ? "/fclib_local" : "/fclib_global";
+  r->out->problem.form = r->local ? NSDAE_FRICTION_LOCAL : NSDAE_FRICTION_GLOBAL;
   if (nsdae_h5_has(h5, "/fclib_global_rolling") || nsdae_h5_has(h5, "/fclib_local_rolling"))
-    return nsdae_h5_refuse(h5,
-                           "a problem of rolling friction (dimension 5); contacts must have 2 or "
-                           "3 rows");
-  int local = nsdae_h5_has(h5, "/fclib_local"), global = nsdae_h5_has(h5, "/fclib_global");
-  if (local == global)
-    return nsdae_h5_refuse(h5, "%s",
-                           local ? "it has both /fclib_local and /fclib_global"
-                                 : "it has neither /fclib_local nor /fclib_global");
-  r->root = local ? "/fclib_local" : "/fclib_global";
-  r->out->problem.form = local ? NSDAE_FRICTION_LOCAL : NSDAE_FRICTION_GLOBAL;
-  return NSDAE_OK;
+    nsdae_h5_refuse(h5, "read",
+                    "a problem of rolling friction (dimension 5); contacts must have 2 or 3 rows");
+  if (r->local == nsdae_h5_has(h5, "/fclib_global"))
+    nsdae_h5_refuse(h5, "read", "it has %s /fclib_local %s /fclib_global",
+                    r->local ? "both" : "neither", r->local ? "and" : "nor");
 }
 
-static int read_dimension(reader *r)
+/* The rows of a contact in the file, and of each contact where they differ. */
+static void read_contacts(reader *r)
 {
-  char path[64];
-  int *dim = NULL;
-  int status = nsdae_h5_take_ints(r->h5, path_of(r, path, "spacedim"), 1, 1, &dim);
-  if (status == NSDAE_OK && dim[0] != 2 && dim[0] != 3)
-    status = nsdae_h5_refuse(r->h5, "%s is %d, must be 2 or 3", path, dim[0]);
-  if (status == NSDAE_OK) r->dim = dim[0];
-  free(dim);
-  if (status < 0) return status;
-  status = nsdae_h5_length(r->h5, path_of(r, path, "vectors/mu"), INT_MAX / 8, &r->contacts);
-  if (status == NSDAE_OK && r->contacts < 0) status = nsdae_h5_refuse(r->h5, "%s is missing", path);
-  return status;
-}
-
-static int check_mu(const reader *r)
-{
-  for (int c = 0; c < r->contacts; c++)
-    if (r->out->problem.mu[c] < 0)
-      return nsdae_h5_refuse(r->h5, "%s/vectors/mu[%d] is %g, must not be negative", r->root, c,
-                             r->out->problem.mu[c]);
-  return NSDAE_OK;
-}
-
-/* mu, and the rows of each contact where they differ. */
-static int read_contacts(reader *r)
-{
-  char path[64];
-  int status = take_reals(r, "vectors/mu", r->contacts, &r->out->problem.mu);
-  if (status == NSDAE_OK) status = check_mu(r);
-  if (status < 0) return status;
-  status = nsdae_h5_take_ints(r->h5, path_of(r, path, "vectors/rows"), 0, r->contacts, &r->rows);
-  for (int c = 0; r->rows && c < r->contacts && status == NSDAE_OK; c++)
-    if (r->rows[c] < 1 || r->rows[c] > r->dim)
-      status =
-          nsdae_h5_refuse(r->h5, "%s[%d] is %d, must be in [1, %d]", path, c, r->rows[c], r->dim);
-  return status;
-}
-
-static int rows_of(const reader *r, int item)
-{
-  if (item >= r->contacts) return 1;
-  return r->rows ? r->rows[item] : r->dim;
+  char path[NSDAE_H5_PATH];
+  nsdae_h5 *h5 = r->h5;
+  nsdae_friction_problem *p = &r->out->problem;
+  r->dim = nsdae_h5_take_int(h5, nsdae_h5_join(path, r->root, "spacedim"), INT_MIN, INT_MAX);
+  if (r->dim != 2 && r->dim != 3)
+    nsdae_h5_refuse(h5, "read", "%s is %d, must be 2 or 3", path, r->dim);
+  r->contacts = nsdae_h5_length(h5, nsdae_h5_join(path, r->root, "vectors/mu"), INT_MAX / 8);
+  p->mu = nsdae_h5_take_reals(h5, path, NSDAE_H5_NEEDED, &r->contacts);
+  for (int c = 0; c < r->contacts && h5->status == NSDAE_OK; c++)
+    if (p->mu[c] < 0)
+      nsdae_h5_refuse(h5, "read", "%s[%d] is %g, must not be negative", path, c, p->mu[c]);
+  int *rows = nsdae_h5_take_ints(h5, nsdae_h5_join(path, r->root, "vectors/rows"),
+                                 NSDAE_H5_OPTIONAL, &r->contacts);
+  for (int c = 0; rows && c < r->contacts && h5->status == NSDAE_OK; c++)
+    if (rows[c] < 1 || rows[c] > r->dim)
+      nsdae_h5_refuse(h5, "read", "%s[%d] is %d, must be in [1, %d]", path, c, rows[c], r->dim);
+  if (!rows && r->dim == 2) { /* all have 3 if there are none */
+    rows = nsdae_h5_allocate(h5, (size_t)r->contacts, sizeof *rows);
+    for (int c = 0; rows && c < r->contacts; c++) rows[c] = 2;
+  }
+  p->contacts = r->contacts;
+  p->rows = rows;
 }
 
 /* The items of the rows of the file; a contact's rows beyond its own belong to none. */
-static int make_items(reader *r)
+static void make_items(reader *r)
 {
-  size_t count = (size_t)r->contacts + (size_t)r->bilateral;
-  int *size = malloc((count + 1) * sizeof *size), places = r->dim * r->contacts + r->bilateral;
-  if (!size) return nsdae_h5_no_memory(r->h5);
-  for (int i = 0; i < (int)count; i++) size[i] = i < r->contacts ? r->dim : 1;
-  int status = nsdae_partition_make(r->h5, places, (int)count, size, &r->items);
-  free(size);
-  if (status < 0 || !r->rows) return status;
-  for (int k = 0; k < places; k++) {
-    int item = r->items.of[k];
-    if (r->items.at[k] >= rows_of(r, item)) r->items.of[k] = -1;
+  const int *rows = r->out->problem.rows;
+  int m = r->dim * r->contacts, n = m + r->bilateral;
+  if (nsdae_partition_create(r->h5, n, r->contacts + r->bilateral, &r->items) < 0) return;
+  for (int k = 0; k < n; k++) {
+    int item = k < m ? k / r->dim : r->contacts + k - m;
+    r->items.at[k] = k < m ? k % r->dim : 0;
+    r->items.size[item] = k >= m ? 1 : rows ? rows[item] : r->dim;
+    r->items.of[k] = r->items.at[k] < r->items.size[item] ? item : -1;
   }
-  for (int i = 0; i < (int)count; i++) r->items.size[i] = rows_of(r, i);
-  return NSDAE_OK;
-}
-
-static int check_shape(const reader *r, const char *name, const nsdae_triplets *A, int rows,
-                       int columns)
-{
-  if (A->rows == rows && A->columns == columns) return NSDAE_OK;
-  return nsdae_h5_refuse(r->h5, "%s/%s is %d x %d, must be %d x %d", r->root, name, A->rows,
-                         A->columns, rows, columns);
 }
 
 /* ---- matrices */
 
-/* Reads a matrix; of one that need not be there and is not, an empty one. */
-static int read_matrix(const reader *r, const char *name, int needed, nsdae_triplets *A)
+/* Reads a matrix; an empty one if it need not be there and is not. */
+static void read_matrix(const reader *r, const char *name, int needed, nsdae_triplets *A)
 {
-  char path[64];
-  *A = (nsdae_triplets){0};
-  if (!needed && !nsdae_h5_has(r->h5, path_of(r, path, name))) return NSDAE_OK;
-  return nsdae_triplets_read(r->h5, path_of(r, path, name), A);
+  char path[NSDAE_H5_PATH];
+  nsdae_triplets_read(r->h5, nsdae_h5_join(path, r->root, name), needed, A);
+}
+
+static void check_shape(const reader *r, const char *name, const nsdae_triplets *A, int rows,
+                        int columns)
+{
+  if (A->rows != rows || A->columns != columns)
+    nsdae_h5_refuse(r->h5, "read", "%s/%s is %d x %d, must be %d x %d", r->root, name, A->rows,
+                    A->columns, rows, columns);
 }
 
 /* Adds B at (row, column) of A, and its transpose at (column, row). */
-static int join(const reader *r, nsdae_triplets *A, const nsdae_triplets *B, int row, int column,
-                int transposed)
+static void join(reader *r, const nsdae_triplets *B, int row, int column, int transposed)
 {
-  if (B->count > INT_MAX / 2) return nsdae_h5_refuse(r->h5, "more than %d entries", INT_MAX / 2);
-  int status = nsdae_triplets_grow(r->h5, A, transposed ? 2 * B->count : B->count);
-  for (int k = 0; k < B->count && status == NSDAE_OK; k++) {
-    nsdae_triplets_add(A, row + B->row[k], column + B->column[k], B->value[k]);
-    if (transposed) nsdae_triplets_add(A, column + B->column[k], row + B->row[k], B->value[k]);
+  if (B->count > INT_MAX / 2) nsdae_h5_refuse(r->h5, "read", "more than %d entries", INT_MAX / 2);
+  nsdae_triplets_grow(r->h5, &r->A, transposed ? 2 * B->count : B->count);
+  for (int k = 0; k < B->count && r->h5->status == NSDAE_OK; k++) {
+    int i = row + B->row[k], j = column + B->column[k];
+    nsdae_triplets_add(&r->A, i, j, B->value[k]);
+    if (transposed) nsdae_triplets_add(&r->A, j, i, B->value[k]);
   }
-  return status;
 }
 
 /* The vector over the bilateral rows is in the file, and as long as the matrices claim: memory is
  * asked for by their number. */
-static int check_bilateral(const reader *r, const char *name)
+static void check_bilateral(const reader *r, const char *name)
 {
-  char path[64];
-  int length = 0;
-  if (r->bilateral == 0) return NSDAE_OK;
-  int status = nsdae_h5_length(r->h5, path_of(r, path, name), INT_MAX, &length);
-  if (status == NSDAE_OK && length != r->bilateral)
-    status = nsdae_h5_refuse(r->h5, "%s has %d numbers, must have %d", path,
-                             length < 0 ? 0 : length, r->bilateral);
-  return status;
+  char path[NSDAE_H5_PATH];
+  if (r->bilateral == 0) return;
+  int length = nsdae_h5_length(r->h5, nsdae_h5_join(path, r->root, name), INT_MAX);
+  if (length != r->bilateral)
+    nsdae_h5_refuse(r->h5, "read", "%s has %d numbers, must have %d", path, length < 0 ? 0 : length,
+                    r->bilateral);
 }
 
 /* ---- local form */
 
-/* W, and where there are bilateral rows [W V; V^T R]. */
-static int read_local(reader *r)
+/* W, and with bilateral rows [W V; V^T R]. */
+static void read_local(reader *r)
 {
-  nsdae_triplets V = {0}, R = {0};
-  int m = r->dim * r->contacts, status = read_matrix(r, "W", 1, &r->A);
-  if (status == NSDAE_OK) status = check_shape(r, "W", &r->A, m, m);
-  if (status == NSDAE_OK) status = read_matrix(r, "V", 0, &V);
-  if (status == NSDAE_OK) status = read_matrix(r, "R", 0, &R);
+  nsdae_triplets V, R;
+  int m = r->dim * r->contacts;
+  read_matrix(r, "W", NSDAE_H5_NEEDED, &r->A);
+  check_shape(r, "W", &r->A, m, m);
+  read_matrix(r, "V", NSDAE_H5_OPTIONAL, &V);
+  read_matrix(r, "R", NSDAE_H5_OPTIONAL, &R);
   r->bilateral = V.columns > R.columns ? V.columns : R.columns;
-  if (status == NSDAE_OK && V.rows + V.columns > 0)
-    status = check_shape(r, "V", &V, m, r->bilateral);
-  if (status == NSDAE_OK && R.rows + R.columns > 0)
-    status = check_shape(r, "R", &R, r->bilateral, r->bilateral);
-  if (status == NSDAE_OK) status = check_bilateral(r, "vectors/s");
-  if (status == NSDAE_OK) status = join(r, &r->A, &V, 0, m, 1);
-  if (status == NSDAE_OK) status = join(r, &r->A, &R, m, m, 0);
+  if (V.rows + V.columns > 0) check_shape(r, "V", &V, m, r->bilateral);
+  if (R.rows + R.columns > 0) check_shape(r, "R", &R, r->bilateral, r->bilateral);
+  check_bilateral(r, "vectors/s");
+  join(r, &V, 0, m, 1);
+  join(r, &R, m, m, 0);
   r->A.rows = r->A.columns = m + r->bilateral;
   nsdae_triplets_release(&V);
   nsdae_triplets_release(&R);
-  if (status == NSDAE_OK) status = nsdae_symmetrise(r->h5, &r->A, &r->out->asymmetry);
-  if (status == NSDAE_OK) status = make_items(r);
-  return status < 0 ? status : nsdae_to_blocks(r->h5, &r->A, &r->items, &r->items, &r->gathered);
+  r->out->asymmetry = nsdae_symmetrise(r->h5, &r->A);
+  make_items(r);
+  nsdae_to_blocks(r->h5, &r->A, &r->items, &r->items, &r->out->problem);
 }
 
 /* ---- global form */
 
 /* The blocks of v: those that are written down, or found. */
-static int read_blocks(reader *r)
+static void read_blocks(reader *r)
 {
-  char path[64];
-  int *size = NULL, parts, n = r->M.rows;
-  int status = nsdae_h5_length(r->h5, path_of(r, path, "blocks"), n, &parts);
-  if (status < 0) return status;
-  if (parts < 0) return nsdae_partition_find(r->h5, &r->M, r->dim == 3 ? 6 : 3, &r->blocks);
-  status = nsdae_h5_take_ints(r->h5, path, 1, parts, &size);
-  if (status == NSDAE_OK) status = nsdae_partition_make(r->h5, n, parts, size, &r->blocks);
+  char path[NSDAE_H5_PATH];
+  int n = r->M.rows, parts = nsdae_h5_length(r->h5, nsdae_h5_join(path, r->root, "blocks"), n);
+  int *size = nsdae_h5_take_ints(r->h5, path, NSDAE_H5_OPTIONAL, &parts);
+  if (size)
+    nsdae_partition_make(r->h5, n, parts, size, &r->blocks);
+  else
+    nsdae_partition_find(r->h5, &r->M, r->dim == 3 ? 6 : 3, &r->blocks);
   free(size);
-  return status;
 }
 
-/* H, and where there are bilateral rows [H G]. */
-static int read_H(reader *r)
+/* H, and with bilateral rows [H G]. */
+static void read_H(reader *r)
 {
-  nsdae_triplets G = {0};
-  int m = r->dim * r->contacts, n = r->M.rows, status = read_matrix(r, "H", 1, &r->A);
-  if (status == NSDAE_OK) status = check_shape(r, "H", &r->A, n, m);
-  if (status == NSDAE_OK) status = read_matrix(r, "G", 0, &G);
+  nsdae_triplets G;
+  int m = r->dim * r->contacts, n = r->M.rows;
+  read_matrix(r, "H", NSDAE_H5_NEEDED, &r->A);
+  check_shape(r, "H", &r->A, n, m);
+  read_matrix(r, "G", NSDAE_H5_OPTIONAL, &G);
   r->bilateral = G.columns;
-  if (status == NSDAE_OK && G.rows + G.columns > 0)
-    status = check_shape(r, "G", &G, n, r->bilateral);
-  if (status == NSDAE_OK) status = check_bilateral(r, "vectors/b");
-  if (status == NSDAE_OK) status = join(r, &r->A, &G, 0, m, 0);
+  if (G.rows + G.columns > 0) check_shape(r, "G", &G, n, r->bilateral);
+  check_bilateral(r, "vectors/b");
+  join(r, &G, 0, m, 0);
   r->A.columns = m + r->bilateral;
   nsdae_triplets_release(&G);
-  return status;
 }
 
 /* f of the file, and where its entries come from, in the order of the blocks. */
-static int order_velocities(reader *r, const double *f)
+static void order_velocities(reader *r, const double *f)
 {
-  int n = r->blocks.n, parts = r->blocks.parts;
-  size_t room = (size_t)n + 1;
-  double *ordered = malloc(room * sizeof *ordered);
-  int *home = calloc((size_t)parts + 1, sizeof *home);
-  r->out->velocity = malloc(room * sizeof *r->out->velocity);
-  r->out->problem.f = ordered;
-  int missing = !ordered || !home || !r->out->velocity;
-  for (int b = 1; !missing && b < parts; b++) home[b] = home[b - 1] + r->blocks.size[b - 1];
-  for (int i = 0; !missing && i < n; i++) {
-    int place = home[r->blocks.of[i]] + r->blocks.at[i];
+  const nsdae_partition *v = &r->blocks;
+  double *ordered = nsdae_h5_allocate(r->h5, (size_t)v->n, sizeof *ordered);
+  int *home = nsdae_h5_allocate(r->h5, (size_t)v->parts, sizeof *home);
+  int *velocity = nsdae_h5_allocate(r->h5, (size_t)v->n, sizeof *velocity);
+  for (int b = 1; velocity && b < v->parts; b++) home[b] = home[b - 1] + v->size[b - 1];
+  for (int i = 0; velocity && i < v->n; i++) {
+    int place = home[v->of[i]] + v->at[i];
     ordered[place] = f[i];
-    r->out->velocity[place] = i;
+    velocity[place] = i;
   }
   free(home);
-  if (!missing) return NSDAE_OK;
-  return nsdae_h5_no_memory(r->h5);
+  r->out->problem.f = ordered;
+  r->out->velocity = velocity;
 }
 
-static int read_global(reader *r)
+static void read_global(reader *r)
 {
-  const double *f = NULL;
-  double *M = NULL;
-  int status = read_matrix(r, "M", 1, &r->M);
-  if (status == NSDAE_OK) status = check_shape(r, "M", &r->M, r->M.rows, r->M.rows);
-  if (status == NSDAE_OK) status = take_reals(r, "vectors/f", r->M.rows, &f);
-  if (status == NSDAE_OK) status = read_H(r);
-  if (status == NSDAE_OK) status = nsdae_symmetrise(r->h5, &r->M, &r->out->asymmetry);
-  if (status == NSDAE_OK) status = read_blocks(r);
-  if (status == NSDAE_OK) status = make_items(r);
-  if (status == NSDAE_OK) status = nsdae_to_blocks_diagonal(r->h5, &r->M, &r->blocks, &M);
-  r->out->problem.M = M;
-  if (status == NSDAE_OK) status = order_velocities(r, f);
-  free((void *)f);
-  return status < 0 ? status : nsdae_to_blocks(r->h5, &r->A, &r->blocks, &r->items, &r->gathered);
+  char path[NSDAE_H5_PATH];
+  nsdae_friction_problem *p = &r->out->problem;
+  read_matrix(r, "M", NSDAE_H5_NEEDED, &r->M);
+  check_shape(r, "M", &r->M, r->M.rows, r->M.rows);
+  double *f = nsdae_h5_take_reals(r->h5, nsdae_h5_join(path, r->root, "vectors/f"), NSDAE_H5_NEEDED,
+                                  &r->M.rows);
+  read_H(r);
+  r->out->asymmetry = nsdae_symmetrise(r->h5, &r->M);
+  read_blocks(r);
+  make_items(r);
+  p->M = nsdae_to_blocks_diagonal(r->h5, &r->M, &r->blocks);
+  order_velocities(r, f);
+  free(f);
+  nsdae_to_blocks(r->h5, &r->A, &r->blocks, &r->items, p);
+  p->blocks = r->blocks.parts;
+  p->size = r->blocks.size;
+  r->blocks.size = NULL;
 }
 
 /* ---- vectors */
 
-/* A vector over the contacts, with that over the bilateral rows behind it, compressed; NULL where
- * it is not there and need not be. */
-static int read_rows(const reader *r, const char *name, const char *behind, int needed,
-                     double **values)
+/* A vector over the contacts, with that over the bilateral rows behind it, of the rows that items
+ * have; NULL if it is not there and need not be. */
+static double *read_rows(const reader *r, const char *root, const char *name, const char *behind,
+                         int needed)
 {
-  double *head = NULL, *tail = NULL;
-  int m = r->dim * r->contacts, p = r->bilateral;
-  int status = nsdae_h5_take_reals(r->h5, name, needed, m, &head);
-  if (status == NSDAE_OK && head && p > 0)
-    status = nsdae_h5_take_reals(r->h5, behind, needed, p, &tail);
-  double *both = head ? realloc(head, ((size_t)m + (size_t)p + 1) * sizeof *both) : NULL;
-  if (head && !both) {
-    free(head);
-    status = nsdae_h5_no_memory(r->h5);
-  }
-  for (int i = 0; both && i < p; i++) both[m + i] = tail ? tail[i] : 0;
-  if (both && r->items.n == m + p) {
-    /* Of the rows of the file those that items have, in place; the bilateral ones come behind. */
-    int k = 0;
-    for (int i = 0; i < r->items.n; i++)
-      if (r->items.of[i] >= 0) both[k++] = both[i];
-  }
+  char path[NSDAE_H5_PATH];
+  int m = r->dim * r->contacts, p = r->bilateral, k = 0;
+  double *both = NULL, *tail = NULL;
+  double *head = nsdae_h5_take_reals(r->h5, nsdae_h5_join(path, root, name), needed, &m);
+  if (head && p > 0)
+    tail = nsdae_h5_take_reals(r->h5, nsdae_h5_join(path, root, behind), needed, &p);
+  if (head) both = nsdae_h5_allocate(r->h5, (size_t)r->items.n, sizeof *both);
+  for (int i = 0; both && i < r->items.n; i++)
+    if (r->items.of[i] >= 0) both[k++] = i < m ? head[i] : tail ? tail[i - m] : 0;
+  free(head);
   free(tail);
-  *values = both;
-  return status;
+  return both;
 }
 
 /* w or q, the compliance, the first guess and the solution. */
-static int read_vectors(reader *r)
+static void read_vectors(const reader *r)
 {
-  char first[64], second[64];
-  int local = r->out->problem.form == NSDAE_FRICTION_LOCAL;
-  double *w = NULL, *compliance = NULL;
-  int status = read_rows(r, path_of(r, first, local ? "vectors/q" : "vectors/w"),
-                         path_of(r, second, local ? "vectors/s" : "vectors/b"), 1, &w);
-  r->out->problem.w = w;
-  if (status == NSDAE_OK)
-    status = read_rows(r, path_of(r, first, "vectors/compliance"),
-                       path_of(r, second, "vectors/compliance_l"), 0, &compliance);
-  r->out->problem.compliance = compliance;
-  if (status == NSDAE_OK) status = read_rows(r, "/guesses/1/r", "/guesses/1/l", 0, &r->out->guess);
-  if (status == NSDAE_OK) status = read_rows(r, "/solution/r", "/solution/l", 0, &r->out->r);
-  if (status < 0 || !r->out->r) return status;
-  return read_rows(r, "/solution/r_low", "/solution/l_low", 0, &r->out->low);
-}
-
-/* Hands the arrays over to the file. */
-static void hand_over_arrays(reader *r)
-{
-  nsdae_friction_problem *p = &r->out->problem;
-  p->contacts = r->contacts;
-  p->bilateral = r->bilateral;
-  p->rows = r->rows;
-  if (!r->rows && r->dim == 2) { /* all 3 where there are none */
-    memcpy(r->items.at, r->items.size, (size_t)r->contacts * sizeof *r->items.at);
-    p->rows = r->items.at;
-    r->items.at = NULL;
-  }
-  p->blocks = r->blocks.parts;
-  p->size = r->blocks.size;
-  p->first = r->gathered.first;
-  p->block = r->gathered.block;
-  p->value = r->gathered.value;
-  r->rows = NULL;
-  r->blocks.size = NULL;
-  r->gathered = (nsdae_blocked_problem){0};
+  nsdae_friction_file *out = r->out;
+  out->problem.w = read_rows(r, r->root, r->local ? "vectors/q" : "vectors/w",
+                             r->local ? "vectors/s" : "vectors/b", NSDAE_H5_NEEDED);
+  out->problem.compliance =
+      read_rows(r, r->root, "vectors/compliance", "vectors/compliance_l", NSDAE_H5_OPTIONAL);
+  out->guess = read_rows(r, "/guesses/1", "r", "l", NSDAE_H5_OPTIONAL);
+  out->r = read_rows(r, "/solution", "r", "l", NSDAE_H5_OPTIONAL);
+  if (out->r) out->low = read_rows(r, "/solution", "r_low", "l_low", NSDAE_H5_OPTIONAL);
 }
 
 /* ---- the file */
 
-/* Form, contacts, matrices, vectors, tolerances; all of it is released if one of them fails. */
-static int read_problem(nsdae_h5 *h5, nsdae_friction_file *out)
+/* Form, contacts, matrices, vectors, tolerances. */
+static void read_problem(nsdae_h5 *h5, nsdae_friction_file *out)
 {
   reader r = {.h5 = h5, .out = out};
-  int status = read_form(&r);
-  if (status == NSDAE_OK) status = read_dimension(&r);
-  if (status == NSDAE_OK) status = read_contacts(&r);
-  if (status == NSDAE_OK)
-    status = out->problem.form == NSDAE_FRICTION_LOCAL ? read_local(&r) : read_global(&r);
-  if (status == NSDAE_OK) status = read_vectors(&r);
-  double refine = 0;
-  if (status == NSDAE_OK) status = nsdae_h5_get_real(h5, h5->file, "tol", &out->tol);
-  if (status == NSDAE_OK) status = nsdae_h5_get_real(h5, h5->file, "refine", &refine);
+  read_form(&r);
+  read_contacts(&r);
+  if (h5->status < 0) return;
+  if (r.local)
+    read_local(&r);
+  else
+    read_global(&r);
+  read_vectors(&r);
+  out->problem.bilateral = r.bilateral;
+  out->tol = nsdae_h5_get_real(h5, h5->file, "tol");
+  double refine = nsdae_h5_get_real(h5, h5->file, "refine");
   out->refine = refine >= 0 && refine <= 1000 ? (int)refine : 0;
-  if (status == NSDAE_OK) hand_over_arrays(&r);
-  free(r.rows);
   nsdae_triplets_release(&r.A);
   nsdae_triplets_release(&r.M);
   nsdae_partition_release(&r.items);
   nsdae_partition_release(&r.blocks);
-  nsdae_blocked_problem_release(&r.gathered);
-  return status;
-}
-
-static int read_file(nsdae_h5 *h5, nsdae_friction_file *file)
-{
-  int status = nsdae_h5_open(h5);
-  if (status < 0) return status;
-  status = read_problem(h5, file);
-  int closed = nsdae_h5_close(h5);
-  return status < 0 ? status : closed;
 }
 
 int nsdae_friction_read(const char *path, nsdae_friction_file *file, nsdae_error *error)
 {
-  int status;
   nsdae_error_clear(error);
   if (!path || !file)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_friction_read", path ? "file" : "path",
                            "%s is NULL", path ? "file" : "path");
   *file = (nsdae_friction_file){0};
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_read", .error = error};
-  NSDAE_H5_QUIETLY(status, read_file(&h5, file));
-  if (status < 0) nsdae_friction_file_release(file);
-  return status;
+  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_read"};
+  nsdae_h5_begin(&h5, error);
+  if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
+  if (nsdae_h5_close(&h5) < 0) nsdae_friction_file_release(file);
+  return nsdae_h5_end(&h5);
 }
 
 void nsdae_friction_file_release(nsdae_friction_file *file)
 {
   if (!file) return;
-  const void *const held[] = {file->problem.rows,      file->problem.mu,    file->problem.w,
-                              file->problem.size,      file->problem.M,     file->problem.f,
-                              file->problem.first,     file->problem.block, file->problem.value,
-                              file->problem.compliance};
+  const nsdae_friction_problem *p = &file->problem;
+  const void *const held[] = {p->rows, p->mu,     p->w,        p->size,       p->M,
+                              p->f,    p->first,  p->block,    p->value,      p->compliance,
+                              file->r, file->low, file->guess, file->velocity};
   for (size_t i = 0; i < sizeof held / sizeof *held; i++) free((void *)held[i]);
-  free(file->guess);
-  free(file->r);
-  free(file->low);
-  free(file->velocity);
   *file = (nsdae_friction_file){0};
 }

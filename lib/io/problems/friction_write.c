@@ -2,57 +2,29 @@
  * the blocks, zeros included, so that what is read again is the same to the last bit. */
 #include <limits.h>
 #include <nsdae/friction_file.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dense.h"
-#include "hdf5_data.h"
-#include "triplets.h"
 #include "double_double.h"
+#include "problem.h"
+#include "triplets.h"
 
 typedef struct writer {
-  nsdae_h5 *h5;
-  const nsdae_friction_problem *problem;
+  nsdae_h5 h5;
+  const nsdae_friction_problem *p;
+  nsdae_fc_view view; /* of it */
+  int local;          /* the form */
   const char *root;
-  int dim, even;     /* rows of a contact in the file; whether all have that number */
-  int items, places; /* items, and rows of the file */
-  int *rows;         /* items: of each */
-  int *first;        /* items: its first row in the file */
-  int *home;         /* items: the same in the problem */
-  double *spread;    /* places: a vector on its way */
+  int dim;        /* rows of a contact in the file */
+  double *spread; /* rows of the file: a vector on its way */
 } writer;
 
-static const char *path_of(const writer *w, char path[64], const char *name)
+/* The first row of an item in the file. */
+static int row_in_file(const writer *w, int item)
 {
-  snprintf(path, 64, "%s/%s", w->root, name);
-  return path;
-}
-
-/* Rows of the items, here and in the file. */
-static int measure_rows(writer *w)
-{
-  const nsdae_friction_problem *p = w->problem;
-  w->items = p->contacts + p->bilateral;
-  w->rows = calloc((size_t)w->items + 1, sizeof *w->rows);
-  w->first = calloc((size_t)w->items + 1, sizeof *w->first);
-  w->home = calloc((size_t)w->items + 1, sizeof *w->home);
-  if (!w->rows || !w->first || !w->home) return nsdae_h5_no_memory(w->h5);
-  w->dim = 2;
-  for (int i = 0; i < w->items; i++) {
-    w->rows[i] = i >= p->contacts ? 1 : p->rows ? p->rows[i] : 3;
-    if (w->rows[i] > w->dim) w->dim = w->rows[i];
-  }
-  w->even = 1;
-  for (int i = 0; i < w->items; i++) {
-    int own = i < p->contacts ? w->dim : 1;
-    w->even &= own == w->rows[i];
-    w->first[i + 1] = w->first[i] + own;
-    w->home[i + 1] = w->home[i] + w->rows[i];
-  }
-  w->places = w->first[w->items];
-  w->spread = calloc((size_t)w->places + 1, sizeof *w->spread);
-  return w->spread ? NSDAE_OK : nsdae_h5_no_memory(w->h5);
+  int nc = w->p->contacts;
+  return item < nc ? w->dim * item : w->dim * nc + item - nc;
 }
 
 /* Of every dataset: some are FCLIB's, some stand beside those. */
@@ -60,33 +32,59 @@ static const char SEE[] = "see FCLIB and nsdae/friction_file.h";
 
 /* ---- vectors */
 
-static int write_reals(const writer *w, const char *path, int count, const double *values)
+static void write_reals(writer *w, const char *root, const char *name, int count,
+                        const double *values)
 {
-  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_DOUBLE, (hsize_t)count, values, "1", SEE);
+  char path[NSDAE_H5_PATH];
+  nsdae_h5_vector(&w->h5, nsdae_h5_join(path, root, name), H5T_NATIVE_DOUBLE, (hsize_t)count,
+                  values, "1", SEE);
 }
 
-static int write_ints(const writer *w, const char *path, int count, const int *values)
+static void write_ints(writer *w, const char *root, const char *name, int count, const int *values)
 {
-  return nsdae_h5_vector(w->h5, path, H5T_NATIVE_INT, (hsize_t)count, values, "1", SEE);
+  char path[NSDAE_H5_PATH];
+  nsdae_h5_vector(&w->h5, nsdae_h5_join(path, root, name), H5T_NATIVE_INT, (hsize_t)count, values,
+                  "1", SEE);
 }
 
-/* A vector over the rows of the problem: its contacts to one path, bilateral rows to another. */
-static int write_rows(writer *w, const char *name, const char *behind, const double *values)
+/* A vector over the rows of the problem, if it is given: its contacts to one dataset, bilateral
+ * rows to another. */
+static void write_rows(writer *w, const char *root, const char *name, const char *behind,
+                       const double *values)
 {
-  int m = w->dim * w->problem->contacts;
-  memset(w->spread, 0, (size_t)w->places * sizeof *w->spread);
-  for (int i = 0; i < w->items; i++)
-    for (int d = 0; d < w->rows[i]; d++) w->spread[w->first[i] + d] = values[w->home[i] + d];
-  int status = write_reals(w, name, m, w->spread);
-  if (status < 0 || w->problem->bilateral == 0) return status;
-  return write_reals(w, behind, w->problem->bilateral, w->spread + m);
+  int m = row_in_file(w, w->p->contacts);
+  if (!values) return;
+  memset(w->spread, 0, (size_t)(m + w->p->bilateral) * sizeof *w->spread);
+  for (int i = 0; i < w->view.items; i++)
+    memcpy(w->spread + row_in_file(w, i), values + w->view.row[i],
+           (size_t)nsdae_fc_rows(w->p, i) * sizeof *values);
+  write_reals(w, root, name, m, w->spread);
+  if (w->p->bilateral > 0) write_reals(w, root, behind, w->p->bilateral, w->spread + m);
 }
-
-/* Dense parts as triplets. */
 
 /* ---- matrices */
 
-/* Adds the dense part of an item in the rows from row on. */
+static nsdae_triplets make_triplets(writer *w, const char *name, int rows, int columns,
+                                    long long count)
+{
+  nsdae_h5 *h5 = &w->h5;
+  nsdae_triplets A = {.rows = rows, .columns = columns};
+  if (count > INT_MAX / 2 && h5->status == NSDAE_OK)
+    h5->status =
+        nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, "problem",
+                        "%s has %lld entries, FCLIB's files hold %d", name, count, INT_MAX / 2);
+  if (h5->status == NSDAE_OK) nsdae_triplets_grow(h5, &A, (int)count);
+  return A;
+}
+
+static void write_triplets(writer *w, const char *name, nsdae_triplets *A)
+{
+  char path[NSDAE_H5_PATH];
+  nsdae_triplets_write(&w->h5, nsdae_h5_join(path, w->root, name), A);
+  nsdae_triplets_release(A);
+}
+
+/* Adds a dense part in the rows from row on. */
 static void add_part(nsdae_triplets *A, int row, int column, int rows, int columns,
                      const double *value)
 {
@@ -95,281 +93,195 @@ static void add_part(nsdae_triplets *A, int row, int column, int rows, int colum
       nsdae_triplets_add(A, row + i, column + j, value[(size_t)j * (size_t)rows + (size_t)i]);
 }
 
-/* Items from .. end - 1 whose blocks are in [low, high): in rows first[block] of the matrix, of
- * size[block] each. */
-typedef struct range {
-  int from, end, low, high;
-  const int *first, *size;
-} range;
-
-/* Adds the part of the problem in that range, at the corner of it, or only counts. */
-static long long gather_entries(const writer *w, const range *r, nsdae_triplets *A)
+/* The first row of a block in the file, and its rows: of W those of the item, of H those of v. */
+static int block_row(const writer *w, int b)
 {
-  const nsdae_friction_problem *p = w->problem;
-  const double *value = p->value;
-  long long count = 0;
-  for (int i = 0; i < r->end; i++)
-    for (int k = p->first[i]; k < p->first[i + 1]; k++) {
-      int b = p->block[k], size = r->size[b], inside = i >= r->from && b >= r->low && b < r->high;
-      if (inside) count += (long long)size * w->rows[i];
-      if (inside && A)
-        add_part(A, r->first[b] - r->first[r->low], w->first[i] - w->first[r->from], size,
-                 w->rows[i], value);
-      value += (size_t)size * (size_t)w->rows[i];
-    }
-  return count;
+  return w->local ? row_in_file(w, b) : w->view.offset[b];
 }
 
-static int write_range(const writer *w, const char *name, const range *r, int rows, int columns)
+static int block_size(const writer *w, int b)
 {
-  char path[64];
-  long long count = gather_entries(w, r, NULL);
-  nsdae_triplets A = {.rows = rows, .columns = columns};
-  if (count > INT_MAX / 2)
-    return nsdae_error_set(w->h5->error, NSDAE_E_ARGUMENT, w->h5->where, "problem",
-                           "%s has %lld entries, FCLIB's files hold %d", name, count, INT_MAX / 2);
-  int status = nsdae_triplets_grow(w->h5, &A, (int)count);
-  if (status == NSDAE_OK) {
-    gather_entries(w, r, &A);
-    status = nsdae_triplets_write(w->h5, path_of(w, path, name), &A);
+  return w->local ? nsdae_fc_rows(w->p, b) : w->p->size[b];
+}
+
+/* The part of the problem of items from .. end - 1 and blocks low .. high - 1, as a matrix. */
+static void write_range(writer *w, const char *name, int from, int end, int low, int high)
+{
+  const nsdae_friction_problem *p = w->p;
+  int row = block_row(w, low), column = row_in_file(w, from);
+  nsdae_triplets A = {0};
+  for (int pass = 0; pass < 2 && w->h5.status == NSDAE_OK; pass++) {
+    long long count = 0;
+    for (int i = from; i < end; i++)
+      for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+        int b = p->block[e], size = block_size(w, b), columns = nsdae_fc_rows(p, i);
+        if (b < low || b >= high) continue;
+        count += (long long)size * columns;
+        if (pass == 1)
+          add_part(&A, block_row(w, b) - row, row_in_file(w, i) - column, size, columns,
+                   p->value + w->view.at[e]);
+      }
+    if (pass == 0)
+      A = make_triplets(w, name, block_row(w, high) - row, row_in_file(w, end) - column, count);
   }
-  nsdae_triplets_release(&A);
-  return status;
+  write_triplets(w, name, &A);
 }
 
 /* W, V and R. */
-static int write_local(const writer *w)
+static void write_local(writer *w)
 {
-  int nc = w->problem->contacts, p = w->problem->bilateral, m = w->dim * nc;
-  const range of_W = {0, nc, 0, nc, w->first, w->rows};
-  const range of_V = {nc, w->items, 0, nc, w->first, w->rows};
-  const range of_R = {nc, w->items, nc, w->items, w->first, w->rows};
-  int status = write_range(w, "W", &of_W, m, m);
-  if (status == NSDAE_OK && p > 0) status = write_range(w, "V", &of_V, m, p);
-  if (status == NSDAE_OK && p > 0) status = write_range(w, "R", &of_R, p, p);
-  return status;
-}
-
-/* The mass matrix as one sparse matrix of its diagonal blocks. */
-static int write_M(const writer *w, int n)
-{
-  char path[64];
-  const nsdae_friction_problem *p = w->problem;
-  const double *value = p->M;
-  nsdae_triplets M = {.rows = n, .columns = n};
-  long long count = 0;
-  for (int b = 0; b < p->blocks; b++) count += (long long)p->size[b] * p->size[b];
-  if (count > INT_MAX / 2)
-    return nsdae_error_set(w->h5->error, NSDAE_E_ARGUMENT, w->h5->where, "problem",
-                           "M has %lld entries, FCLIB's files hold %d", count, INT_MAX / 2);
-  int status = nsdae_triplets_grow(w->h5, &M, (int)count);
-  for (int b = 0, row = 0; b < p->blocks && status == NSDAE_OK; row += p->size[b++]) {
-    add_part(&M, row, row, p->size[b], p->size[b], value);
-    value += (size_t)p->size[b] * (size_t)p->size[b];
-  }
-  if (status == NSDAE_OK) status = nsdae_triplets_write(w->h5, path_of(w, path, "M"), &M);
-  nsdae_triplets_release(&M);
-  return status;
+  int nc = w->p->contacts, items = w->view.items;
+  write_range(w, "W", 0, nc, 0, nc);
+  if (items > nc) write_range(w, "V", nc, items, 0, nc);
+  if (items > nc) write_range(w, "R", nc, items, nc, items);
 }
 
 /* M, H, G, f and the sizes of the blocks. */
-static int write_global(const writer *w)
+static void write_global(writer *w)
 {
-  char path[64];
-  const nsdae_friction_problem *p = w->problem;
-  int nc = p->contacts, *first = calloc((size_t)p->blocks + 1, sizeof *first);
-  if (!first) return nsdae_h5_no_memory(w->h5);
-  for (int b = 0; b < p->blocks; b++) first[b + 1] = first[b] + p->size[b];
-  int n = first[p->blocks];
-  const range of_H = {0, nc, 0, p->blocks, first, p->size};
-  const range of_G = {nc, w->items, 0, p->blocks, first, p->size};
-  int status = write_M(w, n);
-  if (status == NSDAE_OK) status = write_range(w, "H", &of_H, n, w->dim * nc);
-  if (status == NSDAE_OK && p->bilateral > 0) status = write_range(w, "G", &of_G, n, p->bilateral);
-  if (status == NSDAE_OK) status = write_reals(w, path_of(w, path, "vectors/f"), n, p->f);
-  if (status == NSDAE_OK) status = write_ints(w, path_of(w, path, "blocks"), p->blocks, p->size);
-  free(first);
-  return status;
+  const nsdae_friction_problem *p = w->p;
+  int nc = p->contacts, n = w->view.nv;
+  nsdae_triplets M = make_triplets(w, "M", n, n, (long long)w->view.mass_at[p->blocks]);
+  for (int b = 0; b < p->blocks && w->h5.status == NSDAE_OK; b++)
+    add_part(&M, w->view.offset[b], w->view.offset[b], p->size[b], p->size[b],
+             p->M + w->view.mass_at[b]);
+  write_triplets(w, "M", &M);
+  write_range(w, "H", 0, nc, 0, p->blocks);
+  if (p->bilateral > 0) write_range(w, "G", nc, w->view.items, 0, p->blocks);
+  write_reals(w, w->root, "vectors/f", n, p->f);
+  write_ints(w, w->root, "blocks", p->blocks, p->size);
 }
 
 /* ---- contacts */
 
 /* mu, and the rows of each contact where they differ. */
-static int write_contacts(writer *w)
+static void write_contacts(writer *w)
 {
-  char path[64];
-  const nsdae_friction_problem *p = w->problem;
-  for (int c = 0; c < p->contacts; c++) w->spread[c] = w->rows[c] > 1 ? p->mu[c] : 0;
-  int status = write_ints(w, path_of(w, path, "spacedim"), 1, &w->dim);
-  if (status == NSDAE_OK)
-    status = write_reals(w, path_of(w, path, "vectors/mu"), p->contacts, w->spread);
-  if (status == NSDAE_OK && !w->even)
-    status = write_ints(w, path_of(w, path, "vectors/rows"), p->contacts, w->rows);
-  return status;
+  const nsdae_friction_problem *p = w->p;
+  int even = 1;
+  for (int c = 0; c < p->contacts; c++) {
+    even &= nsdae_fc_rows(p, c) == w->dim;
+    w->spread[c] = nsdae_fc_rows(p, c) > 1 ? p->mu[c] : 0;
+  }
+  write_ints(w, w->root, "spacedim", 1, &w->dim);
+  write_reals(w, w->root, "vectors/mu", p->contacts, w->spread);
+  if (!even) write_ints(w, w->root, "vectors/rows", p->contacts, p->rows);
 }
-
-/* Velocities on their way: f + H r in twice the precision, high + low, as impulses cancel. */
-typedef struct motion {
-  int n, largest; /* rows of v, and of its largest block */
-  int *first;     /* blocks: the first row of each */
-  double *high;   /* n */
-  double *low;    /* n */
-  double *factor; /* largest x largest: of a block of M */
-} motion;
 
 /* ---- solution */
 
-/* Begins at f. */
-static int make_motion(const writer *w, motion *v)
+/* f + H r in twice the precision, high + low, as impulses cancel. */
+static void add_impulses(const writer *w, const double *r, double *high, double *low)
 {
-  const nsdae_friction_problem *p = w->problem;
-  *v = (motion){.largest = 1, .first = calloc((size_t)p->blocks + 1, sizeof *v->first)};
-  for (int b = 0; b < p->blocks; b++) {
-    if (v->first) v->first[b] = v->n;
-    v->n += p->size[b];
-    if (p->size[b] > v->largest) v->largest = p->size[b];
-  }
-  v->high = calloc(2 * (size_t)v->n + 1, sizeof *v->high);
-  v->factor = malloc((size_t)v->largest * (size_t)v->largest * sizeof *v->factor);
-  if (!v->first || !v->high || !v->factor) return nsdae_h5_no_memory(w->h5);
-  v->low = v->high + v->n;
-  memcpy(v->high, p->f, (size_t)v->n * sizeof *v->high);
-  return NSDAE_OK;
-}
-
-/* Adds H r; without r nothing. */
-static void add_impulses(const writer *w, const double *r, motion *v)
-{
-  const nsdae_friction_problem *p = w->problem;
-  const double *value = p->value;
-  for (int i = 0; r && i < w->items; i++)
-    for (int k = p->first[i]; k < p->first[i + 1]; k++) {
-      int b = p->block[k];
-      nsdae_dd_add_product(p->size[b], w->rows[i], value, r + w->home[i], v->high + v->first[b],
-                           v->low + v->first[b]);
-      value += (size_t)p->size[b] * (size_t)w->rows[i];
+  const nsdae_friction_problem *p = w->p;
+  for (int i = 0; r && i < w->view.items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      int at = w->view.offset[p->block[e]];
+      nsdae_dd_add_product(p->size[p->block[e]], nsdae_fc_rows(p, i), p->value + w->view.at[e],
+                           r + w->view.row[i], high + at, low + at);
     }
 }
 
-/* high = M^-1 (high + low) */
-static void divide_by_mass(const writer *w, motion *v)
-{
-  const nsdae_friction_problem *p = w->problem;
-  const double *M = p->M;
-  for (int i = 0; i < v->n; i++) v->high[i] += v->low[i];
-  for (int b = 0; b < p->blocks; b++) {
-    int n = p->size[b];
-    memcpy(v->factor, M, (size_t)n * (size_t)n * sizeof *v->factor);
-    M += (size_t)n * (size_t)n;
-    nsdae_la_cholesky(n, v->factor, n); /* the problem was checked */
-    nsdae_la_solve_lower(n, 1, v->factor, n, v->high + v->first[b], n);
-    nsdae_la_solve_lower_transposed(n, 1, v->factor, n, v->high + v->first[b], n);
-  }
-}
-
 /* v = M^-1 (f + H (r + low)) of the global form. */
-static int write_velocities(const writer *w, const nsdae_friction_points *points)
+static void write_velocities(writer *w, const nsdae_friction_points *points)
 {
-  motion v;
-  int status = make_motion(w, &v);
-  if (status == NSDAE_OK) {
-    add_impulses(w, points->r, &v);
-    add_impulses(w, points->low, &v);
-    divide_by_mass(w, &v);
-    status = write_reals(w, "/solution/v", v.n, v.high);
+  const nsdae_friction_problem *p = w->p;
+  size_t nv = (size_t)w->view.nv, largest = 0;
+  for (int b = 0; b < p->blocks; b++) {
+    size_t entries = w->view.mass_at[b + 1] - w->view.mass_at[b];
+    if (entries > largest) largest = entries;
   }
-  free(v.first);
-  free(v.high);
-  free(v.factor);
-  return status;
+  double *v = nsdae_h5_allocate(&w->h5, 2 * nv + largest, sizeof *v);
+  if (!v) return;
+  double *low = v + nv, *factor = low + nv;
+  memcpy(v, p->f, nv * sizeof *v);
+  add_impulses(w, points->r, v, low);
+  add_impulses(w, points->low, v, low);
+  for (size_t i = 0; i < nv; i++) v[i] += low[i];
+  for (int b = 0; b < p->blocks; b++) {
+    int n = p->size[b], at = w->view.offset[b];
+    memcpy(factor, p->M + w->view.mass_at[b], (size_t)n * (size_t)n * sizeof *factor);
+    nsdae_la_cholesky(n, factor, n); /* the problem was checked */
+    nsdae_la_solve_lower(n, 1, factor, n, v + at, n);
+    nsdae_la_solve_lower_transposed(n, 1, factor, n, v + at, n);
+  }
+  write_reals(w, "/solution", "v", w->view.nv, v);
+  free(v);
 }
 
-/* r, in one part or two, v and u. */
-static int write_solution(writer *w, const nsdae_friction_points *points)
+/* The guess, and the solution r, in one part or two, v and u. */
+static void write_points(writer *w, const nsdae_friction_points *points)
 {
-  int status = NSDAE_OK;
-  if (points->r) status = write_rows(w, "/solution/r", "/solution/l", points->r);
-  if (status == NSDAE_OK && points->r && points->low)
-    status = write_rows(w, "/solution/r_low", "/solution/l_low", points->low);
-  if (status == NSDAE_OK && points->r && w->problem->form == NSDAE_FRICTION_GLOBAL)
-    status = write_velocities(w, points);
-  if (status == NSDAE_OK && points->u)
-    status = write_rows(w, "/solution/u", "/solution/u_l", points->u);
-  return status;
-}
-
-/* The guess and the solution. */
-static int write_points(writer *w, const nsdae_friction_points *points)
-{
-  int one = 1, status = NSDAE_OK;
-  if (points->guess) {
-    status = write_ints(w, "/guesses/number_of_guesses", 1, &one);
-    if (status == NSDAE_OK) status = write_rows(w, "/guesses/1/r", "/guesses/1/l", points->guess);
-  }
-  return status < 0 ? status : write_solution(w, points);
+  const int one = 1;
+  if (points->guess) write_ints(w, "/guesses", "number_of_guesses", 1, &one);
+  write_rows(w, "/guesses/1", "r", "l", points->guess);
+  write_rows(w, "/solution", "r", "l", points->r);
+  if (points->r) write_rows(w, "/solution", "r_low", "l_low", points->low);
+  if (points->r && !w->local) write_velocities(w, points);
+  write_rows(w, "/solution", "u", "u_l", points->u);
 }
 
 /* ---- the file */
 
-static int write_origin(nsdae_h5 *h5, const nsdae_friction_origin *origin)
+static void write_origin(nsdae_h5 *h5, const nsdae_friction_origin *origin)
 {
-  int status = nsdae_h5_set_text(h5, h5->file, "library_version", nsdae_version());
-  if (status < 0 || !origin) return status;
-  status = nsdae_h5_set_real(h5, h5->file, "time", origin->time);
-  if (status == NSDAE_OK) status = nsdae_h5_set_int(h5, h5->file, "step", (int)origin->step);
-  if (status == NSDAE_OK) status = nsdae_h5_set_real(h5, h5->file, "tol", origin->tol);
-  if (status == NSDAE_OK) status = nsdae_h5_set_int(h5, h5->file, "refine", origin->refine);
-  if (status == NSDAE_OK && origin->method)
-    status = nsdae_h5_set_text(h5, h5->file, "method", origin->method);
-  return status;
+  nsdae_h5_set_text(h5, h5->file, "library_version", nsdae_version());
+  if (!origin) return;
+  nsdae_h5_set_real(h5, h5->file, "time", origin->time);
+  nsdae_h5_set_int(h5, h5->file, "step", (int)origin->step);
+  nsdae_h5_set_real(h5, h5->file, "tol", origin->tol);
+  nsdae_h5_set_int(h5, h5->file, "refine", origin->refine);
+  if (origin->method) nsdae_h5_set_text(h5, h5->file, "method", origin->method);
 }
 
-static int write_problem(writer *w, const nsdae_friction_points *points,
-                         const nsdae_friction_origin *origin)
+static void write_problem(writer *w, const nsdae_friction_points *points,
+                          const nsdae_friction_origin *origin)
 {
-  char first[64], second[64];
-  const nsdae_friction_problem *p = w->problem;
-  int local = p->form == NSDAE_FRICTION_LOCAL;
-  w->root = local ? "/fclib_local" : "/fclib_global";
-  int status = write_contacts(w);
-  if (status == NSDAE_OK) status = local ? write_local(w) : write_global(w);
-  if (status == NSDAE_OK)
-    status = write_rows(w, path_of(w, first, local ? "vectors/q" : "vectors/w"),
-                        path_of(w, second, local ? "vectors/s" : "vectors/b"), p->w);
-  if (status == NSDAE_OK && p->compliance)
-    status = write_rows(w, path_of(w, first, "vectors/compliance"),
-                        path_of(w, second, "vectors/compliance_l"), p->compliance);
-  if (status == NSDAE_OK && points) status = write_points(w, points);
-  return status < 0 ? status : write_origin(w->h5, origin);
+  const nsdae_friction_problem *p = w->p;
+  write_contacts(w);
+  if (w->local)
+    write_local(w);
+  else
+    write_global(w);
+  write_rows(w, w->root, w->local ? "vectors/q" : "vectors/w", w->local ? "vectors/s" : "vectors/b",
+             w->view.m > 0 ? p->w : w->spread);
+  write_rows(w, w->root, "vectors/compliance", "vectors/compliance_l", p->compliance);
+  if (points) write_points(w, points);
+  write_origin(&w->h5, origin);
 }
 
-static int write_file(writer *w, const nsdae_friction_points *points,
-                      const nsdae_friction_origin *origin)
+/* The arrays of the writer. */
+static void layout(void *writer_of, nsdae_arena *arena)
 {
-  int status = nsdae_h5_create(w->h5, NSDAE_H5_PLAIN);
-  if (status < 0) return status;
-  status = write_problem(w, points, origin);
-  if (status == NSDAE_OK) status = nsdae_h5_flush(w->h5);
-  int closed = nsdae_h5_close(w->h5);
-  return status < 0 ? status : closed;
+  writer *w = writer_of;
+  nsdae_fc_view_layout(&w->view, arena);
+  w->spread = nsdae_arena_take(arena, (long)row_in_file(w, w->view.items) + 1, sizeof *w->spread);
 }
 
 int nsdae_friction_write(const char *path, const nsdae_friction_problem *problem,
                          const nsdae_friction_points *points, const nsdae_friction_origin *origin,
                          nsdae_error *error)
 {
+  nsdae_arena arena;
+  writer w = {.h5 = {.file = -1, .path = path, .where = "nsdae_friction_write"}};
   nsdae_error_clear(error);
-  if (!path)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_friction_write", "path", "path is NULL");
+  if (!path) return nsdae_error_set(error, NSDAE_E_ARGUMENT, w.h5.where, "path", "path is NULL");
   int status = nsdae_friction_check(problem, error);
   if (status < 0) return status;
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_write", .error = error};
-  writer w = {.h5 = &h5, .problem = problem};
-  status = measure_rows(&w);
-  if (status == NSDAE_OK) NSDAE_H5_QUIETLY(status, write_file(&w, points, origin));
-  free(w.rows);
-  free(w.first);
-  free(w.home);
-  free(w.spread);
-  return status;
+  w.p = w.view.p = problem;
+  w.local = problem->form == NSDAE_FRICTION_LOCAL;
+  w.root = w.local ? "/fclib_local" : "/fclib_global";
+  w.dim = 2;
+  for (int c = 0; c < problem->contacts; c++)
+    if (nsdae_fc_rows(problem, c) == 3) w.dim = 3;
+  nsdae_h5_begin(&w.h5, error);
+  if (nsdae_arena_build(&arena, layout, &w) == NSDAE_OK) {
+    nsdae_fc_view_fill(&w.view);
+    if (nsdae_h5_create(&w.h5, NSDAE_H5_PLAIN) == NSDAE_OK) write_problem(&w, points, origin);
+    nsdae_h5_flush(&w.h5);
+    nsdae_h5_close(&w.h5);
+    nsdae_arena_release(&arena);
+  } else
+    nsdae_h5_no_memory(&w.h5);
+  return nsdae_h5_end(&w.h5);
 }

@@ -13,19 +13,13 @@ static const double ROUNDING = 1e-12;
 
 /* ---- partitions */
 
-static int *integers(size_t count)
+int nsdae_partition_create(nsdae_h5 *h5, int n, int parts, nsdae_partition *p)
 {
-  return calloc(count + 1, sizeof(int));
-}
-
-/* Parts. */
-
-static int create_partition(nsdae_h5 *h5, int n, nsdae_partition *p)
-{
-  size_t count = (size_t)n;
-  *p = (nsdae_partition){
-      .n = n, .of = integers(count), .at = integers(count), .size = integers(count)};
-  return p->of && p->at && p->size ? NSDAE_OK : nsdae_h5_no_memory(h5);
+  *p = (nsdae_partition){.n = n, .parts = parts};
+  p->of = nsdae_h5_allocate(h5, (size_t)n, sizeof *p->of);
+  p->at = nsdae_h5_allocate(h5, (size_t)n, sizeof *p->at);
+  p->size = nsdae_h5_allocate(h5, (size_t)n, sizeof *p->size);
+  return h5->status;
 }
 
 void nsdae_partition_release(nsdae_partition *p)
@@ -39,24 +33,21 @@ void nsdae_partition_release(nsdae_partition *p)
 /* Places and sizes from p->of. */
 static void count_places(nsdae_partition *p)
 {
-  for (int i = 0; i < p->n; i++)
-    if (p->of[i] >= 0) p->at[i] = p->size[p->of[i]]++;
+  for (int i = 0; i < p->n; i++) p->at[i] = p->size[p->of[i]]++;
 }
 
-int nsdae_partition_make(nsdae_h5 *h5, int n, int parts, const int *size, nsdae_partition *p)
+void nsdae_partition_make(nsdae_h5 *h5, int n, int parts, const int *size, nsdae_partition *p)
 {
-  int status = create_partition(h5, n, p), i = 0;
-  if (status < 0) return status;
-  p->parts = parts;
-  for (int k = 0; k < parts; k++) {
+  int i = 0;
+  nsdae_partition_create(h5, n, parts, p);
+  for (int k = 0; k < parts && h5->status == NSDAE_OK; k++) {
     if (size[k] < 1 || size[k] > n - i)
-      return nsdae_h5_refuse(h5, "part %d has %d of %d rows, of which %d are left", k, size[k], n,
-                             n - i);
-    for (int end = i + size[k]; i < end; i++) p->of[i] = k;
+      nsdae_h5_refuse(h5, "read", "part %d has %d of %d rows, of which %d are left", k, size[k], n,
+                      n - i);
+    for (int end = i + size[k]; h5->status == NSDAE_OK && i < end; i++) p->of[i] = k;
   }
-  if (i < n) return nsdae_h5_refuse(h5, "its parts have %d of %d rows", i, n);
-  count_places(p);
-  return NSDAE_OK;
+  if (i < n) nsdae_h5_refuse(h5, "read", "its parts have %d of %d rows", i, n);
+  if (h5->status == NSDAE_OK) count_places(p);
 }
 
 /* Whether every entry stays in a part of that size. */
@@ -68,10 +59,9 @@ static int all_alike(const nsdae_triplets *M, int alike)
   return 1;
 }
 
-int nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae_partition *p)
+void nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae_partition *p)
 {
-  int status = create_partition(h5, M->rows, p);
-  if (status < 0) return status;
+  if (nsdae_partition_create(h5, M->rows, 0, p) < 0) return;
   int same = all_alike(M, alike);
   for (int i = 0; i < p->n; i++) p->of[i] = same ? i - i % alike : i;
   for (int k = 0; k < M->count; k++) nsdae_sets_join(p->of, M->row[k], M->column[k]);
@@ -81,226 +71,157 @@ int nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae
   }
   memcpy(p->of, p->at, (size_t)p->n * sizeof *p->of);
   count_places(p);
-  return NSDAE_OK;
 }
-
-/* Rows by blocks. */
 
 /* ---- entries by item and block */
 
-/* Entries in the order of their items, those of one item as they come. */
-static int sort_by_item(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *items,
-                        int **start, int **order)
+/* Lists of the entries 0 .. count - 1 of each of n parts, in ascending order: the first of part i
+ * is first[i], the one after entry k next[k] with next = first + n, -1: none. The part of entry k
+ * is index[k], or of[index[k]]. */
+static int *list_entries(nsdae_h5 *h5, int n, int count, const int *index, const int *of)
 {
-  *start = integers((size_t)items->parts + 1);
-  *order = integers((size_t)A->count);
-  if (!*start || !*order) return nsdae_h5_no_memory(h5);
-  int *next = *start + 1; /* counts, then starts of the items one further on */
-  for (int k = 0; k < A->count; k++)
-    if (items->of[A->column[k]] >= 0) next[items->of[A->column[k]]]++;
-  for (int i = 1; i < items->parts; i++) next[i] += next[i - 1];
-  for (int k = A->count; k-- > 0;) {
-    int item = items->of[A->column[k]];
-    if (item >= 0) (*order)[--next[item]] = k;
+  int *first = nsdae_h5_allocate(h5, (size_t)n + (size_t)count, sizeof *first);
+  int *next = first ? first + n : NULL;
+  for (int i = 0; first && i < n; i++) first[i] = -1;
+  for (int k = count; first && k-- > 0;) {
+    int part = of ? of[index[k]] : index[k];
+    if (part < 0) continue;
+    next[k] = first[part];
+    first[part] = k;
   }
-  for (int i = 0; i < items->parts; i++) next[i - 1] = next[i];
-  (*start)[items->parts] = 0;
-  for (int k = 0; k < A->count; k++) (*start)[items->parts] += items->of[A->column[k]] >= 0;
-  return NSDAE_OK;
+  return first;
 }
 
 /* What belongs to no part must be zero: rows of zeros that stand for none. */
-static int check_outside(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
-                         const nsdae_partition *items)
+static void check_outside(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
+                          const nsdae_partition *items)
 {
-  for (int k = 0; k < A->count; k++)
+  for (int k = 0; k < A->count && h5->status == NSDAE_OK; k++)
     if (A->value[k] != 0 && (rows->of[A->row[k]] < 0 || items->of[A->column[k]] < 0))
-      return nsdae_h5_refuse(h5, "entry (%d, %d) = %g is in a row that its contact does not have",
-                             A->row[k], A->column[k], A->value[k]);
-  return NSDAE_OK;
+      nsdae_h5_refuse(h5, "read", "entry (%d, %d) = %g is in a row that its contact does not have",
+                      A->row[k], A->column[k], A->value[k]);
 }
 
-/* One pass over the entries: the blocks of each item, and where their values begin. */
-typedef struct pass {
-  const nsdae_triplets *A;
-  const nsdae_partition *rows, *items;
-  const int *start, *order;
-  int *stamp;   /* rows->parts: 1 + the item that it was met in last */
-  size_t *home; /* rows->parts: where its values begin in that item */
-} pass;
-
-/* Blocks and numbers in all; fills g as far as it has room. */
-static void go(const pass *p, nsdae_blocked_problem *g, size_t *blocks, size_t *numbers)
+static void check_numbers(nsdae_h5 *h5, const nsdae_triplets *A, size_t numbers)
 {
-  *blocks = *numbers = 0;
-  memset(p->stamp, 0, (size_t)p->rows->parts * sizeof *p->stamp);
-  for (int i = 0; i < p->items->parts; i++) {
-    if (g->first) g->first[i] = (int)*blocks;
-    for (int e = p->start[i]; e < p->start[i + 1]; e++) {
-      int k = p->order[e], row = p->A->row[k], b = p->rows->of[row];
+  if ((double)numbers <= MOST * ((double)A->count + A->rows + A->columns)) return;
+  nsdae_h5_refuse(h5, "read",
+                  "its blocks would take %.3g numbers for %d entries: too few of them are not zero",
+                  (double)numbers, A->count);
+}
+
+/* The blocks of each item into first and block, and the place of each entry in their values;
+ * returns how many values there are. */
+static size_t place_entries(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
+                            const nsdae_partition *items, int *first, int *block, size_t *place)
+{
+  int blocks = 0, n = items->parts;
+  size_t numbers = 0;
+  int *list = list_entries(h5, n, A->count, A->column, items->of), *next = list ? list + n : NULL;
+  int *stamp = nsdae_h5_allocate(h5, (size_t)rows->parts, sizeof *stamp); /* 1 + last item */
+  size_t *home = nsdae_h5_allocate(h5, (size_t)rows->parts, sizeof *home);
+  for (int i = 0; i < n && h5->status == NSDAE_OK; i++) {
+    for (int k = list[i]; k >= 0; k = next[k]) {
+      int row = A->row[k], b = rows->of[row];
       if (b < 0) continue;
-      if (p->stamp[b] != i + 1) {
-        if (g->block) g->block[*blocks] = b;
-        p->stamp[b] = i + 1;
-        p->home[b] = *numbers;
-        ++*blocks;
-        *numbers += (size_t)p->rows->size[b] * (size_t)p->items->size[i];
+      size_t size = (size_t)rows->size[b];
+      if (stamp[b] != i + 1) {
+        stamp[b] = i + 1;
+        home[b] = numbers;
+        block[blocks++] = b;
+        numbers += size * (size_t)items->size[i];
       }
-      size_t column = (size_t)p->items->at[p->A->column[k]] * (size_t)p->rows->size[b];
-      if (g->value) g->value[p->home[b] + column + (size_t)p->rows->at[row]] += p->A->value[k];
+      place[k] = home[b] + (size_t)items->at[A->column[k]] * size + (size_t)rows->at[row];
     }
+    first[i + 1] = blocks;
   }
-  if (g->first) g->first[p->items->parts] = (int)*blocks;
+  free(list);
+  free(stamp);
+  free(home);
+  return numbers;
 }
 
-static int too_many(nsdae_h5 *h5, const nsdae_triplets *A, size_t numbers)
+void nsdae_to_blocks(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
+                     const nsdae_partition *items, nsdae_friction_problem *problem)
 {
-  double most = MOST * ((double)A->count + A->rows + A->columns);
-  if ((double)numbers <= most) return NSDAE_OK;
-  return nsdae_h5_refuse(h5,
-                         "its blocks would take %.3g numbers for %d entries: too few of them are "
-                         "not zero",
-                         (double)numbers, A->count);
-}
-
-static int fill(nsdae_h5 *h5, const pass *p, nsdae_blocked_problem *g)
-{
-  size_t blocks, numbers;
-  go(p, g, &blocks, &numbers);
-  int status = too_many(h5, p->A, numbers);
-  if (status < 0) return status;
-  g->first = integers((size_t)p->items->parts);
-  g->block = integers(blocks);
-  g->value = calloc(numbers + 1, sizeof *g->value);
-  if (!g->first || !g->block || !g->value) return nsdae_h5_no_memory(h5);
-  go(p, g, &blocks, &numbers);
-  return NSDAE_OK;
-}
-
-int nsdae_to_blocks(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
-                    const nsdae_partition *items, nsdae_blocked_problem *g)
-{
-  int *start = NULL, *order = NULL;
-  *g = (nsdae_blocked_problem){0};
-  int status = check_outside(h5, A, rows, items);
-  if (status == NSDAE_OK) status = sort_by_item(h5, A, items, &start, &order);
-  pass p = {.A = A, .rows = rows, .items = items, .start = start, .order = order};
-  p.stamp = integers((size_t)rows->parts);
-  p.home = calloc((size_t)rows->parts + 1, sizeof *p.home);
-  if (status == NSDAE_OK) status = p.stamp && p.home ? fill(h5, &p, g) : nsdae_h5_no_memory(h5);
-  free(p.stamp);
-  free(p.home);
-  free(start);
-  free(order);
-  return status;
-}
-
-void nsdae_blocked_problem_release(nsdae_blocked_problem *g)
-{
-  free(g->first);
-  free(g->block);
-  free(g->value);
-  *g = (nsdae_blocked_problem){0};
+  check_outside(h5, A, rows, items);
+  int *first = nsdae_h5_allocate(h5, (size_t)items->parts, sizeof *first);
+  int *block = nsdae_h5_allocate(h5, (size_t)A->count, sizeof *block);
+  size_t *place = nsdae_h5_allocate(h5, (size_t)A->count, sizeof *place);
+  size_t numbers = place_entries(h5, A, rows, items, first, block, place);
+  check_numbers(h5, A, numbers);
+  double *value = nsdae_h5_allocate(h5, numbers, sizeof *value);
+  for (int k = 0; value && k < A->count; k++) value[place[k]] += A->value[k];
+  free(place);
+  problem->first = first;
+  problem->block = block;
+  problem->value = value;
 }
 
 /* ---- block-diagonal matrices */
 
-int nsdae_to_blocks_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_partition *p,
-                             double **blocks)
+double *nsdae_to_blocks_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_partition *p)
 {
-  size_t numbers = 0, *home = calloc((size_t)p->parts + 1, sizeof *home);
-  if (!home) return nsdae_h5_no_memory(h5);
-  for (int b = 0; b < p->parts; b++) {
+  size_t numbers = 0, *home = nsdae_h5_allocate(h5, (size_t)p->parts, sizeof *home);
+  for (int b = 0; home && b < p->parts; b++) {
     home[b] = numbers;
     numbers += (size_t)p->size[b] * (size_t)p->size[b];
   }
-  int status = too_many(h5, M, numbers);
-  if (status == NSDAE_OK) *blocks = calloc(numbers + 1, sizeof **blocks);
-  if (status == NSDAE_OK && !*blocks) status = nsdae_h5_no_memory(h5);
-  for (int k = 0; k < M->count && status == NSDAE_OK; k++) {
+  check_numbers(h5, M, numbers);
+  double *blocks = nsdae_h5_allocate(h5, numbers, sizeof *blocks);
+  for (int k = 0; k < M->count && h5->status == NSDAE_OK; k++) {
     int i = M->row[k], j = M->column[k], b = p->of[i];
     if (p->of[j] != b)
-      status = nsdae_h5_refuse(h5, "M(%d, %d) joins two blocks", i, j);
+      nsdae_h5_refuse(h5, "read", "M(%d, %d) joins two blocks", i, j);
     else
-      (*blocks)[home[b] + (size_t)p->at[j] * (size_t)p->size[b] + (size_t)p->at[i]] += M->value[k];
+      blocks[home[b] + (size_t)p->at[j] * (size_t)p->size[b] + (size_t)p->at[i]] += M->value[k];
   }
   free(home);
-  return status;
+  return blocks;
 }
-
-/* Symmetry. */
-
-typedef struct entry {
-  int row, column;
-  double value, mirrored; /* sums at the place and at its mirror image */
-} entry;
 
 /* ---- symmetry */
 
-static int compare_entries(const void *a, const void *b)
+/* x, y := sums of column j and of row j. Of each place in the column the entry, and the difference
+ * of mirror images, make the largest ones greater; in most[2] the difference over the root of the
+ * two diagonal entries. */
+static void compare_column(const nsdae_triplets *A, int j, const int *column, const int *row,
+                           double *x, double most[3])
 {
-  const entry *x = a, *y = b;
-  if (x->row != y->row) return x->row < y->row ? -1 : 1;
-  return (x->column > y->column) - (x->column < y->column);
+  double *y = x + A->rows, *diagonal = y + A->rows;
+  const int *below = column + A->rows, *right = row + A->rows;
+  for (int k = column[j]; k >= 0; k = below[k]) x[A->row[k]] += A->value[k];
+  for (int k = row[j]; k >= 0; k = right[k]) y[A->column[k]] += A->value[k];
+  for (int k = column[j]; k >= 0; k = below[k]) {
+    int i = A->row[k];
+    double between = fabs(x[i] - y[i]), size = sqrt(fabs(diagonal[i])) * sqrt(fabs(diagonal[j]));
+    most[0] = fmax(most[0], fabs(x[i]));
+    most[1] = fmax(most[1], between);
+    if (between > 0) most[2] = fmax(most[2], size > 0 ? between / size : INFINITY);
+  }
+  for (int k = column[j]; k >= 0; k = below[k]) x[A->row[k]] = 0;
+  for (int k = row[j]; k >= 0; k = right[k]) y[A->column[k]] = 0;
 }
 
-/* The largest difference of mirror images, of sorted entries of A and A^T, and the largest entry;
- * in rounding how much of it, at the most, a difference is of the root of its two diagonal entries.
- */
-static double difference(size_t count, const entry *e, const double *diagonal, double *largest,
-                         double *rounding)
+double nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A)
 {
-  double worst = 0;
-  for (size_t k = 0; k < count;) {
-    double value = 0, mirrored = 0;
-    size_t first = k;
-    for (; k < count && compare_entries(&e[k], &e[first]) == 0; k++) {
-      value += e[k].value;
-      mirrored += e[k].mirrored;
-    }
-    double between = fabs(value - mirrored);
-    double size = sqrt(fabs(diagonal[e[first].row])) * sqrt(fabs(diagonal[e[first].column]));
-    *largest = fmax(*largest, fabs(value));
-    worst = fmax(worst, between);
-    if (between > 0) *rounding = fmax(*rounding, size > 0 ? between / size : INFINITY);
-  }
-  return worst;
-}
-
-/* How unsymmetric A is; 0 where it is by no more than rounding. */
-static int measure_asymmetry(nsdae_h5 *h5, const nsdae_triplets *A, double *asymmetry)
-{
-  double largest = 0, rounding = 0;
-  /* Sorted entries of A and of its transpose. */
-  size_t count = (size_t)A->count;
-  entry *e = calloc(2 * count + 1, sizeof *e);
-  for (size_t k = 0; e && k < count; k++) {
-    e[2 * k] = (entry){A->row[k], A->column[k], A->value[k], 0};
-    e[2 * k + 1] = (entry){A->column[k], A->row[k], 0, A->value[k]};
-  }
-  if (e) qsort(e, 2 * count, sizeof *e, compare_entries);
-  double *diagonal = calloc((size_t)A->rows + 1, sizeof *diagonal);
-  int status = e && diagonal ? NSDAE_OK : nsdae_h5_no_memory(h5);
-  for (int k = 0; k < A->count && status == NSDAE_OK; k++)
-    if (A->row[k] == A->column[k]) diagonal[A->row[k]] += A->value[k];
-  *asymmetry = 0;
-  if (status == NSDAE_OK) {
-    double worst = difference(2 * (size_t)A->count, e, diagonal, &largest, &rounding);
-    if (rounding > ROUNDING) *asymmetry = worst / largest;
-  }
-  free(e);
-  free(diagonal);
-  return status;
-}
-
-int nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A, double *asymmetry)
-{
-  int count = A->count, status = measure_asymmetry(h5, A, asymmetry);
-  if (status == NSDAE_OK) status = nsdae_triplets_grow(h5, A, count);
-  for (int k = 0; k < count && status == NSDAE_OK; k++) {
-    if (*asymmetry > 0) A->value[k] /= 2;
+  int count = A->count, n = A->rows;
+  double most[3] = {0};
+  int *column = list_entries(h5, n, count, A->column, NULL);
+  int *row = list_entries(h5, n, count, A->row, NULL);
+  double *x = nsdae_h5_allocate(h5, 3 * (size_t)n, sizeof *x); /* x, y and the diagonal */
+  for (int k = 0; x && k < count; k++)
+    if (A->row[k] == A->column[k]) x[2 * (size_t)n + (size_t)A->row[k]] += A->value[k];
+  for (int j = 0; x && j < n; j++) compare_column(A, j, column, row, x, most);
+  free(column);
+  free(row);
+  free(x);
+  double asymmetry = most[2] > ROUNDING ? most[1] / most[0] : 0;
+  nsdae_triplets_grow(h5, A, count);
+  for (int k = 0; k < count && h5->status == NSDAE_OK; k++) {
+    if (asymmetry > 0) A->value[k] /= 2;
     /* else as it is, to the last bit, but both places stand there */
-    nsdae_triplets_add(A, A->column[k], A->row[k], *asymmetry > 0 ? A->value[k] : 0);
+    nsdae_triplets_add(A, A->column[k], A->row[k], asymmetry > 0 ? A->value[k] : 0);
   }
-  return status;
+  return asymmetry;
 }

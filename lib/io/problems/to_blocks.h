@@ -2,6 +2,8 @@
 #ifndef NSDAE_IO_GATHER_H
 #define NSDAE_IO_GATHER_H
 
+#include <nsdae/friction.h>
+
 #include "triplets.h"
 
 /* Indices 0 .. n - 1 in parts. */
@@ -9,36 +11,30 @@ typedef struct nsdae_partition {
   int n, parts;
   int *of;   /* n: the part of an index, -1: none */
   int *at;   /* n: its place in it */
-  int *size; /* parts */
+  int *size; /* parts, of which there is room for n */
 } nsdae_partition;
 
-/* The parts that entries of M join, in the order of their first index; or where none leaves it, all
- * of the same size `alike`, if that divides n. */
-int nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae_partition *p);
-
+/* Memory, with zeros. */
+int nsdae_partition_create(nsdae_h5 *h5, int n, int parts, nsdae_partition *p);
+/* The parts that entries of M join, in the order of their first index; or if none leaves it, all of
+ * the same size `alike`, if that divides n. */
+void nsdae_partition_find(nsdae_h5 *h5, const nsdae_triplets *M, int alike, nsdae_partition *p);
 /* Parts of these sizes, one after another. */
-int nsdae_partition_make(nsdae_h5 *h5, int n, int parts, const int *size, nsdae_partition *p);
+void nsdae_partition_make(nsdae_h5 *h5, int n, int parts, const int *size, nsdae_partition *p);
 void nsdae_partition_release(nsdae_partition *p);
 
-/* Rows by blocks as nsdae_friction_problem has them: for each item (part of the columns) its blocks
- * (parts of the rows), in the order in which its entries come. */
-typedef struct nsdae_blocked_problem {
-  int *first, *block;
-  double *value;
-} nsdae_blocked_problem;
-
-/* Refuses entries outside the parts, and more than 256 numbers for each entry, row and column of
- * the matrix: memory is bounded by the file. */
-int nsdae_to_blocks(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
-                    const nsdae_partition *items, nsdae_blocked_problem *g);
-void nsdae_blocked_problem_release(nsdae_blocked_problem *g);
+/* Fills first, block and value of the problem: for each item (part of the columns) its blocks
+ * (parts of the rows), in the order in which its entries come. Refuses entries outside the parts,
+ * and more than 256 numbers for each entry, row and column of the matrix: memory is bounded by the
+ * file. */
+void nsdae_to_blocks(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
+                     const nsdae_partition *items, nsdae_friction_problem *problem);
 
 /* The dense blocks of M on its parts, one after another; the same bound. */
-int nsdae_to_blocks_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_partition *p,
-                             double **blocks);
+double *nsdae_to_blocks_diagonal(nsdae_h5 *h5, const nsdae_triplets *M, const nsdae_partition *p);
 
 /* A := (A + A^T) / 2, the entries of A before those of A^T; largest |A_ij - A_ji| / largest |A_ij|
- * comes back. Where they differ by rounding alone A keeps its values, and 0 comes back. */
-int nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A, double *asymmetry);
+ * comes back. If they differ by rounding alone A keeps its values, and 0 comes back. */
+double nsdae_symmetrise(nsdae_h5 *h5, nsdae_triplets *A);
 
 #endif

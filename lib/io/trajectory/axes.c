@@ -3,8 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "errors.h"
-
 enum { COORDINATE, VELOCITY, CONSTRAINT, CONTACT, TANGENT, SLIDE, SIDE };
 
 static const struct axis {
@@ -41,103 +39,69 @@ static int length_of(int i, const nsdae_sizes *sizes)
   return length[i];
 }
 
-static void write_name(const nsdae_system *system, int i, int number, char text[NAME_SIZE])
+/* The names of axis i, or their units, as a dataset of n texts. */
+static void write_texts(nsdae_h5 *h5, const nsdae_system *system, int i, int n, int units)
 {
-  const char *given = axis[i].kind < 0 ? "" : nsdae_system_get_name(system, axis[i].kind, number);
-  if (*given)
-    snprintf(text, NAME_SIZE, "%s", given);
-  else
-    snprintf(text, NAME_SIZE, "%s%d", axis[i].letter, number);
-}
-
-static void write_unit(const nsdae_system *system, int i, int number, char text[NAME_SIZE])
-{
-  snprintf(text, NAME_SIZE, "%s", nsdae_system_get_unit(system, axis[i].kind, number));
-}
-
-/* A dataset of n texts, each filled by `fill`. */
-static int write_texts(nsdae_h5 *h5, const char *path, const char *what,
-                       void (*fill)(const nsdae_system *, int, int, char *),
-                       const nsdae_system *system, int i, int n)
-{
-  char **text = malloc((size_t)n * (sizeof *text + NAME_SIZE));
-  if (!text) return nsdae_error_memory(h5->error, "nsdae_trajectory");
-  for (int j = 0; j < n; j++) {
+  const struct axis *a = &axis[i];
+  char **text = nsdae_h5_allocate(h5, (size_t)n, sizeof *text + NAME_SIZE);
+  for (int j = 0; text && j < n; j++) {
+    const char *given = units         ? nsdae_system_get_unit(system, a->kind, j)
+                        : a->kind < 0 ? ""
+                                      : nsdae_system_get_name(system, a->kind, j);
     text[j] = (char *)(text + n) + (size_t)j * NAME_SIZE;
-    fill(system, i, j, text[j]);
+    if (units || *given)
+      snprintf(text[j], NAME_SIZE, "%s", given);
+    else
+      snprintf(text[j], NAME_SIZE, "%s%d", a->letter, j);
   }
-  int status = nsdae_h5_vector(h5, path, H5T_C_S1, (hsize_t)n, text, "", what);
+  nsdae_h5_vector(h5, units ? a->unit_path : a->path, H5T_C_S1, (hsize_t)n, text, "",
+                  units ? "units of these" : a->what);
   free(text);
-  return status;
 }
 
-static int write_numbers(nsdae_h5 *h5, int i, int n)
+static void write_numbers(nsdae_h5 *h5, int i, int n)
 {
-  int *number = malloc((size_t)n * sizeof *number);
-  if (!number) return nsdae_error_memory(h5->error, "nsdae_trajectory");
-  for (int j = 0; j < n; j++) number[j] = j;
-  int status =
-      nsdae_h5_vector(h5, axis[i].path, H5T_NATIVE_INT, (hsize_t)n, number, "1", axis[i].what);
+  int *number = nsdae_h5_allocate(h5, (size_t)n, sizeof *number);
+  for (int j = 0; number && j < n; j++) number[j] = j;
+  nsdae_h5_vector(h5, axis[i].path, H5T_NATIVE_INT, (hsize_t)n, number, "1", axis[i].what);
   free(number);
-  return status;
 }
 
-static int create_scale(nsdae_axes *axes, nsdae_h5 *h5, const nsdae_system *system, int i, int n)
-{
-  int status = n > NAMED_MOST
-                   ? write_numbers(h5, i, n)
-                   : write_texts(h5, axis[i].path, axis[i].what, write_name, system, i, n);
-  if (status == NSDAE_OK) status = nsdae_h5_open_dataset(h5, axis[i].path, &axes->scale[i]);
-  return status < 0 ? status : nsdae_h5_make_scale(h5, axes->scale[i], axis[i].name);
-}
-
-/* The units beside the names, with the names as their dimension. */
-static int create_units(nsdae_axes *axes, nsdae_h5 *h5, const nsdae_system *system, int i, int n)
-{
-  hid_t set;
-  const char *path = axis[i].unit_path;
-  if (!path || n > NAMED_MOST) return NSDAE_OK;
-  int status = write_texts(h5, path, "units of these", write_unit, system, i, n);
-  if (status == NSDAE_OK) status = nsdae_h5_open_dataset(h5, path, &set);
-  if (status < 0) return status;
-  status = nsdae_h5_attach_scale(h5, set, axes->scale[i], 0);
-  H5Dclose(set);
-  return status;
-}
-
-void nsdae_axes_init(nsdae_axes *axes)
-{
-  for (int i = 0; i < NSDAE_AXES; i++) axes->scale[i] = -1;
-}
-
-int nsdae_axes_create(nsdae_axes *axes, nsdae_h5 *h5, const nsdae_sim *sim)
+void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim)
 {
   nsdae_sizes sizes;
-  int status = NSDAE_OK;
   const nsdae_system *system = nsdae_sim_get_system(sim);
   nsdae_sizes_of(&sizes, sim);
-  for (int i = 0; i < NSDAE_AXES && status == NSDAE_OK; i++) {
+  for (int i = 0; i < NSDAE_AXES; i++) {
     int n = length_of(i, &sizes);
+    scale[i] = -1;
     if (n == 0) continue;
-    status = create_scale(axes, h5, system, i, n);
-    if (status == NSDAE_OK) status = create_units(axes, h5, system, i, n);
+    if (n > NAMED_MOST)
+      write_numbers(h5, i, n);
+    else
+      write_texts(h5, system, i, n, 0);
+    scale[i] = nsdae_h5_open_dataset(h5, axis[i].path);
+    nsdae_h5_make_scale(h5, scale[i], axis[i].name);
+    if (!axis[i].unit_path || n > NAMED_MOST) continue;
+    /* the units beside the names, with the names as their dimension */
+    write_texts(h5, system, i, n, 1);
+    hid_t set = nsdae_h5_open_dataset(h5, axis[i].unit_path);
+    nsdae_h5_attach_scale(h5, set, scale[i], 0);
+    if (set >= 0) H5Dclose(set);
   }
-  return status;
 }
 
-hid_t nsdae_axes_of(const nsdae_axes *axes, nsdae_width width, int i)
+hid_t nsdae_axes_of(const hid_t scale[NSDAE_AXES], nsdae_width width, int i)
 {
   static const int first[] = {
       [NSDAE_WIDTH_PAIR] = SIDE,  [NSDAE_WIDTH_LISTED_T] = TANGENT, [NSDAE_WIDTH_Q] = COORDINATE,
       [NSDAE_WIDTH_V] = VELOCITY, [NSDAE_WIDTH_M] = CONSTRAINT,     [NSDAE_WIDTH_K] = CONTACT,
       [NSDAE_WIDTH_KT] = CONTACT, [NSDAE_WIDTH_T] = TANGENT,        [NSDAE_WIDTH_F] = SLIDE};
-  return axes->scale[i == 1 ? TANGENT : first[width]];
+  return scale[i == 1 ? TANGENT : first[width]];
 }
 
-void nsdae_axes_close(nsdae_axes *axes)
+void nsdae_axes_close(const hid_t scale[NSDAE_AXES])
 {
-  for (int i = 0; i < NSDAE_AXES; i++) {
-    if (axes->scale[i] >= 0) H5Dclose(axes->scale[i]);
-    axes->scale[i] = -1;
-  }
+  for (int i = 0; i < NSDAE_AXES; i++)
+    if (scale[i] >= 0) H5Dclose(scale[i]);
 }

@@ -6,25 +6,18 @@
 
 #include <nsdae/sim.h>
 
-#include "hdf5_data.h"
 #include "dataset_table.h"
+#include "hdf5_data.h"
 
 enum { NSDAE_AXES = 7 };
 
-typedef struct nsdae_axes {
-  hid_t scale[NSDAE_AXES]; /* < 0: the model has none of it */
-} nsdae_axes;
-
-/* None is open. */
-void nsdae_axes_init(nsdae_axes *axes);
-
-/* Makes them in the file of a simulation; the groups are there. */
-int nsdae_axes_create(nsdae_axes *axes, nsdae_h5 *h5, const nsdae_sim *sim);
+/* Makes them in the file of a simulation. < 0: the model has none of it. */
+void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim);
 
 /* The scale of a row's dimension i = 0, 1, or < 0. */
-hid_t nsdae_axes_of(const nsdae_axes *axes, nsdae_width width, int i);
+hid_t nsdae_axes_of(const hid_t scale[NSDAE_AXES], nsdae_width width, int i);
 
 /* The scales, not the file. */
-void nsdae_axes_close(nsdae_axes *axes);
+void nsdae_axes_close(const hid_t scale[NSDAE_AXES]);
 
 #endif

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors.h"
-#include "hdf5_read.h"
 #include "dataset_table.h"
 
 static const char dataset[] = "/restart/state";
@@ -71,140 +69,119 @@ void nsdae_checkpoint_release(nsdae_checkpoint *checkpoint)
   *checkpoint = (nsdae_checkpoint){.set = -1};
 }
 
-int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
+void nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
-  const hsize_t size[2] = {PLACES, checkpoint->width};
-  return nsdae_h5_bytes(h5, dataset, size, checkpoint->grows,
-                        "states for a restart, the last two alternate; read by this library only",
-                        &checkpoint->set);
+  hsize_t width = checkpoint->width;
+  nsdae_h5_layout layout = {
+      .rank = 2, .size = {PLACES, width}, .most = {PLACES, width}, .early = 1};
+  if (checkpoint->grows) {
+    layout.most[1] = H5S_UNLIMITED;
+    layout.chunk[0] = 1;
+    layout.chunk[1] = 1 << 16;
+  }
+  checkpoint->set =
+      nsdae_h5_dataset(h5, dataset, H5T_NATIVE_UCHAR, &layout, "1",
+                       "states for a restart, the last two alternate; read by this library only");
 }
 
 /* ---- writing */
 
-static unsigned char *state_of(const nsdae_checkpoint *c)
+/* Places in the file of this width. */
+static void set_width(nsdae_checkpoint *c, nsdae_h5 *h5, hsize_t width)
 {
-  return c->place + sizeof(head);
+  const hsize_t size[2] = {PLACES, width};
+  if (nsdae_h5_resize(h5, c->set, size) == NSDAE_OK) c->width = width;
 }
 
-/* The state as it is now, behind the room for the head. */
-static int read_state(nsdae_checkpoint *c, nsdae_h5 *h5, nsdae_sim *sim, size_t *size)
+void nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
+                            const nsdae_checkpoint_mark *mark)
 {
-  int status = nsdae_sim_state_size(sim, size);
-  if (status == NSDAE_OK) status = grow_place(c, sizeof(head) + *size);
-  if (status == NSDAE_E_MEMORY)
-    return nsdae_error_set(h5->error, status, "nsdae_trajectory", "", "out of memory");
-  return status < 0 ? status : nsdae_sim_get_state(sim, state_of(c), *size);
-}
-
-/* The places of the file, where a state is too long for them. */
-static int widen(nsdae_checkpoint *c, nsdae_h5 *h5, hsize_t bytes)
-{
-  const hsize_t size[2] = {PLACES, bytes + bytes / 2};
-  if (bytes <= c->width) return NSDAE_OK;
-  int status = nsdae_h5_resize(h5, c->set, size);
-  if (status == NSDAE_OK) c->width = size[1];
-  return status;
-}
-
-int nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                           const nsdae_checkpoint_mark *mark)
-{
+  nsdae_checkpoint *c = checkpoint;
   size_t size;
-  head h = {.step = mark->step};
-  int next = (checkpoint->newest + 1) % PLACES;
-  int status = read_state(checkpoint, h5, sim, &size);
-  if (status < 0) return status;
+  if (h5->status < 0) return;
+  int status = nsdae_sim_state_size(sim, &size);
+  if (status == NSDAE_OK) status = grow_place(c, sizeof(head) + size);
+  if (status == NSDAE_E_MEMORY) nsdae_h5_no_memory(h5);
+  unsigned char *state = c->place + sizeof(head);
+  if (status == NSDAE_OK) status = nsdae_sim_get_state(sim, state, size);
+  if (h5->status == NSDAE_OK) h5->status = status;
+  if (status < 0) return;
+  head h = {.step = mark->step, .size = (int64_t)size};
   memcpy(h.magic, magic, sizeof magic);
-  h.size = (int64_t)size;
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) h.rows[i] = (int64_t)mark->rows[i];
-  h.sum = sum_of(&h, state_of(checkpoint), size);
-  memcpy(checkpoint->place, &h, sizeof h);
-  status = widen(checkpoint, h5, sizeof h + size);
-  if (status == NSDAE_OK)
-    status =
-        nsdae_h5_write_row(h5, checkpoint->set, (hsize_t)next, sizeof h + size, checkpoint->place);
-  if (status < 0) return status;
-  checkpoint->newest = next;
-  checkpoint->used = sizeof h + size;
-  return NSDAE_OK;
+  h.sum = sum_of(&h, state, size);
+  memcpy(c->place, &h, sizeof h);
+  const hsize_t start[2] = {(hsize_t)((c->newest + 1) % PLACES), 0}, part[2] = {1, sizeof h + size};
+  if (part[1] > c->width) set_width(c, h5, part[1] + part[1] / 2);
+  if (nsdae_h5_write_part(h5, c->set, H5T_NATIVE_UCHAR, 2, start, part, c->place) < 0) return;
+  c->newest = (int)start[0];
+  c->used = part[1];
 }
 
-int nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
+void nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 {
-  const hsize_t size[2] = {PLACES, checkpoint->used};
-  if (!checkpoint->grows || checkpoint->set < 0 || checkpoint->used == 0) return NSDAE_OK;
-  checkpoint->width = checkpoint->used;
-  return nsdae_h5_resize(h5, checkpoint->set, size);
+  if (checkpoint->grows && checkpoint->set >= 0 && checkpoint->used > 0)
+    set_width(checkpoint, h5, checkpoint->used);
 }
 
 /* ---- reading */
 
-static int unusable(nsdae_h5 *h5, const char *why)
-{
-  return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_resume", "path",
-                         "cannot resume '%.90s': %s", h5->path, why);
-}
-
-int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
-{
-  hsize_t size[2];
-  int status = nsdae_h5_shape(h5, dataset, 2, size);
-  if (status < 0) return unusable(h5, "it has no state for a restart (/restart/state)");
-  int wide = checkpoint->grows ? size[1] >= sizeof(head) : size[1] == checkpoint->width;
-  if (size[0] != PLACES || !wide)
-    return unusable(h5, "its state has another size: another version of the library wrote it");
-  if (grow_place(checkpoint, size[1]) < 0)
-    return nsdae_error_memory(h5->error, "nsdae_trajectory_resume");
-  checkpoint->width = size[1];
-  return nsdae_h5_open_series(h5, dataset, &checkpoint->set);
-}
-
 /* What is at the place is whole, and the file has the rows that belong to it. */
-static int is_good(const nsdae_checkpoint *c, const hsize_t rows[NSDAE_CHECKPOINT_TABLES])
+static int is_good(const unsigned char *place, hsize_t width, const head *h,
+                   const hsize_t rows[NSDAE_CHECKPOINT_TABLES])
 {
-  head h;
-  memcpy(&h, c->place, sizeof h);
-  if (memcmp(h.magic, magic, sizeof magic) != 0) return 0;
-  if (h.size < 0 || h.size > (int64_t)(c->width - sizeof h)) return 0;
-  if (h.sum != sum_of(&h, state_of(c), (size_t)h.size)) return 0;
+  if (memcmp(h->magic, magic, sizeof magic) != 0 || h->step < 0) return 0;
+  if (h->size < 0 || h->size > (int64_t)(width - sizeof *h)) return 0;
+  if (h->sum != sum_of(h, place + sizeof *h, (size_t)h->size)) return 0;
   for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++)
-    if (h.rows[i] < 0 || (hsize_t)h.rows[i] > rows[i]) return 0;
+    if (h->rows[i] < 0 || (hsize_t)h->rows[i] > rows[i]) return 0;
   return 1;
 }
 
-/* Reads a place; the step of its state, or -1 where there is nothing good in it. */
-static int read_place(nsdae_checkpoint *c, nsdae_h5 *h5, int place, const hsize_t *rows,
-                      int64_t *step)
+/* Sets sim to the newest good state of the places. */
+static void set_newest(nsdae_checkpoint *c, nsdae_h5 *h5, nsdae_sim *sim,
+                       const unsigned char *place, const hsize_t *rows, nsdae_checkpoint_mark *mark)
 {
-  head h;
-  *step = -1;
-  int status = nsdae_h5_read_row(h5, c->set, (hsize_t)place, c->width, c->place);
-  if (status < 0 || !is_good(c, rows)) return status;
-  memcpy(&h, c->place, sizeof h);
-  *step = h.step;
-  return NSDAE_OK;
+  head h, newest = {.step = -1};
+  for (int i = 0; i < PLACES; i++) {
+    const unsigned char *at = place + (size_t)i * (size_t)c->width;
+    memcpy(&h, at, sizeof h);
+    if (!is_good(at, c->width, &h, rows) || h.step < newest.step) continue;
+    newest = h;
+    c->newest = i;
+  }
+  if (newest.step < 0) {
+    nsdae_h5_refuse(h5, "resume",
+                    "it has no complete state: the run was killed before its first flush, or the "
+                    "file is damaged");
+    return;
+  }
+  mark->step = (long)newest.step;
+  for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) mark->rows[i] = (hsize_t)newest.rows[i];
+  place += (size_t)c->newest * (size_t)c->width + sizeof h;
+  h5->status = nsdae_sim_set_state(sim, place, (size_t)newest.size);
+  if (h5->status < 0 && h5->error) *h5->error = *nsdae_sim_error(sim);
 }
 
-int nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                          const hsize_t rows[NSDAE_CHECKPOINT_TABLES], nsdae_checkpoint_mark *mark)
+void nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
+                           const hsize_t rows[NSDAE_CHECKPOINT_TABLES], nsdae_checkpoint_mark *mark)
 {
-  head h;
-  int64_t step[PLACES];
-  int status = read_place(checkpoint, h5, 0, rows, &step[0]);
-  if (status == NSDAE_OK) status = read_place(checkpoint, h5, 1, rows, &step[1]);
-  if (status < 0) return status;
-  if (step[0] < 0 && step[1] < 0)
-    return unusable(h5, "it has no complete state: the run was killed before its first flush, or "
-                        "the file is damaged");
-  checkpoint->newest = step[1] < step[0] ? 0 : 1;
-  status = read_place(checkpoint, h5, checkpoint->newest, rows, &step[0]);
-  if (status < 0) return status;
-  memcpy(&h, checkpoint->place, sizeof h);
-  mark->step = (long)h.step;
-  for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) mark->rows[i] = (hsize_t)h.rows[i];
-  status = nsdae_sim_set_state(sim, state_of(checkpoint), (size_t)h.size);
-  if (status < 0 && h5->error) *h5->error = *nsdae_sim_error(sim);
-  return status;
+  nsdae_checkpoint *c = checkpoint;
+  hsize_t size[2] = {0};
+  if (h5->status < 0) return;
+  if (nsdae_h5_shape(h5, dataset, 2, size) < 0) {
+    h5->status = NSDAE_OK;
+    nsdae_h5_refuse(h5, "resume", "it has no state for a restart (/restart/state)");
+  }
+  if (size[0] != PLACES || (c->grows ? size[1] < sizeof(head) : size[1] != c->width))
+    nsdae_h5_refuse(h5, "resume",
+                    "its state has another size: another version of the library wrote it");
+  c->width = size[1];
+  unsigned char *place = nsdae_h5_allocate(h5, PLACES * (size_t)size[1], 1);
+  nsdae_h5_read(h5, dataset, H5T_NATIVE_UCHAR, place);
+  c->set = nsdae_h5_open_dataset(h5, dataset);
+  if (h5->status == NSDAE_OK) set_newest(c, h5, sim, place, rows, mark);
+  free(place);
 }
 
 void nsdae_checkpoint_close(nsdae_checkpoint *checkpoint)

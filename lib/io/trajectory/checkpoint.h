@@ -30,20 +30,20 @@ typedef struct nsdae_checkpoint_mark {
 int nsdae_checkpoint_init(nsdae_checkpoint *checkpoint, const nsdae_sim *sim);
 void nsdae_checkpoint_release(nsdae_checkpoint *checkpoint);
 
-int nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
+void nsdae_checkpoint_create(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
 /* The state of sim as it is now, in the place of the older one. */
-int nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                           const nsdae_checkpoint_mark *mark);
+void nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
+                            const nsdae_checkpoint_mark *mark);
 
 /* Takes from the places what the last two states, which must have the same size, have no use for.
  */
-int nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
+void nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
 
-/* Opens those of a file. */
-int nsdae_checkpoint_open(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
-/* Sets sim to the newest state that has at most these rows. NSDAE_E_IO: there is none. */
-int nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                          const hsize_t rows[NSDAE_CHECKPOINT_TABLES], nsdae_checkpoint_mark *mark);
+/* Opens those of a file, and sets sim to the newest state that has at most these rows. NSDAE_E_IO:
+ * there is none. */
+void nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
+                           const hsize_t rows[NSDAE_CHECKPOINT_TABLES],
+                           nsdae_checkpoint_mark *mark);
 void nsdae_checkpoint_close(nsdae_checkpoint *checkpoint);
 
 #endif

@@ -7,10 +7,9 @@
 #include "hdf5_data.h"
 
 /* Writes it into a new file. */
-int nsdae_description_write(nsdae_h5 *h5, const nsdae_sim *sim, const nsdae_trajectory_info *info);
+void nsdae_description_write(nsdae_h5 *h5, const nsdae_sim *sim, const nsdae_trajectory_info *info);
 
-/* The attribute status of the root: "running", or what a run that returned run_status is. */
-int nsdae_description_set_running(nsdae_h5 *h5);
-int nsdae_description_set_ended(nsdae_h5 *h5, int run_status);
+/* The attribute status of the root, of a run that returned run_status. */
+void nsdae_description_set_ended(nsdae_h5 *h5, int run_status);
 
 #endif

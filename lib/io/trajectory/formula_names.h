@@ -6,10 +6,11 @@
 #include <nsdae/sim.h>
 
 #include "formula.h"
+#include "hdf5_file.h"
 
-/* parameters: as in nsdae_formula_names. NSDAE_E_MEMORY: nothing is held. */
-int nsdae_names_make(nsdae_formula_names *names, const nsdae_sim *sim,
-                     const nsdae_params *parameters);
+/* parameters: as in nsdae_formula_names. */
+void nsdae_names_make(nsdae_formula_names *names, nsdae_h5 *h5, const nsdae_sim *sim,
+                      const nsdae_params *parameters);
 void nsdae_names_release(nsdae_formula_names *names);
 
 #endif

@@ -14,24 +14,18 @@ typedef struct nsdae_setting {
   size_t length, room;
 } nsdae_setting;
 
-/* That of a simulation. NSDAE_E_MEMORY. */
-int nsdae_setting_make(nsdae_setting *setting, const nsdae_sim *sim,
-                       const nsdae_trajectory_info *info);
-int nsdae_setting_write(const nsdae_setting *setting, nsdae_h5 *h5);
-/* NSDAE_E_IO: the file has none. */
-int nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5);
+/* That of a simulation; of a file, NSDAE_E_IO: it has none. */
+void nsdae_setting_make(nsdae_setting *setting, nsdae_h5 *h5, const nsdae_sim *sim,
+                        const nsdae_trajectory_info *info);
+void nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5);
+void nsdae_setting_write(const nsdae_setting *setting, nsdae_h5 *h5);
 void nsdae_setting_release(nsdae_setting *setting);
 
 /* Copies the value of "group/key"; 0 where there is no such line. */
 int nsdae_setting_find(const nsdae_setting *setting, const char *group, const char *key,
                        char value[NSDAE_SETTING_VALUE]);
 
-/* Sets those of the table's fields that are in the group. */
-int nsdae_setting_apply(const nsdae_setting *setting, const char *group, const nsdae_params *table,
-                        void *base, nsdae_error *error);
-
 /* NSDAE_E_ARGUMENT names the first that differs. */
-int nsdae_setting_compare(const nsdae_setting *own, const nsdae_setting *file, const char *path,
-                          nsdae_error *error);
+void nsdae_setting_compare(const nsdae_setting *own, const nsdae_setting *file, nsdae_h5 *h5);
 
 #endif

@@ -3,9 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors.h"
-#include "hdf5_read.h"
-
 /* A chunk of a column is at most so long, unless a row is longer: what is kept of a large system's
  * records is bounded by it, and 1024 rows of most systems are less. */
 static const size_t chunk_bytes = (size_t)4 << 20;
@@ -83,70 +80,43 @@ void nsdae_series_release(nsdae_series *series)
 
 /* ---- creating and opening */
 
-static int create_column(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, int i,
-                         int deflate)
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
+                         const hid_t axes[NSDAE_AXES], const char *scale, int deflate)
 {
-  const nsdae_column *column = &series->table->column[i];
-  int shape[2], rank = nsdae_width_shape(column->width, sizes, shape);
-  const hsize_t width[2] = {(hsize_t)shape[0], (hsize_t)shape[1]};
-  int status = nsdae_h5_series(h5, column->path, value_type(column), width, rank + 1, series->chunk,
-                               deflate, &series->set[i]);
-  if (status == NSDAE_OK)
-    status = nsdae_h5_describe(h5, series->set[i], column->units, column->description);
-  return status;
-}
-
-/* The first column's rows and the axes, as dimensions of column i. */
-static int attach(nsdae_series *series, nsdae_h5 *h5, const nsdae_axes *axes, int i)
-{
-  nsdae_width width = series->table->column[i].width;
-  int status = nsdae_h5_attach_scale(h5, series->set[i], series->set[0], 0);
-  int more = width < NSDAE_WIDTH_PAIR ? 0 : width == NSDAE_WIDTH_KT ? 2 : 1;
-  for (int d = 0; d < more && status == NSDAE_OK; d++)
-    status = nsdae_h5_attach_scale(h5, series->set[i], nsdae_axes_of(axes, width, d), d + 1);
-  return status;
-}
-
-int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
-                        const nsdae_axes *axes, const char *scale, int deflate)
-{
-  int status = NSDAE_OK;
-  for (int i = 0; i < series->table->columns && status == NSDAE_OK; i++) {
+  for (int i = 0; i < series->table->columns && h5->status == NSDAE_OK; i++) {
+    const nsdae_column *column = &series->table->column[i];
+    int shape[2], rank = nsdae_width_shape(column->width, sizes, shape);
+    nsdae_h5_layout layout = {
+        .rank = rank + 1, .most = {H5S_UNLIMITED}, .chunk = {series->chunk}, .deflate = deflate};
     if (series->bytes[i] == 0) continue;
-    status = create_column(series, h5, sizes, i, deflate);
-    if (status < 0) break;
-    status = i == 0 ? nsdae_h5_make_scale(h5, series->set[0], scale) : attach(series, h5, axes, i);
+    for (int d = 0; d < rank; d++)
+      layout.size[d + 1] = layout.most[d + 1] = layout.chunk[d + 1] = (hsize_t)shape[d];
+    series->set[i] = nsdae_h5_dataset(h5, column->path, value_type(column), &layout, column->units,
+                                      column->description);
+    if (i == 0)
+      nsdae_h5_make_scale(h5, series->set[0], scale);
+    else
+      nsdae_h5_attach_scale(h5, series->set[i], series->set[0], 0);
+    for (int d = 0; d < rank; d++)
+      nsdae_h5_attach_scale(h5, series->set[i], nsdae_axes_of(axes, column->width, d), d + 1);
   }
-  return status;
 }
 
-/* Whether the file's dataset of column i has its shape; rows becomes its length if that is less. */
-static int look_at_column(const nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, int i,
-                          hsize_t *rows)
+hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes)
 {
-  const nsdae_column *column = &series->table->column[i];
-  int shape[2], rank = nsdae_width_shape(column->width, sizes, shape);
-  hsize_t length[NSDAE_H5_RANK_MAX] = {0, 1, 1};
-  int status = nsdae_h5_shape(h5, column->path, rank + 1, length);
-  if (status < 0) return status;
-  if (length[0] < *rows) *rows = length[0];
-  if (length[1] == (hsize_t)shape[0] && length[2] == (hsize_t)shape[1]) return NSDAE_OK;
-  return nsdae_error_set(h5->error, NSDAE_E_IO, "nsdae_trajectory_resume", "path",
-                         "cannot resume '%.90s': %s has rows of another length", h5->path,
-                         column->path);
-}
-
-int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, hsize_t *rows)
-{
-  int status = NSDAE_OK;
-  *rows = (hsize_t)-1;
-  for (int i = 0; i < series->table->columns && status == NSDAE_OK; i++) {
+  hsize_t rows = (hsize_t)-1;
+  for (int i = 0; i < series->table->columns; i++) {
+    const nsdae_column *column = &series->table->column[i];
+    int shape[2], rank = nsdae_width_shape(column->width, sizes, shape);
+    hsize_t length[NSDAE_H5_RANK] = {0, 1, 1};
     if (series->bytes[i] == 0) continue;
-    status = look_at_column(series, h5, sizes, i, rows);
-    if (status == NSDAE_OK)
-      status = nsdae_h5_open_series(h5, series->table->column[i].path, &series->set[i]);
+    nsdae_h5_shape(h5, column->path, rank + 1, length);
+    if (length[1] != (hsize_t)shape[0] || length[2] != (hsize_t)shape[1])
+      nsdae_h5_refuse(h5, "resume", "%s has rows of another length", column->path);
+    series->set[i] = nsdae_h5_open_dataset(h5, column->path);
+    if (length[0] < rows) rows = length[0];
   }
-  return status;
+  return rows;
 }
 
 void nsdae_series_resume(nsdae_series *series, hsize_t rows)
@@ -156,24 +126,24 @@ void nsdae_series_resume(nsdae_series *series, hsize_t rows)
   series->held = 0;
 }
 
-int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5)
+void nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5)
 {
-  int status = NSDAE_OK, first = first_written(series);
+  int first = first_written(series);
   if (first == 1) {
-    status = nsdae_h5_cut(h5, series->set[0], series->counted);
-    if (status == NSDAE_OK) status = nsdae_h5_flush(h5);
+    nsdae_h5_cut(h5, series->set[0], series->counted);
+    nsdae_h5_flush(h5);
   }
-  for (int i = first; i < series->table->columns && status == NSDAE_OK; i++)
-    if (series->set[i] >= 0) status = nsdae_h5_cut(h5, series->set[i], series->written);
-  return status;
+  for (int i = first; i < series->table->columns; i++)
+    if (series->set[i] >= 0) nsdae_h5_cut(h5, series->set[i], series->written);
 }
 
 /* ---- writing */
 
-static int write_column(nsdae_series *series, nsdae_h5 *h5, int i, hsize_t from, hsize_t rows)
+static void write_column(nsdae_series *series, nsdae_h5 *h5, int i, hsize_t from, hsize_t rows)
 {
-  return nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]), from, rows,
-                         series->buffer[i]);
+  if (series->set[i] >= 0 && rows > 0)
+    nsdae_h5_append(h5, series->set[i], value_type(&series->table->column[i]), from, rows,
+                    series->buffer[i]);
 }
 
 hsize_t nsdae_series_rows(const nsdae_series *series)
@@ -186,11 +156,6 @@ int nsdae_series_ends_chunk(const nsdae_series *series)
   return nsdae_series_rows(series) % series->chunk == 0;
 }
 
-int nsdae_series_exists(const nsdae_series *series)
-{
-  return series->bytes[0] > 0;
-}
-
 void nsdae_series_rewind(nsdae_series *series, hsize_t rows)
 {
   if (rows < series->written) series->written = rows;
@@ -198,30 +163,25 @@ void nsdae_series_rewind(nsdae_series *series, hsize_t rows)
   series->held = rows - series->written;
 }
 
-int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part)
+void nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part)
 {
-  int status = NSDAE_OK;
-  if (series->packed && part == NSDAE_SERIES_CHUNKS && !nsdae_series_ends_chunk(series))
-    return NSDAE_OK;
-  for (int i = first_written(series);
-       i < series->table->columns && series->held > 0 && status == NSDAE_OK; i++)
-    if (series->set[i] >= 0) status = write_column(series, h5, i, series->written, series->held);
-  if (status < 0) return status;
+  if (series->packed && part == NSDAE_SERIES_CHUNKS && !nsdae_series_ends_chunk(series)) return;
+  for (int i = first_written(series); i < series->table->columns; i++)
+    write_column(series, h5, i, series->written, series->held);
+  if (h5->status < 0) return;
   series->written += series->held;
   series->held = 0;
-  return NSDAE_OK;
 }
 
-int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5)
+void nsdae_series_count(nsdae_series *series, nsdae_h5 *h5)
 {
-  if (!series->table->counts) return NSDAE_OK;
+  if (!series->table->counts) return;
   hsize_t rows = series->written - series->counted;
-  int status = rows > 0 ? write_column(series, h5, 0, series->counted, rows) : NSDAE_OK;
-  if (status < 0) return status;
+  write_column(series, h5, 0, series->counted, rows);
+  if (h5->status < 0) return;
   memmove(series->buffer[0], series->buffer[0] + rows * series->bytes[0],
           series->held * series->bytes[0]);
   series->counted = series->written;
-  return NSDAE_OK;
 }
 
 int nsdae_series_is_full(const nsdae_series *series)

@@ -3,8 +3,6 @@
 #define NSDAE_IO_SERIES_H
 
 #include "axes.h"
-#include "hdf5_data.h"
-#include "dataset_table.h"
 
 /* Rows that are kept of a first column that counts, for it is written at flushes only; of the
  * others as many as a chunk of the datasets has. */
@@ -28,20 +26,18 @@ int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsda
 void nsdae_series_release(nsdae_series *series);
 
 /* Makes the datasets, the first of them the dimension scale of all, named scale; the others' second
- * dimensions are the axes. deflate: as in nsdae_h5_series. */
-int nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
-                        const nsdae_axes *axes, const char *scale, int deflate);
+ * dimensions are the axes. deflate: as in nsdae_h5_layout. */
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
+                         const hid_t axes[NSDAE_AXES], const char *scale, int deflate);
 
-/* Opens the datasets of a file, which must have the table's shapes; rows: of the shortest. */
-int nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes, hsize_t *rows);
+/* Opens the datasets of a file, which must have the table's shapes; the rows of the shortest. */
+hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes);
 /* Continues behind this number of rows, whatever the file has. */
 void nsdae_series_resume(nsdae_series *series, hsize_t rows);
 /* Drops what the file has behind the rows that are written, of the first column and then of the
  * others. */
-int nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5);
+void nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5);
 
-/* Whether it has any column. */
-int nsdae_series_exists(const nsdae_series *series);
 /* Adds rows `from` and on of those at `row`, a struct of the table, to the buffers; as many as
  * given, or those up to the end of a chunk, where that is less: how many they were. A struct whose
  * fields are the row itself has the one, 0. */
@@ -60,9 +56,9 @@ typedef enum nsdae_series_part {
 } nsdae_series_part;
 
 /* Writes the rows held, without the first column. */
-int nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part);
+void nsdae_series_write(nsdae_series *series, nsdae_h5 *h5, nsdae_series_part part);
 /* Writes the first column up to the rows that are written. */
-int nsdae_series_count(nsdae_series *series, nsdae_h5 *h5);
+void nsdae_series_count(nsdae_series *series, nsdae_h5 *h5);
 /* No row more before nsdae_series_count. */
 int nsdae_series_is_full(const nsdae_series *series);
 /* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of

@@ -3,7 +3,6 @@
 #include "shapes_data.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -200,13 +199,6 @@ static const char *text_of(const nsdae_body *b, int column)
   return or_else(b->end[column - 10], b->shape == NSDAE_SHAPE_SEGMENT ? "0" : "");
 }
 
-static size_t all_points(int n, const nsdae_body *const *body)
-{
-  size_t all = 0;
-  for (int i = 0; i < n; i++) all += (size_t)body[i]->points;
-  return all;
-}
-
 /* Bodies of one of the two groups, and memory for their columns. */
 typedef struct column_set {
   nsdae_h5 *h5;
@@ -218,45 +210,46 @@ typedef struct column_set {
   double *row;       /* 3 of n, or of all points */
 } column_set;
 
-static int write_matrix(const column_set *s, const char *name, hsize_t rows, const char *what)
+static void write_matrix(const column_set *s, const char *name, size_t rows, const char *what)
 {
-  char path[48];
-  snprintf(path, sizeof path, "%s/%s", s->group, name);
-  return nsdae_h5_matrix(s->h5, path, rows, 3, s->row, "m", what);
+  char path[NSDAE_H5_PATH];
+  const hsize_t size[2] = {rows, 3};
+  nsdae_h5_array(s->h5, nsdae_h5_join(path, s->group, name), H5T_NATIVE_DOUBLE, 2, size, s->row,
+                 "m", what);
 }
 
-static int write_ints(const column_set *s, const char *name, const char *what)
+static void write_ints(const column_set *s, const char *name, const char *what)
 {
-  char path[48];
-  snprintf(path, sizeof path, "%s/%s", s->group, name);
-  return nsdae_h5_vector(s->h5, path, H5T_NATIVE_INT, (hsize_t)s->n, s->number, "1", what);
+  char path[NSDAE_H5_PATH];
+  nsdae_h5_vector(s->h5, nsdae_h5_join(path, s->group, name), H5T_NATIVE_INT, (hsize_t)s->n,
+                  s->number, "1", what);
 }
 
-/* How many each body has, and all of them one after another. */
-static int write_points(column_set *s)
+/* Sizes; how many points each body has, and all of them one after another. */
+static void write_points(column_set *s)
 {
-  double *at = s->row;
-  for (int i = 0; i < s->n; i++) s->number[i] = s->body[i]->points;
-  int status = write_ints(s, "points", "rows of point in this group that each has, in order");
+  size_t points = 0;
+  for (int i = 0; i < s->n; i++)
+    memcpy(s->row + 3 * (size_t)i, s->body[i]->size, sizeof s->body[i]->size);
+  write_matrix(s, "size", (size_t)s->n, "by the shape");
   for (int i = 0; i < s->n; i++) {
-    if (s->body[i]->points == 0) continue;
-    memcpy(at, s->body[i]->point, 3 * sizeof *at * (size_t)s->body[i]->points);
-    at += 3 * s->body[i]->points;
+    size_t own = (size_t)s->body[i]->points;
+    s->number[i] = s->body[i]->points;
+    if (own > 0) memcpy(s->row + 3 * points, s->body[i]->point, 3 * sizeof *s->row * own);
+    points += own;
   }
-  if (status < 0 || at == s->row) return status;
-  return write_matrix(s, "point", (hsize_t)(at - s->row) / 3,
-                      "corners of polygons and paths in their bodies' frames");
+  write_ints(s, "points", "rows of point in this group that each has, in order");
+  if (points > 0)
+    write_matrix(s, "point", points, "corners of polygons and paths in their bodies' frames");
 }
 
-static int write_texts(column_set *s)
+static void write_texts(column_set *s)
 {
-  int status = NSDAE_OK;
-  for (int c = 0; c < TEXTS && status == NSDAE_OK; c++) {
+  for (int c = 0; c < TEXTS; c++) {
     for (int i = 0; i < s->n; i++) s->text[i] = text_of(s->body[i], c);
-    status = nsdae_h5_vector(s->h5, columns[c].path, H5T_C_S1, (hsize_t)s->n, s->text,
-                             columns[c].units, columns[c].description);
+    nsdae_h5_vector(s->h5, columns[c].path, H5T_C_S1, (hsize_t)s->n, s->text, columns[c].units,
+                    columns[c].description);
   }
-  return status;
 }
 
 /* ---- what is placed by coordinates alone */
@@ -287,8 +280,8 @@ static int find_place(const nsdae_body *b, const nsdae_formula_names *names, pla
   return p->dimension == 3 && in_a_row(b->quaternion, 4, names, &p->turn);
 }
 
-/* Three columns of numbers: which coordinates place each body. */
-static int write_places(column_set *s, const nsdae_formula_names *names)
+/* Names and shapes, and three columns of numbers: which coordinates place each body. */
+static void write_shapes(column_set *s, const nsdae_formula_names *names)
 {
   static const char *const name[] = {"dimension", "position", "turn"},
                            *const what[] = {
@@ -296,73 +289,61 @@ static int write_places(column_set *s, const nsdae_formula_names *names)
                                "coordinate, from 0, that is x of the origin; y, z come after it",
                                ("coordinate, from 0, that is the angle about z, or in space w of "
                                 "the quaternion, whose x, y, z come after it; -1: not turned")};
-  int status = NSDAE_OK;
-  for (int c = 0; c < 3 && status == NSDAE_OK; c++) {
+  for (int i = 0; i < s->n; i++) {
+    s->text[i] = s->body[i]->name;
+    s->number[i] = s->body[i]->shape;
+  }
+  nsdae_h5_vector(s->h5, "/shapes/name", H5T_C_S1, (hsize_t)s->n, s->text, "",
+                  "names of what is placed by coordinates alone");
+  write_ints(s, "shape", "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane");
+  for (int c = 0; c < 3; c++) {
     for (int i = 0; i < s->n; i++) {
       placed p;
       find_place(s->body[i], names, &p);
       s->number[i] = c == 0 ? p.dimension : c == 1 ? p.position : p.turn;
     }
-    status = write_ints(s, name[c], what[c]);
+    write_ints(s, name[c], what[c]);
   }
-  return status;
-}
-
-static int write_shapes(column_set *s, const nsdae_formula_names *names)
-{
-  for (int i = 0; i < s->n; i++) s->text[i] = s->body[i]->name;
-  int status = nsdae_h5_vector(s->h5, "/shapes/name", H5T_C_S1, (hsize_t)s->n, s->text, "",
-                               "names of what is placed by coordinates alone");
-  for (int i = 0; i < s->n; i++) s->number[i] = s->body[i]->shape;
-  if (status == NSDAE_OK)
-    status = write_ints(s, "shape",
-                        "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane");
-  return status < 0 ? status : write_places(s, names);
 }
 
 /* names: of formulas, for /shapes; NULL: /bodies. */
-static int write_group(nsdae_h5 *h5, int n, const nsdae_body *const *body,
-                       const nsdae_formula_names *names)
+static void write_group(nsdae_h5 *h5, int n, const nsdae_body *const *body,
+                        const nsdae_formula_names *names)
 {
-  if (n == 0) return NSDAE_OK;
-  size_t points = all_points(n, body), count = (size_t)n;
+  size_t rows = (size_t)n, points = 0;
   column_set s = {.h5 = h5, .group = names ? "/shapes" : "/bodies", .n = n, .body = body};
-  s.text = malloc(count * sizeof *s.text);
-  s.number = malloc(count * sizeof *s.number);
-  s.row = malloc(3 * (points > count ? points : count) * sizeof *s.row);
-  int status = NSDAE_E_MEMORY;
-  if (s.text && s.number && s.row) {
-    status = names ? write_shapes(&s, names) : write_texts(&s);
-    if (status == NSDAE_OK) {
-      for (int i = 0; i < s.n; i++)
-        memcpy(s.row + 3 * (size_t)i, s.body[i]->size, sizeof s.body[i]->size);
-      status = write_matrix(&s, "size", (hsize_t)s.n, "by the shape");
-    }
-    if (status == NSDAE_OK) status = write_points(&s);
-  } else
-    nsdae_error_set(h5->error, status, "nsdae_trajectory_set_bodies", "", "out of memory");
+  for (int i = 0; i < n; i++) points += (size_t)body[i]->points;
+  if (points > rows) rows = points;
+  s.text = nsdae_h5_allocate(h5, (size_t)n, sizeof *s.text);
+  s.number = nsdae_h5_allocate(h5, (size_t)n, sizeof *s.number);
+  s.row = nsdae_h5_allocate(h5, 3 * rows, sizeof *s.row);
+  if (s.row && n > 0) {
+    if (names)
+      write_shapes(&s, names);
+    else
+      write_texts(&s);
+    write_points(&s);
+  }
   free(s.text);
   free(s.number);
   free(s.row);
-  return status;
 }
 
-int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
-                       const nsdae_formula_names *names, int apart)
+void nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
+                        const nsdae_formula_names *names, int apart)
 {
-  int in_shapes = 0, in_bodies = n;
-  const nsdae_body **sorted = malloc(((size_t)n + 1) * sizeof *sorted);
-  if (!sorted) return nsdae_error_memory(h5->error, "nsdae_trajectory_set_bodies");
-  for (int i = n - 1; i >= 0; i--) { /* in order: /bodies at the end */
-    placed p;
-    if (!apart || !find_place(&body[i], names, &p)) sorted[--in_bodies] = &body[i];
+  int in_shapes = 0, in_bodies = 0;
+  placed p;
+  const nsdae_body **shapes = nsdae_h5_allocate(h5, (size_t)n, sizeof *shapes);
+  const nsdae_body **bodies = nsdae_h5_allocate(h5, (size_t)n, sizeof *bodies);
+  for (int i = 0; bodies && i < n; i++) {
+    if (apart && find_place(&body[i], names, &p))
+      shapes[in_shapes++] = &body[i];
+    else
+      bodies[in_bodies++] = &body[i];
   }
-  for (int i = 0; i < n && apart; i++) {
-    placed p;
-    if (find_place(&body[i], names, &p)) sorted[in_shapes++] = &body[i];
-  }
-  int status = write_group(h5, n - in_bodies, sorted + in_bodies, NULL);
-  if (status == NSDAE_OK) status = write_group(h5, in_shapes, sorted, names);
-  free(sorted);
-  return status;
+  write_group(h5, in_bodies, bodies, NULL);
+  write_group(h5, in_shapes, shapes, names);
+  free(shapes);
+  free(bodies);
 }

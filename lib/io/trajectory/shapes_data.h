@@ -13,7 +13,7 @@ int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names 
 
 /* Writes those that passed the check; apart: what is placed by coordinates alone goes to the group
  * /shapes, in numbers. */
-int nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
-                       const nsdae_formula_names *names, int apart);
+void nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
+                        const nsdae_formula_names *names, int apart);
 
 #endif

@@ -1,24 +1,21 @@
 /* A trajectory file as an observer of a simulation. */
-#include <nsdae/trajectory.h>
-
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "description.h"
-#include "errors.h"
 #include "trajectory_impl.h"
 
 static int observe(const nsdae_record *record, nsdae_error *error, void *user)
 {
   nsdae_trajectory *t = user;
-  int status;
   if (t->failed) return t->failed;
-  t->h5.error = error;
-  NSDAE_H5_QUIETLY(status, nsdae_trajectory_take(t, record))
-  if (status < 0) t->failed = status;
-  return status;
+  nsdae_h5_begin(&t->h5, error);
+  nsdae_trajectory_take(t, record);
+  t->failed = nsdae_h5_end(&t->h5);
+  return t->failed;
 }
+
+/* ---- memory and file */
 
 static void release(nsdae_trajectory *t)
 {
@@ -31,31 +28,24 @@ static void release(nsdae_trajectory *t)
 static int close_file(nsdae_trajectory *t)
 {
   for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_close(&t->rows.series[i]);
-  nsdae_axes_close(&t->axes);
   nsdae_checkpoint_close(&t->checkpoint);
   return nsdae_h5_close(&t->h5);
 }
 
-static void set_info(nsdae_trajectory *t, const nsdae_trajectory_info *info)
-{
-  if (info->parameters) t->parameters = *info->parameters;
-  t->live = info->live;
-  t->rows.every = info->every > 0 ? info->every : 1;
-  t->compress = info->compress;
-  t->rows.step = -1;
-}
-
-nsdae_trajectory *nsdae_trajectory_allocate(nsdae_sim *sim, const char *path,
-                                            const nsdae_trajectory_info *info)
+/* NULL: out of memory. */
+static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
+                                  const nsdae_trajectory_info *info)
 {
   nsdae_sizes sizes;
   nsdae_sizes_of(&sizes, sim);
   nsdae_trajectory *t = calloc(1, sizeof *t);
   if (!t) return NULL;
   t->sim = sim;
-  set_info(t, info);
-  nsdae_axes_init(&t->axes);
-  t->h5.file = -1;
+  if (info->parameters) t->parameters = *info->parameters;
+  t->live = info->live;
+  t->compress = info->compress;
+  t->rows.every = info->every > 0 ? info->every : 1;
+  t->rows.step = -1;
   t->path = malloc(strlen(path) + 1);
   int status = nsdae_checkpoint_init(&t->checkpoint, sim);
   for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
@@ -65,7 +55,7 @@ nsdae_trajectory *nsdae_trajectory_allocate(nsdae_sim *sim, const char *path,
     release(t);
     return NULL;
   }
-  t->h5.path = strcpy(t->path, path);
+  t->h5 = (nsdae_h5){.file = -1, .path = strcpy(t->path, path), .where = "nsdae_trajectory"};
   return t;
 }
 
@@ -83,17 +73,23 @@ static int check_info(const nsdae_trajectory_info *info, const char *where, nsda
                          info->every, info->compress);
 }
 
-/* A callback, or a thread beside the one that steps, cannot read the simulation. */
-static int readable(const nsdae_sim *sim, nsdae_error *error)
+/* The error of the simulation as that of the call; returns status. */
+static int fail_with_sim(const nsdae_sim *sim, int status, nsdae_error *error)
 {
-  nsdae_sim_options ignored;
-  int status = nsdae_sim_get_options(sim, &ignored);
   if (status < 0 && error) *error = *nsdae_sim_error(sim);
   return status;
 }
 
-int nsdae_trajectory_check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
-                           nsdae_trajectory **trajectory, const char *where, nsdae_error *error)
+/* A callback, or a thread beside the one that steps, cannot read the simulation. */
+static int readable(const nsdae_sim *sim, nsdae_error *error)
+{
+  nsdae_sim_options ignored;
+  return fail_with_sim(sim, nsdae_sim_get_options(sim, &ignored), error);
+}
+
+int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                           nsdae_trajectory **trajectory, nsdae_error *error, const char *where,
+                           void (*open)(nsdae_trajectory *, const nsdae_trajectory_info *))
 {
   const char *missing = !sim          ? "sim"
                         : !path       ? "path"
@@ -104,23 +100,22 @@ int nsdae_trajectory_check(nsdae_sim *sim, const char *path, const nsdae_traject
   if (missing)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
   int status = readable(sim, error);
-  return status < 0 ? status : check_info(info, where, error);
-}
-
-/* What was made, to the observers and the caller; or away again. */
-int nsdae_trajectory_hand_over(nsdae_trajectory *t, int status, nsdae_trajectory **trajectory)
-{
-  nsdae_error ignored;
-  if (status == NSDAE_OK) {
-    status = nsdae_sim_observe(t->sim, observe, t);
-    if (status < 0) *t->h5.error = *nsdae_sim_error(t->sim);
-  }
+  if (status == NSDAE_OK) status = check_info(info, where, error);
+  if (status < 0) return status;
+  *trajectory = NULL;
+  nsdae_trajectory *t = allocate(sim, path, info);
+  if (!t) return nsdae_error_memory(error, where);
+  nsdae_h5_begin(&t->h5, error);
+  open(t, info);
+  status = nsdae_h5_end(&t->h5);
+  if (status == NSDAE_OK) status = fail_with_sim(sim, nsdae_sim_observe(sim, observe, t), error);
   if (status == NSDAE_OK) {
     *trajectory = t;
     return NSDAE_OK;
   }
-  t->h5.error = &ignored;
-  NSDAE_H5_QUIETLY(ignored.status, close_file(t))
+  nsdae_h5_begin(&t->h5, NULL);
+  close_file(t);
+  nsdae_h5_end(&t->h5);
   release(t);
   return status;
 }
@@ -128,62 +123,46 @@ int nsdae_trajectory_hand_over(nsdae_trajectory *t, int status, nsdae_trajectory
 int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
                             nsdae_trajectory **trajectory, nsdae_error *error)
 {
-  nsdae_error own;
-  int status =
-      nsdae_trajectory_check(sim, path, info, trajectory, "nsdae_trajectory_create", error);
-  if (status < 0) return status;
-  *trajectory = NULL;
-  nsdae_trajectory *t = nsdae_trajectory_allocate(sim, path, info);
-  if (!t) return nsdae_error_memory(error, "nsdae_trajectory_create");
-  t->h5.error = error ? error : &own;
-  NSDAE_H5_QUIETLY(status, nsdae_trajectory_make_file(t, info))
-  return nsdae_trajectory_hand_over(t, status, trajectory);
+  return nsdae_trajectory_start(sim, path, info, trajectory, error, "nsdae_trajectory_create",
+                                nsdae_trajectory_make_file);
 }
 
 /* ---- flushing */
 
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
 {
-  nsdae_error own;
-  int status;
   nsdae_trajectory *t = trajectory;
   nsdae_error_clear(error);
   if (!t || t->failed)
     return nsdae_error_set(error, t ? t->failed : NSDAE_E_ARGUMENT, "nsdae_trajectory_flush",
                            "trajectory", t ? "writing '%.90s' failed before" : "%s is NULL",
                            t ? t->path : "trajectory");
-  status = readable(t->sim, error);
+  int status = readable(t->sim, error);
   if (status < 0) return status;
-  t->h5.error = error ? error : &own;
-  NSDAE_H5_QUIETLY(status, nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS))
-  if (status < 0) t->failed = status;
-  return status;
-}
-
-/* In SWMR mode the attribute can only be changed after the file was closed once. */
-static int reopen_live(nsdae_trajectory *t)
-{
-  if (!t->live) return NSDAE_OK;
-  int status = close_file(t);
-  return status < 0 ? status : nsdae_h5_reopen(&t->h5);
+  nsdae_h5_begin(&t->h5, error);
+  nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
+  t->failed = nsdae_h5_end(&t->h5);
+  return t->failed;
 }
 
 /* ---- closing */
 
+/* In SWMR mode the attribute can only be changed after the file was closed once. */
 static int end_file(nsdae_trajectory *t, int run_status)
 {
-  int status = nsdae_trajectory_count_rows(t);
-  if (status == NSDAE_OK) status = reopen_live(t);
-  if (status == NSDAE_OK) status = nsdae_description_set_ended(&t->h5, run_status);
-  int closed = close_file(t);
-  return status < 0 ? status : closed;
+  nsdae_trajectory_count_rows(t);
+  if (t->live && t->h5.status == NSDAE_OK) {
+    close_file(t);
+    nsdae_h5_reopen(&t->h5);
+  }
+  nsdae_description_set_ended(&t->h5, run_status);
+  return close_file(t);
 }
 
 /* A write failed: the file is as the last flush left it, and is to say how it ended, which needs no
  * more space on a full disk. A file that is not ours any more is left alone. */
-static void mark_failed(nsdae_trajectory *t)
+static void mark_failed(nsdae_h5 *h5)
 {
-  nsdae_h5 *h5 = &t->h5;
   const nsdae_vfd before = h5->disk;
   if (before.failure == NSDAE_VFD_REPLACED || before.committed == 0) return;
   if (nsdae_h5_reopen(h5) < 0) return;
@@ -193,48 +172,45 @@ static void mark_failed(nsdae_trajectory *t)
 }
 
 /* What an earlier run left behind the rows of this one goes. */
-static int flush_last(nsdae_trajectory *t)
+static void flush_last(nsdae_trajectory *t)
 {
-  int status = nsdae_trajectory_append_last(t);
-  if (status == NSDAE_OK) status = nsdae_trajectory_write_rows(t, NSDAE_SERIES_ALL);
-  if (status == NSDAE_OK)
-    status =
-        nsdae_trajectory_write_state(t); /* both places: the same bytes whenever the flushes were */
-  if (status == NSDAE_OK) status = nsdae_checkpoint_trim(&t->checkpoint, &t->h5);
-  for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK && t->resumed; i++)
-    if (nsdae_series_exists(&t->rows.series[i]))
-      status = nsdae_series_cut(&t->rows.series[i], &t->h5);
-  return status;
+  nsdae_trajectory_append_last(t);
+  nsdae_trajectory_write_rows(t, NSDAE_SERIES_ALL);
+  nsdae_trajectory_write_state(t); /* both places: the same bytes whenever the flushes were */
+  nsdae_checkpoint_trim(&t->checkpoint, &t->h5);
+  for (int i = 0; i < NSDAE_TABLES && t->resumed; i++) nsdae_series_cut(&t->rows.series[i], &t->h5);
 }
 
 /* Of several failures the first is reported. */
-static int finish_file(nsdae_trajectory *t, int run_status)
+static int finish_file(nsdae_trajectory *t, int run_status, nsdae_error *error)
 {
-  nsdae_error ignored, *first = t->h5.error;
-  int status = t->failed ? t->failed : flush_last(t);
-  if (status < 0) t->h5.error = &ignored;
+  nsdae_h5 *h5 = &t->h5;
+  nsdae_h5_begin(h5, error);
+  if (!t->failed) flush_last(t);
+  int status = t->failed ? t->failed : h5->status;
+  if (status < 0) h5->error = NULL;
+  h5->status = NSDAE_OK;
   int ended = end_file(t, status < 0 ? status : run_status);
-  t->h5.error = &ignored;
-  if (ended < 0) mark_failed(t);
-  t->h5.error = first;
+  h5->error = NULL;
+  h5->status = NSDAE_OK;
+  if (ended < 0) mark_failed(h5);
+  nsdae_h5_end(h5);
   return status < 0 ? status : ended;
 }
 
 int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_error *error)
 {
-  nsdae_error own;
   nsdae_error_clear(error);
   if (!trajectory || !*trajectory) return NSDAE_OK;
   nsdae_trajectory *t = *trajectory;
   int status = readable(t->sim, error);
   if (status < 0) return status;
-  t->h5.error = error ? error : &own;
   nsdae_sim_unobserve(t->sim, observe, t);
   if (t->failed)
     nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
                     "'%.90s' holds %ld records only: writing it failed before", t->path,
                     t->rows.committed);
-  NSDAE_H5_QUIETLY(status, finish_file(t, run_status))
+  status = finish_file(t, run_status, error);
   release(t);
   *trajectory = NULL;
   return status;

@@ -5,7 +5,6 @@
 #include <nsdae/trajectory.h>
 
 #include "checkpoint.h"
-#include "errors.h"
 #include "series.h"
 
 /* The tables of a file. */
@@ -40,41 +39,37 @@ struct nsdae_trajectory {
   int bodies; /* were named in place of the system's */
   int resumed;
   nsdae_trajectory_rows rows;
-  nsdae_axes axes;
   nsdae_checkpoint checkpoint;
   int failed; /* status of a write that failed: nothing is written any more */
 };
 
-/* ---- trajectory.c: what creating and resuming share */
+/* ---- trajectory.c */
 
-/* NSDAE_OK, or NSDAE_E_ARGUMENT naming what is missing or outside its range. */
-int nsdae_trajectory_check(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
-                           nsdae_trajectory **trajectory, const char *where, nsdae_error *error);
-/* NULL: out of memory. */
-nsdae_trajectory *nsdae_trajectory_allocate(nsdae_sim *sim, const char *path,
-                                            const nsdae_trajectory_info *info);
-/* What was made, to the observers and the caller; or away again, and its status. */
-int nsdae_trajectory_hand_over(nsdae_trajectory *t, int status, nsdae_trajectory **trajectory);
+/* A trajectory whose file `open` makes or opens, to the observers and the caller; or nothing, and
+ * the status of what failed. where: the public function. */
+int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
+                           nsdae_trajectory **trajectory, nsdae_error *error, const char *where,
+                           void (*open)(nsdae_trajectory *, const nsdae_trajectory_info *));
 
 /* ---- trajectory_rows.c */
 
 /* Tables that the option compress is for; the others are short. */
 int nsdae_trajectory_is_packed(int table);
 /* A record as it comes. */
-int nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record);
+void nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record);
 /* The last state is kept in any case; a run that continues there has its row where it belongs. */
-int nsdae_trajectory_append_last(nsdae_trajectory *t);
+void nsdae_trajectory_append_last(nsdae_trajectory *t);
 /* The state of the simulation, where all its records are in the file. */
-int nsdae_trajectory_write_state(nsdae_trajectory *t);
+void nsdae_trajectory_write_state(nsdae_trajectory *t);
 /* The rows, and then how many there are: killed in between, a program leaves columns that are
  * longer than the first of their table, never shorter. */
-int nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part);
+void nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part);
 /* All rows that are written, as rows of the file. */
-int nsdae_trajectory_count_rows(nsdae_trajectory *t);
+void nsdae_trajectory_count_rows(nsdae_trajectory *t);
 
 /* ---- trajectory_file.c */
 
 /* A new file, without its rows. */
-int nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info);
+void nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info);
 
 #endif

@@ -16,21 +16,18 @@ const nsdae_trajectory_table nsdae_trajectory_tables[NSDAE_TABLES] = {
 static const double flush_interval = 0.25;
 
 /* Room for what is held and for what HDF5 keeps of it. */
-static int reserve_rows(nsdae_trajectory *t)
+static void reserve_rows(nsdae_trajectory *t)
 {
   long bytes = 0;
   for (int i = 0; i < NSDAE_TABLES; i++) bytes += nsdae_series_held_bytes(&t->rows.series[i]);
-  return nsdae_h5_prepare(&t->h5, bytes);
+  nsdae_h5_prepare(&t->h5, bytes);
 }
 
-int nsdae_trajectory_count_rows(nsdae_trajectory *t)
+void nsdae_trajectory_count_rows(nsdae_trajectory *t)
 {
-  int status = NSDAE_OK;
-  for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_count(&t->rows.series[i], &t->h5);
-  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
-  if (status == NSDAE_OK) t->rows.committed = (long)t->rows.series[NSDAE_RECORDS].counted;
-  return status;
+  for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_count(&t->rows.series[i], &t->h5);
+  if (nsdae_h5_flush(&t->h5) == NSDAE_OK)
+    t->rows.committed = (long)t->rows.series[NSDAE_RECORDS].counted;
 }
 
 /* The rows that belong to the state of the simulation: a record that an observer after this one
@@ -51,26 +48,23 @@ static nsdae_checkpoint_mark mark_of(const nsdae_trajectory *t)
 
 /* ---- writing */
 
-int nsdae_trajectory_write_state(nsdae_trajectory *t)
+void nsdae_trajectory_write_state(nsdae_trajectory *t)
 {
   nsdae_checkpoint_mark mark = mark_of(t);
-  if (t->checkpoint.set < 0 || t->rows.step < 0 || t->rows.series[NSDAE_RECORDS].held > 0)
-    return NSDAE_OK;
-  return nsdae_checkpoint_write(&t->checkpoint, &t->h5, t->sim, &mark);
+  if (t->checkpoint.set >= 0 && t->rows.step >= 0 && t->rows.series[NSDAE_RECORDS].held == 0)
+    nsdae_checkpoint_write(&t->checkpoint, &t->h5, t->sim, &mark);
 }
 
-int nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part)
+void nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part)
 {
-  int status = reserve_rows(t);
+  reserve_rows(t);
   /* records that are written have their contacts in the file */
-  for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_write(&t->rows.series[i], &t->h5,
-                                i == NSDAE_CONTACTS ? NSDAE_SERIES_ALL : part);
-  if (status == NSDAE_OK) status = nsdae_trajectory_write_state(t);
-  if (status == NSDAE_OK) status = nsdae_h5_flush(&t->h5);
-  if (status == NSDAE_OK) status = nsdae_trajectory_count_rows(t);
+  for (int i = 0; i < NSDAE_TABLES; i++)
+    nsdae_series_write(&t->rows.series[i], &t->h5, i == NSDAE_CONTACTS ? NSDAE_SERIES_ALL : part);
+  nsdae_trajectory_write_state(t);
+  nsdae_h5_flush(&t->h5);
+  nsdae_trajectory_count_rows(t);
   t->rows.flushed = nsdae_wall_clock();
-  return status;
 }
 
 int nsdae_trajectory_is_packed(int table)
@@ -80,39 +74,29 @@ int nsdae_trajectory_is_packed(int table)
 
 /* ---- appending */
 
-/* From the first record on readers may come. */
-static int let_readers_in(nsdae_trajectory *t)
-{
-  t->begun = 1;
-  if (!t->live) return NSDAE_OK;
-  int status = nsdae_h5_flush(&t->h5);
-  return status < 0 ? status : nsdae_h5_start_swmr(&t->h5);
-}
-
-static int append_rows(nsdae_trajectory *t, int table, const void *rows, int count)
+static void append_rows(nsdae_trajectory *t, int table, const void *rows, int count)
 {
   nsdae_series *series = &t->rows.series[table];
-  int status = NSDAE_OK;
-  for (int i = 0; i < count && status == NSDAE_OK;) {
+  for (int i = 0; i < count && t->h5.status == NSDAE_OK;) {
     i += nsdae_series_append(series, rows, i, count - i);
-    if (nsdae_series_is_full(series))
-      return nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS); /* rows of one alone */
-    if (!nsdae_series_ends_chunk(series)) continue;
-    status = reserve_rows(t);
-    if (status == NSDAE_OK) status = nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
+    if (nsdae_series_is_full(series)) { /* rows of one alone */
+      nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
+    } else if (nsdae_series_ends_chunk(series)) {
+      reserve_rows(t);
+      nsdae_series_write(series, &t->h5, NSDAE_SERIES_CHUNKS);
+    }
   }
-  return status;
 }
 
 /* The contacts first: a record is never without them. */
-static int append_record(nsdae_trajectory *t, const nsdae_record *record)
+static void append_record(nsdae_trajectory *t, const nsdae_record *record)
 {
   const nsdae_record_row row = {*record, (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
-  int status = append_rows(t, NSDAE_CONTACTS, &record->contacts, record->contacts.count);
-  return status < 0 ? status : append_rows(t, NSDAE_RECORDS, &row, 1);
+  append_rows(t, NSDAE_CONTACTS, &record->contacts, record->contacts.count);
+  append_rows(t, NSDAE_RECORDS, &row, 1);
 }
 
-static int append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
+static void append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
 {
   const nsdae_contact_set *all = &record->contacts;
   int at = record->impact[i].contact;
@@ -121,18 +105,7 @@ static int append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
     row.id = all->id[at];
     memcpy(row.block, all->block + 2 * at, sizeof row.block);
   }
-  return append_rows(t, NSDAE_IMPACTS, &row, 1);
-}
-
-static int append_step(nsdae_trajectory *t, const nsdae_record *record)
-{
-  int status = NSDAE_OK;
-  if (record->step % t->rows.every == 0) status = append_record(t, record);
-  for (int i = 0; i < record->impacts && status == NSDAE_OK; i++)
-    status = append_impact(t, record, i);
-  for (int i = 0; i < record->changes && status == NSDAE_OK; i++)
-    status = append_rows(t, NSDAE_CHANGES, &record->change[i], 1);
-  return status;
+  append_rows(t, NSDAE_IMPACTS, &row, 1);
 }
 
 /* ---- steps and impacts */
@@ -157,22 +130,23 @@ static int is_due(nsdae_trajectory *t)
   return due && (!t->compress || nsdae_series_ends_chunk(&t->rows.series[NSDAE_RECORDS]));
 }
 
-int nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record)
+void nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record)
 {
-  int status = t->begun ? NSDAE_OK : let_readers_in(t);
+  if (!t->begun && t->live) nsdae_h5_start_swmr(&t->h5); /* readers may come */
+  t->begun = 1;
   mark(t, record);
-  if (status == NSDAE_OK) status = append_step(t, record);
-  return status == NSDAE_OK && is_due(t) ? nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS)
-                                         : status;
+  if (record->step % t->rows.every == 0) append_record(t, record);
+  for (int i = 0; i < record->impacts; i++) append_impact(t, record, i);
+  for (int i = 0; i < record->changes; i++) append_rows(t, NSDAE_CHANGES, &record->change[i], 1);
+  if (t->h5.status == NSDAE_OK && is_due(t)) nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
 }
 
-int nsdae_trajectory_append_last(nsdae_trajectory *t)
+void nsdae_trajectory_append_last(nsdae_trajectory *t)
 {
   nsdae_record last;
-  if (t->rows.step < 0 || t->rows.step % t->rows.every == 0) return NSDAE_OK;
-  if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->rows.step) return NSDAE_OK;
-  int status = append_record(t, &last);
+  if (t->rows.step < 0 || t->rows.step % t->rows.every == 0) return;
+  if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->rows.step) return;
+  append_record(t, &last);
   t->rows.extra = 1;
   t->rows.extra_contacts = (hsize_t)last.contacts.count;
-  return status;
 }
