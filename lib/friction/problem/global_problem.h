@@ -13,11 +13,11 @@ typedef struct nsdae_fc_islands {
   int count;
   int *label;        /* items: the island, from 0; -1: none */
   int *member;       /* items: those of island 0 in order, then those of island 1, ... */
-  int *start;        /* items + 1: first of each island in member */
+  int *start;        /* items + 2: first of each island in member */
   int *listed;       /* blocks: those of island 0 by their number, then those of island 1, ... */
   int *listed_start; /* items + 1: first of each island in listed */
   int *number;       /* blocks (local form: items): their number in their island; -1: in none */
-  int *parent;       /* the same: disjoint sets */
+  int *parent;       /* items and blocks: disjoint sets */
 } nsdae_fc_islands;
 
 typedef struct nsdae_fc_global {

@@ -161,19 +161,13 @@ double nsdae_fc_sweep(nsdae_fc_scaled *c, int sweeps, double *slip)
   return change;
 }
 
-static double item_residual(const nsdae_fc_scaled *c, int k)
-{
-  const double *r = c->r + 3 * k, rho = c->items.rho[k];
-  double u[3], x[3] = {rho * r[0], rho * r[1], rho * r[2]};
-  gather_block(c, k, u);
-  return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u);
-}
-
 int nsdae_fc_sweep_converged(const nsdae_fc_scaled *c, double tol, int *seen)
 {
   for (int i = 0; i < c->n; i++) {
     int k = *seen + i < c->n ? *seen + i : *seen + i - c->n;
-    if (item_residual(c, k) <= tol) continue;
+    double u[3];
+    gather_block(c, k, u);
+    if (nsdae_fc_item_residual(c, k, c->r, u) <= tol) continue;
     *seen = k;
     return 0;
   }

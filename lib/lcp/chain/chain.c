@@ -3,6 +3,8 @@
  */
 #include "chain.h"
 
+#include <stddef.h>
+
 #include "judge.h"
 #include "lcp_methods.h"
 #include "proof.h"
@@ -25,34 +27,18 @@ static int enumerate(nsdae_lcp_work *w)
   return 0;
 }
 
-/* Every stage returns whether the chain ends with it: with a proof, or settled. */
-static int run_stage(nsdae_lcp_work *w, int stage)
-{
-  switch (stage) {
-  case NSDAE_LCP_TRIVIAL:
-    return nsdae_lcp_try_trivial(w);
-  case NSDAE_LCP_WARM:
-    return nsdae_lcp_try_warm(w);
-  case NSDAE_LCP_LEMKE:
-    return nsdae_lcp_try_lemke(w);
-  case NSDAE_LCP_NEWTON:
-    return nsdae_lcp_try_newton(w);
-  case NSDAE_LCP_COVERING:
-    return nsdae_lcp_try_coverings(w);
-  case NSDAE_LCP_PROVE:
-    return prove(w);
-  case NSDAE_LCP_FURTHER:
-    return nsdae_lcp_try_further(w);
-  default:
-    return enumerate(w);
-  }
-}
+/* In the order of their bits. Each returns whether the chain ends with it: with a proof, or
+ * settled.
+ */
+static int (*const stages[])(nsdae_lcp_work *) = {nsdae_lcp_try_trivial,   nsdae_lcp_try_warm,
+                                                  nsdae_lcp_try_lemke,     nsdae_lcp_try_newton,
+                                                  nsdae_lcp_try_coverings, prove,
+                                                  nsdae_lcp_try_further,   enumerate};
 
-/* One after the other, in the order of their numbers. */
 static int run_stages(nsdae_lcp_work *w)
 {
-  for (int stage = 1; stage < NSDAE_LCP_ALL; stage *= 2)
-    if ((w->options->stages & stage) && run_stage(w, stage)) break;
+  for (size_t k = 0; k < sizeof stages / sizeof *stages; k++)
+    if ((w->options->stages & 1 << k) && stages[k](w)) break;
   if (w->info->outcome == NSDAE_OUTCOME_SOLVED) return NSDAE_OK;
   return w->info->outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
 }

@@ -3,17 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* max |a_i|; four at a time, for the latency of a comparison. */
-static double largest(int n, const double *a)
-{
-  double most[4] = {0}, rest = 0;
-  int i = 0;
-  for (; i + 4 <= n; i += 4)
-    for (int k = 0; k < 4; k++) most[k] = fabs(a[i + k]) > most[k] ? fabs(a[i + k]) : most[k];
-  for (; i < n; i++) rest = fabs(a[i]) > rest ? fabs(a[i]) : rest;
-  for (int k = 0; k < 4; k++) rest = most[k] > rest ? most[k] : rest;
-  return rest;
-}
+#include "vector.h"
 
 /* Sizes within these factors of one are let be, and are even enough when at work. */
 enum { WORTH_IT = 256, EVEN = 4, ROUNDS = 12 };
@@ -35,7 +25,7 @@ static void largest_entries(int n, const double *A, double *restrict of_row,
     const double *restrict column = A + (size_t)j * (size_t)n;
     for (int i = 0; i < n; i++)
       of_row[i] = fabs(column[i]) > of_row[i] ? fabs(column[i]) : of_row[i];
-    of_column[j] = largest(n, column);
+    of_column[j] = nsdae_largest(n, column);
   }
 }
 
@@ -154,7 +144,7 @@ static void shift_block(int n, const double *b, double *row, double *column, con
 /* Whether b is far from the ends of the range, or zero. */
 static int is_moderate(int n, const double *b)
 {
-  double most = largest(n, b);
+  double most = nsdae_largest(n, b);
   return most == 0 || (most > 0x1p-500 && most < 0x1p500);
 }
 
