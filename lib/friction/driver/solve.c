@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "friction_certificate.h"
 #include "friction_solver.h"
 #include "stages.h"
 #include "vector.h"

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "dense.h"
-#include "matrix3.h"
 #include "vector.h"
 
 /* Contacts of a local form up to which dense algebra is the faster. */
@@ -31,6 +30,48 @@ static void lay_out_system(void *object, nsdae_arena *arena)
   m->place = nsdae_arena_take(arena, (long)m->pairs, sizeof(size_t));
   nsdae_arena_doubles(arena, 9L * c->n, (double **[]){&m->E, &m->K, &m->E_inverse, NULL});
   m->dy = NSDAE_ARENA_DOUBLES(arena, c->ny);
+}
+
+/* ---- matrices of three rows, row-major */
+
+/* y = A x */
+static inline void apply(const double *A, const double *x, double *y)
+{
+  for (int i = 0; i < 3; i++) y[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+}
+
+/* C = A B */
+static inline void multiply(const double *A, const double *B, double *C)
+{
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+}
+
+/* Gauss-Jordan elimination with row pivoting. Returns 0, or 1 if A is singular or not finite. */
+static inline int invert(const double *A, double *inverse)
+{
+  double a[3][6];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 6; j++) a[i][j] = j < 3 ? A[3 * i + j] : j == i + 3;
+  for (int k = 0; k < 3; k++) {
+    int p = k;
+    for (int i = k + 1; i < 3; i++)
+      if (fabs(a[i][k]) > fabs(a[p][k])) p = i;
+    double pivot = a[p][k];
+    if (!(fabs(pivot) > 0 && fabs(pivot) < INFINITY)) return 1;
+    for (int j = 0; j < 6; j++) {
+      double held = a[p][j] / pivot;
+      a[p][j] = a[k][j];
+      a[k][j] = held;
+    }
+    for (int i = 0; i < 3; i++) {
+      double factor = a[i][k];
+      for (int j = 0; j < 6 && i != k; j++) a[i][j] -= factor * a[k][j];
+    }
+  }
+  for (int i = 0; i < 9; i++) inverse[i] = a[i / 3][3 + i % 3];
+  return 0;
 }
 
 /* ---- symbolic analysis */
@@ -167,8 +208,8 @@ int nsdae_fc_system_factor(nsdae_fc_system *m, const double *E, const double *A)
     if (c->local)
       memcpy(K, block, 9 * sizeof *K);
     else {
-      if (nsdae_invert3(E + 9 * (size_t)k, inverse) != 0) return 1;
-      nsdae_multiply3(inverse, block, K);
+      if (invert(E + 9 * (size_t)k, inverse) != 0) return 1;
+      multiply(inverse, block, K);
     }
   }
   if (c->local)
@@ -187,7 +228,7 @@ static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
   const nsdae_fc_scaled *c = m->fc;
   memset(m->dy, 0, (size_t)c->ny * sizeof *m->dy);
   for (int k = 0; k < c->n; k++) {
-    nsdae_apply3(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
+    apply(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
       nsdae_add_product(c->parts.size[c->parts.block[e]], 3, nsdae_fc_part(c, e), dr + 3 * k,
                         m->dy + c->parts.offset[c->parts.block[e]]);
@@ -198,7 +239,7 @@ static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
       nsdae_add_transposed(c->parts.size[c->parts.block[e]], 3, 1, nsdae_fc_part(c, e),
                            m->dy + c->parts.offset[c->parts.block[e]], u);
-    nsdae_apply3(m->K + 9 * (size_t)k, u, x);
+    apply(m->K + 9 * (size_t)k, u, x);
     for (int j = 0; j < 3; j++) dr[3 * k + j] -= x[j];
   }
 }

@@ -53,4 +53,16 @@ int nsdae_fc_global_blocked(const nsdae_fc_global *whole);
 /* v := M^-1 v of block b. */
 void nsdae_fc_divide_by_mass(const nsdae_fc_global *whole, int b, double *v);
 
+/* ---- the certificate, from the data as given (certificate.c); impulses may be double-double, r +
+ * low (low NULL: zero) */
+
+/* u [m] of r and low [m], and the residual of the public header; NaN if an entry is not finite.
+ */
+double nsdae_fc_global_residual(const nsdae_fc_global *whole, const double *r, const double *low,
+                                double *u);
+
+/* u in the rows of one island; those of others stay. */
+void nsdae_fc_island_velocities(const nsdae_fc_global *whole, int island, const double *r,
+                                const double *low, double *u);
+
 #endif

@@ -279,11 +279,6 @@ void nsdae_fc_response(const nsdae_fc_scaled *c, const double *dr, double *dy, d
   for (int k = 0; k < c->n; k++) relative_velocity(c, k, 0, dr, c->local ? dr : dy, du);
 }
 
-void nsdae_fc_fill_s(const nsdae_fc_scaled *c, double *s)
-{
-  for (int k = 0; k < c->n; k++) s[k] = nsdae_fc_s_of(c, k);
-}
-
 void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x[3], double low[3])
 {
   for (int j = 0; j < 3; j++) {

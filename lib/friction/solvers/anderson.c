@@ -31,7 +31,7 @@ void nsdae_fc_anderson_begin(nsdae_fc_anderson *s)
 double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc_scaled *c, double *slip)
 {
   memcpy(s->before, c->r, 3 * (size_t)c->n * sizeof *c->r);
-  return nsdae_fc_sweep(c, 1, slip);
+  return nsdae_fc_sweep(c, slip);
 }
 
 NSDAE_INLINED double *column(double *A, int rows, int k)

@@ -142,21 +142,18 @@ void nsdae_fc_sweep_begin(nsdae_fc_scaled *c)
   for (int k = 0; k < c->n; k++) add_parts(c, k, c->r + 3 * k);
 }
 
-double nsdae_fc_sweep(nsdae_fc_scaled *c, int sweeps, double *slip)
+double nsdae_fc_sweep(nsdae_fc_scaled *c, double *slip)
 {
   double change = 0;
-  for (int s = 0; s < sweeps; s++) {
-    change = 0;
-    for (int k = 0; k < c->n; k++) {
-      double u[3], r[3];
-      gather_block(c, k, u);
-      solve_item(c, k, u, slip, r);
-      for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
-      double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
-      if (most == 0) continue;
-      change = nsdae_larger(change, c->items.weight[k] * most);
-      apply(c, k, r);
-    }
+  for (int k = 0; k < c->n; k++) {
+    double u[3], r[3];
+    gather_block(c, k, u);
+    solve_item(c, k, u, slip, r);
+    for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
+    double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
+    if (most == 0) continue;
+    change = nsdae_larger(change, c->items.weight[k] * most);
+    apply(c, k, r);
   }
   return change;
 }

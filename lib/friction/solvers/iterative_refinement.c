@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "double_double.h"
-#include "friction_certificate.h"
 #include "solver_contract.h"
 
 /* Corrections are solved with rounded data to this part of tol: to rounding, if that is 1e-12,

@@ -389,10 +389,8 @@ int nsdae_fc_socp_run(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_b
 void nsdae_fc_socp_begin(nsdae_fc_island *s, const nsdae_fc_iterate *it)
 {
   nsdae_fc_set_point(s, it->r);
-  if (it->residual < NSDAE_FC_NEAR)
-    nsdae_fc_fill_s(&s->fc, s->socp.s);
-  else
-    memset(s->socp.s, 0, (size_t)s->fc.n * sizeof *s->socp.s);
+  for (int k = 0; k < s->fc.n; k++)
+    s->socp.s[k] = it->residual < NSDAE_FC_NEAR ? nsdae_fc_s_of(&s->fc, k) : 0;
 }
 
 int nsdae_fc_socp_interior_point(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)

@@ -4,11 +4,28 @@
 #include "chain.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "judge.h"
 #include "lcp_methods.h"
 #include "proof.h"
-#include "ray.h"
+
+/* b >= 0, and the active set of the caller: neither needs a search. */
+static int try_trivial(nsdae_lcp_work *w)
+{
+  for (int i = 0; i < w->n; i++)
+    if (w->scaled.b[i] < 0) return 0;
+  memset(w->room.trial, 0, (size_t)w->n * sizeof *w->room.trial);
+  memset(w->x, 0, (size_t)w->n * sizeof *w->x);
+  return nsdae_lcp_judge(w, w->room.trial, NSDAE_LCP_TRIVIAL);
+}
+
+static int try_warm(nsdae_lcp_work *w)
+{
+  int any = 0;
+  for (int i = 0; i < w->n; i++) any |= w->basis[i];
+  return any && nsdae_lcp_judge_basis(w, w->basis, NSDAE_LCP_WARM);
+}
 
 /* With a solution at hand, if a doubted one, there is nothing to be proved. */
 static int prove(nsdae_lcp_work *w)
@@ -30,10 +47,14 @@ static int enumerate(nsdae_lcp_work *w)
 /* In the order of their bits. Each returns whether the chain ends with it: with a proof, or
  * settled.
  */
-static int (*const stages[])(nsdae_lcp_work *) = {nsdae_lcp_try_trivial,   nsdae_lcp_try_warm,
-                                                  nsdae_lcp_try_lemke,     nsdae_lcp_try_newton,
-                                                  nsdae_lcp_try_coverings, prove,
-                                                  nsdae_lcp_try_further,   enumerate};
+static int (*const stages[])(nsdae_lcp_work *) = {try_trivial,
+                                                  try_warm,
+                                                  nsdae_lcp_try_lemke,
+                                                  nsdae_lcp_try_newton,
+                                                  nsdae_lcp_try_coverings,
+                                                  prove,
+                                                  nsdae_lcp_try_further,
+                                                  enumerate};
 
 static int run_stages(nsdae_lcp_work *w)
 {

@@ -8,7 +8,6 @@
 #include "fischer.h"
 #include "judge.h"
 #include "lcp_methods.h"
-#include "scatter.h"
 #include "transform.h"
 #include "vector.h"
 
