@@ -19,6 +19,16 @@ void *nsdae_arena_take(nsdae_arena *arena, long count, size_t size)
   return start;
 }
 
+void nsdae_arena_doubles(nsdae_arena *arena, long count, double **const list[])
+{
+  for (; *list; list++) **list = NSDAE_ARENA_DOUBLES(arena, count);
+}
+
+void nsdae_arena_ints(nsdae_arena *arena, long count, int **const list[])
+{
+  for (; *list; list++) **list = NSDAE_ARENA_INTS(arena, count);
+}
+
 static char *aligned_zeros(size_t bytes)
 {
   /* calloc and an offset: portable C11, and the pages come zeroed */

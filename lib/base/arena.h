@@ -21,6 +21,10 @@ void *nsdae_arena_take(nsdae_arena *arena, long count, size_t size);
 #define NSDAE_ARENA_INTS(arena, count) \
   ((int *)nsdae_arena_take((arena), (long)(count), sizeof(int)))
 
+/* count entries each for the arrays whose addresses are in a list that ends with NULL. */
+void nsdae_arena_doubles(nsdae_arena *arena, long count, double **const list[]);
+void nsdae_arena_ints(nsdae_arena *arena, long count, int **const list[]);
+
 /* Runs layout twice around one allocation; the block is at arena->base, to be released with
  * nsdae_arena_release. Returns 0 or NSDAE_E_MEMORY. */
 int nsdae_arena_build(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),

@@ -23,21 +23,27 @@ static inline double nsdae_larger(double most, double a)
   return a > most ? a : most;
 }
 
-/* max |a_i|, and sqrt(sum a_i^2) of a few */
+/* max |a_i|, and sqrt(sum a_i^2) of a few; four at a time, for the latency of a comparison. */
 static inline double nsdae_largest(int n, const double *a)
 {
-  double most = 0;
-  for (int i = 0; i < n; i++) most = nsdae_larger(most, fabs(a[i]));
-  return most;
+  double most[4] = {0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) most[k] = nsdae_larger(most[k], fabs(a[i + k]));
+  for (; i < n; i++) most[0] = nsdae_larger(most[0], fabs(a[i]));
+  return nsdae_larger(nsdae_larger(most[0], most[1]), nsdae_larger(most[2], most[3]));
 }
 
-/* Whether all are finite: a finite sum has finite terms; where it overflows they are looked at. */
+/* Whether all are finite: a finite sum has finite terms; where it overflows they are looked at.
+ * Sums side by side, for the latency of an addition. */
 static inline int nsdae_all_finite(size_t n, const double *a)
 {
-  double sum = 0, of[4] = {0}; /* of many: one addition need not wait for the one before */
-  size_t i = 0, many = n < 16 ? 0 : n - n % 4;
-  for (; i < many; i += 4) of[0] += a[i], of[1] += a[i + 1], of[2] += a[i + 2], of[3] += a[i + 3];
-  if (many > 0) sum = (of[0] + of[1]) + (of[2] + of[3]);
+  enum { SUMS = 16 };
+  double sum = 0, of[SUMS] = {0};
+  size_t i = 0;
+  for (; i + SUMS <= n; i += SUMS)
+    for (size_t k = 0; k < SUMS; k++) of[k] += a[i + k];
+  for (size_t k = 0; i > 0 && k < SUMS; k++) sum += of[k];
   for (; i < n; i++) sum += a[i];
   if (isfinite(sum)) return 1;
   while (n > 0 && isfinite(a[n - 1])) n--;

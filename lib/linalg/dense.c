@@ -102,11 +102,6 @@ void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, 
 
 void nsdae_la_solve_cholesky(int n, const double *L, double *b)
 {
-  if (n == BODY) {
-    solve_lower_small(BODY, L, BODY, b);
-    solve_lower_transposed_small(BODY, L, BODY, b);
-    return;
-  }
   nsdae_la_solve_lower(n, 1, L, n, b, n);
   nsdae_la_solve_lower_transposed(n, 1, L, n, b, n);
 }
@@ -202,41 +197,13 @@ void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda,
   }
 }
 
-void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, const double *B,
-                               int ldb, double *C, int ldc)
-{
-  if (p == 0 || r == 0) return;
-  if (n >= NSDAE_SMALL) {
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, r, p, -1.0, A, lda, B, ldb, 1.0, C,
-                ldc);
-    return;
-  }
-  for (int j = 0; j < r; j++, B += ldb, C += ldc) {
-    const double *column = A;
-    for (int k = 0; k < p; k++, column += lda)
-      for (int i = 0; i < n; i++) C[i] -= column[i] * B[k];
-  }
-}
-
 void nsdae_la_add_product(int n, int p, const double *A, int lda, const double *x, double *y)
 {
-  if (n >= NSDAE_SMALL) {
-    cblas_dgemv(CblasColMajor, CblasNoTrans, n, p, 1.0, A, lda, x, 1, 1.0, y, 1);
-    return;
-  }
-  for (int k = 0; k < p; k++)
-    for (int i = 0; i < n; i++) y[i] += AT(A, lda, i, k) * x[k];
+  cblas_dgemv(CblasColMajor, CblasNoTrans, n, p, 1.0, A, lda, x, 1, 1.0, y, 1);
 }
 
 void nsdae_la_add_outer(int n, int r, int p, const double *A, int lda, const double *B, int ldb,
                         double *C, int ldc)
 {
-  if (p == 0 || r == 0) return;
-  if (n >= NSDAE_SMALL) {
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, n, r, p, 1.0, A, lda, B, ldb, 1.0, C, ldc);
-    return;
-  }
-  for (int j = 0; j < r; j++)
-    for (int k = 0; k < p; k++)
-      for (int i = 0; i < n; i++) AT(C, ldc, i, j) += AT(A, lda, i, k) * AT(B, ldb, j, k);
+  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, n, r, p, 1.0, A, lda, B, ldb, 1.0, C, ldc);
 }

@@ -35,14 +35,10 @@ void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double
 void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
                                   int ldb, double beta, double *C, int ldc);
 
-/* C [n x r] := C - A [n x p] B [p x r]. */
-void nsdae_la_subtract_product(int n, int p, int r, const double *A, int lda, const double *B,
-                               int ldb, double *C, int ldc);
-
-/* y [n] := y + A [n x p] x. */
+/* y [n] := y + A [n x p] x, of many rows. */
 void nsdae_la_add_product(int n, int p, const double *A, int lda, const double *x, double *y);
 
-/* C [n x r] := C + A [n x p] B [r x p]^T. */
+/* C [n x r] := C + A [n x p] B [r x p]^T, of many rows. */
 void nsdae_la_add_outer(int n, int r, int p, const double *A, int lda, const double *B, int ldb,
                         double *C, int ldc);
 

@@ -29,26 +29,21 @@ static int smaller(int a, int b)
 }
 
 /* Factors of the last factorisation: of all rows, L of S = L L^T; of pivoted QR, R_11 in S; of the
- * rows of a basis or of near dependent ones, see solve_fixed and solve_by_qr. */
+ * rows of a basis, see solve_fixed. */
 enum { FULL, BY_RANK, FIXED };
 
 void nsdae_dense_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
 {
   nsdae_dense_kkt *d = &kkt->dense;
-  int n = kkt->n, m = kkt->m;
-  d->lwork = 3 * m + 1 + (m + 1) * BLOCK;
-  d->L = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
-  d->Y = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
-  d->S = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
-  d->pivoted.Q = NSDAE_ARENA_DOUBLES(arena, (long)n * m);
-  d->pivoted.Z = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
-  d->pivoted.T = NSDAE_ARENA_DOUBLES(arena, (long)m * m);
-  d->pivoted.tau = NSDAE_ARENA_DOUBLES(arena, m);
-  d->pivoted.norm = NSDAE_ARENA_DOUBLES(arena, m);
+  nsdae_kkt_pivoted *p = &d->pivoted;
+  long n = kkt->n, m = kkt->m;
+  d->lwork = (int)(3 * m + 1 + (m + 1) * BLOCK);
+  d->L = NSDAE_ARENA_DOUBLES(arena, n * n);
   d->work = NSDAE_ARENA_DOUBLES(arena, m + d->lwork);
-  d->pivoted.column = NSDAE_ARENA_INTS(arena, m);
-  d->pivoted.held = NSDAE_ARENA_INTS(arena, m);
-  d->pivoted.order = NSDAE_ARENA_INTS(arena, m);
+  nsdae_arena_doubles(arena, n * m, (double **[]){&d->Y, &p->Q, NULL});
+  nsdae_arena_doubles(arena, m * m, (double **[]){&d->S, &p->Z, &p->T, NULL});
+  nsdae_arena_doubles(arena, m, (double **[]){&p->tau, &p->norm, NULL});
+  nsdae_arena_ints(arena, m, (int **[]){&p->column, &p->held, &p->order, NULL});
 }
 
 /* ---- L, Y */
@@ -157,8 +152,8 @@ static double smallest_sine(size_t m, const double *factor)
 }
 
 /* Pivoted QR of Y with its columns at unit length, those that are held before all others; returns
- * the rank. */
-static int pivoted_rank(nsdae_kkt *kkt, int hold)
+ * the number of sines above tol. */
+static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
 {
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
   int n = kkt->n, m = kkt->m, most = smaller(n, m), rank = 0;
@@ -175,7 +170,7 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold)
   kkt->kept = 1;
   for (; rank < most; rank++) {
     double sine = fabs(p->Q[(size_t)rank * (size_t)n + (size_t)rank]);
-    if (!(sine > kkt->rank_tol)) {
+    if (!(sine > tol)) {
       kkt->left = sine;
       break;
     }
@@ -188,9 +183,9 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold)
 static int find_rank(nsdae_kkt *kkt)
 {
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int rank = pivoted_rank(kkt, kkt->hold), held = 0;
+  int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;
   for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
-  if (rank < held) rank = pivoted_rank(kkt, 0);
+  if (rank < held) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
   memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
   for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
   return rank;
@@ -226,11 +221,12 @@ static void independent_rows(nsdae_kkt *kkt, int r)
     }
 }
 
-static void factor_by_rank(nsdae_kkt *kkt)
+/* The factors of the first r columns of the pivoted QR. */
+static void factor_by_rank(nsdae_kkt *kkt, int r)
 {
   nsdae_dense_kkt *d = &kkt->dense;
   nsdae_kkt_pivoted *p = &d->pivoted;
-  int n = kkt->n, m = kkt->m, r = find_rank(kkt);
+  int n = kkt->n, m = kkt->m;
   kkt->rank = r;
   kkt->dependent = r < m ? p->column[r] - 1 : -1;
   d->form = BY_RANK;
@@ -270,7 +266,7 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
   kkt->kept = factor_schur(kkt, kkt->m, 0);
-  if (kkt->kept < fmax(TRUSTED, kkt->rank_tol)) factor_by_rank(kkt);
+  if (kkt->kept < fmax(TRUSTED, kkt->rank_tol)) factor_by_rank(kkt, find_rank(kkt));
   return NSDAE_OK;
 }
 
@@ -291,26 +287,12 @@ static int split_projector(nsdae_kkt *kkt, const double *B, int r)
   return found >= r;
 }
 
-/* Y = Q R, with Q in Y and R in S; the smallest sine. */
-static double factor_by_qr(nsdae_kkt *kkt, int r)
-{
-  nsdae_dense_kkt *d = &kkt->dense;
-  int n = kkt->n;
-  size_t order = (size_t)r;
-  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, n, r, d->Y, n, d->pivoted.tau, d->work, d->lwork);
-  for (size_t i = 0; i < order; i++) /* R^T, as a factor of S */
-    for (size_t j = i; j < order; j++) d->S[i * order + j] = d->Y[j * (size_t)n + i];
-  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, d->Y, n, d->pivoted.tau, d->work, d->lwork);
-  return sqrt(smallest_sine(order, d->S));
-}
-
 int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
                               const nsdae_rows *J, const double *basis, int rank)
 {
   nsdae_dense_kkt *d = &kkt->dense;
   int n = kkt->n, m = kkt->m, status = begin(kkt, A, coupling);
   kkt->rank = basis ? rank : m;
-  d->by_qr = 0;
   d->form = basis ? FIXED : FULL;
   if (status < 0 || kkt->rank == 0) return status;
   if (kkt->rank > n || (basis && !split_projector(kkt, basis, rank))) return NSDAE_E_CONVERGENCE;
@@ -321,10 +303,9 @@ int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coupl
   kkt->kept = factor_schur(kkt, kkt->rank, basis ? DAMPING : 0);
   if (basis) return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
   if (kkt->kept >= TRUSTED) return NSDAE_OK;
-  d->form = FIXED;
-  d->by_qr = 1;
-  kkt->kept = factor_by_qr(kkt, kkt->rank);
-  return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
+  if (pivoted_rank(kkt, 0, 0) < m) return NSDAE_E_CONVERGENCE;
+  factor_by_rank(kkt, m);
+  return NSDAE_OK;
 }
 
 /* ---- solutions */
@@ -344,18 +325,6 @@ static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
   cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, p->T, m, w, 1);
   cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, p->Z, m, w, 1, 0.0, l, 1);
   for (int row = 0; row < m; row++) g[p->column[p->order[row]] - 1] = l[row];
-}
-
-/* z and c to x and l of near dependent rows: Y = Q R, R^T u = c, w = Q^T z - u, z -= Q w,
- * l = R^-1 w. */
-static void solve_by_qr(const nsdae_kkt *kkt, double *z, double *c)
-{
-  const nsdae_dense_kkt *d = &kkt->dense;
-  int n = kkt->n, m = kkt->m;
-  nsdae_la_solve_lower(m, 1, d->S, m, c, m);
-  cblas_dgemv(CblasColMajor, CblasTrans, n, m, 1, d->Y, n, z, 1, -1, c, 1);
-  cblas_dgemv(CblasColMajor, CblasNoTrans, n, m, -1, d->Y, n, c, 1, 1, z, 1);
-  nsdae_la_solve_lower_transposed(m, 1, d->S, m, c, m);
 }
 
 /* z and c to x and l of the rows Z^T J: S w = Y^T z - Z^T c, z -= Y w, l = Z w. The equations are
@@ -385,8 +354,7 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
   const nsdae_dense_kkt *d = &kkt->dense;
   int n = kkt->n, m = kkt->m;
   if (d->form == FIXED) {
-    for (; nrhs > 0; nrhs--, R += ldr, C += ldc)
-      d->by_qr ? solve_by_qr(kkt, R, C) : solve_fixed(kkt, R, C);
+    for (; nrhs > 0; nrhs--, R += ldr, C += ldc) solve_fixed(kkt, R, C);
     return;
   }
   nsdae_la_multiply_transposed(n, m, nrhs, d->Y, n, R, ldr, -1, C, ldc);
@@ -396,7 +364,8 @@ static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, doub
   }
   nsdae_la_solve_lower(m, nrhs, d->S, m, C, ldc);
   nsdae_la_solve_lower_transposed(m, nrhs, d->S, m, C, ldc);
-  nsdae_la_subtract_product(n, m, nrhs, d->Y, n, C, ldc, R, ldr);
+  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, nrhs, m, -1, d->Y, n, C, ldc, 1, R,
+              ldr);
 }
 
 void nsdae_dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
@@ -409,7 +378,7 @@ void nsdae_dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
   for (int i = 0; i < kkt->n; i++) r[i] = r[i] / L[i] / L[i];
 }
 
-/* The same of one right-hand side and a few rows, in plain loops: z, c to z - Y l, l. */
+/* The same of one right-hand side and few velocities, in plain loops: z, c to z - Y l, l. */
 static void solve_schur_small(const nsdae_kkt *kkt, double *z, double *c)
 {
   int n = kkt->n, m = kkt->m;
@@ -428,8 +397,9 @@ void nsdae_dense_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, d
     return;
   }
   solve_root(kkt, nrhs, R, ldr);
-  if (m > 0 && nrhs == 1 && n < NSDAE_SMALL && kkt->dense.form == FULL)
-    solve_schur_small(kkt, R, C);
+  if (m > 0 && n < NSDAE_SMALL && kkt->dense.form == FULL)
+    for (size_t j = 0; j < (size_t)nrhs; j++)
+      solve_schur_small(kkt, R + j * (size_t)ldr, C + j * (size_t)ldc);
   else if (m > 0)
     solve_schur(kkt, nrhs, R, ldr, C, ldc);
   solve_root_transposed(kkt, nrhs, R, ldr);

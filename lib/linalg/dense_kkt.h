@@ -27,7 +27,7 @@ typedef struct nsdae_kkt_pivoted {
 
 typedef struct nsdae_dense_kkt {
   int diagonal;      /* M is, as often in absolute coordinates: no product is spent on it */
-  int form, by_qr;   /* of the last factorisation, see dense_kkt.c */
+  int form;          /* of the last factorisation, see dense_kkt.c */
   double *L, *Y, *S; /* n x n, n x m, m x m */
   nsdae_kkt_pivoted pivoted;
   double *work; /* 2 m: of one right-hand side; lwork: LAPACK's */

@@ -19,21 +19,15 @@ enum { SMALL = 16 };
 static void lay_out_graph(void *object, nsdae_arena *arena)
 {
   nsdae_multifrontal *f = object;
-  int n = f->graph.n;
-  f->graph.size = NSDAE_ARENA_INTS(arena, n);
-  f->graph.first = NSDAE_ARENA_INTS(arena, n + 1L);
-  f->graph.index = NSDAE_ARENA_INTS(arena, f->super.count); /* here the number of entries */
-  f->graph.at = nsdae_arena_take(arena, f->super.count, sizeof(size_t));
-  f->graph.twin = NSDAE_ARENA_INTS(arena, f->super.count);
+  nsdae_supernodes *s = &f->super;
+  long n = f->graph.n, entries = s->count; /* here the number of entries of the graph */
+  nsdae_arena_ints(arena, n + 1,
+                   (int **[]){&f->graph.size, &f->graph.first, &f->place, &s->begin, &s->pivots,
+                              &s->rest, &s->children, &f->work.local, &f->work.waiting, NULL});
+  nsdae_arena_ints(arena, entries, (int **[]){&f->graph.index, &f->graph.twin, NULL});
+  f->graph.at = nsdae_arena_take(arena, entries, sizeof(size_t));
   f->graph.diagonal = nsdae_arena_take(arena, n, sizeof(size_t));
-  f->place = NSDAE_ARENA_INTS(arena, n + 1L);
-  f->super.begin = NSDAE_ARENA_INTS(arena, n + 1L);
-  f->super.pivots = NSDAE_ARENA_INTS(arena, n);
-  f->super.rest = NSDAE_ARENA_INTS(arena, n);
-  f->super.children = NSDAE_ARENA_INTS(arena, n);
-  f->work.local = NSDAE_ARENA_INTS(arena, n);
-  f->work.waiting = NSDAE_ARENA_INTS(arena, n);
-  f->super.factor = nsdae_arena_take(arena, n + 1L, sizeof(size_t));
+  s->factor = nsdae_arena_take(arena, n + 1, sizeof(size_t));
 }
 
 static void lay_out_numbers(void *object, nsdae_arena *arena)
@@ -43,12 +37,10 @@ static void lay_out_numbers(void *object, nsdae_arena *arena)
   f->F = NSDAE_ARENA_DOUBLES(arena, f->super.factor[f->super.count]);
   f->work.front = NSDAE_ARENA_DOUBLES(arena, f->super.most_front);
   f->work.stack = NSDAE_ARENA_DOUBLES(arena, f->super.most_stack);
-  f->work.vector = NSDAE_ARENA_DOUBLES(arena, f->order);
   f->work.gather = NSDAE_ARENA_DOUBLES(arena, f->super.most_rest);
-  f->work.exchange = NSDAE_ARENA_INTS(arena, f->order);
-  f->rank.forced = NSDAE_ARENA_INTS(arena, f->order);
-  f->rank.is_dropped = NSDAE_ARENA_INTS(arena, f->order);
-  f->rank.part = NSDAE_ARENA_DOUBLES(arena, f->order);
+  nsdae_arena_doubles(arena, f->order, (double **[]){&f->work.vector, &f->rank.part, NULL});
+  nsdae_arena_ints(arena, f->order,
+                   (int **[]){&f->work.exchange, &f->rank.forced, &f->rank.is_dropped, NULL});
 }
 
 static int block_size(const nsdae_multifrontal *f, int number)
@@ -192,6 +184,20 @@ int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, co
   return status;
 }
 
+size_t nsdae_multifrontal_block(const nsdae_multifrontal *f, int row, int column)
+{
+  int low = f->graph.first[column], high = f->graph.first[column + 1];
+  if (row == column) return f->graph.diagonal[row];
+  while (high - low > 1) {
+    int middle = (low + high) / 2;
+    if (f->graph.index[middle] <= row)
+      low = middle;
+    else
+      high = middle;
+  }
+  return f->graph.at[low];
+}
+
 /* Adds block (i, j) of A to the front, i and j numbers. */
 static void add_block(const nsdae_multifrontal *f, double *F, int lda, size_t from, int i, int j)
 {
@@ -317,12 +323,12 @@ static int keeps_all(nsdae_multifrontal *f, int at, int p, const double *P, int 
 /* The pivot block of supernode s; large ones by LAPACK, and anew if a pivot is to be dropped. */
 static int factor_pivots(nsdae_multifrontal *f, int s, int p, double *P, int lda)
 {
-  int at = f->place[f->super.begin[s]];
+  int at = f->place[f->super.begin[s]], dropping = f->rank.drop > 0;
   double *before = f->F + f->super.factor[s];
-  if (f->rank.drop == 0 || p >= SMALL) {
-    copy(p, p, P, lda, before, p);
+  if (!dropping || p >= SMALL) {
+    if (dropping) copy(p, p, P, lda, before, p);
     int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, lda);
-    if (f->rank.drop == 0) return info != 0 ? info : check_pivots(p, P, lda);
+    if (!dropping) return info != 0 ? info : check_pivots(p, P, lda);
     if (info == 0 && keeps_all(f, at, p, P, lda)) return check_pivots(p, P, lda);
     copy(p, p, before, p, P, lda);
   }
@@ -336,7 +342,7 @@ static int is_negative(const nsdae_multifrontal *f, int number)
 
 /* Columns of the front of n rows that have one sign s, with numbers from k to before `end`: with
  * P = s L L^T, R := s R L^-T, S := S - s R R^T. */
-static int factor_run(const nsdae_multifrontal *f, int k, int end, int n, double *F)
+static int factor_run(nsdae_multifrontal *f, int s, int k, int end, int n, double *F)
 {
   int from = f->work.local[k], p = 0;
   double sign = is_negative(f, k) ? -1 : 1;
@@ -344,36 +350,22 @@ static int factor_run(const nsdae_multifrontal *f, int k, int end, int n, double
   int r = n - from - p;
   double *P = F + (size_t)from * (size_t)(n + 1), *R = P + p, *S = R + (size_t)p * (size_t)n;
   for (int c = 0; c < p && sign < 0; c++) cblas_dscal(n - from, -1, P + (size_t)c * (size_t)n, 1);
-  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, n);
-  if (info == 0) info = check_pivots(p, P, n);
+  int info = factor_pivots(f, s, p, P, n);
   if (info != 0 || r == 0) return info;
   cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, P, n, R, n);
   cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, -sign, R, n, 1, S, n);
   return 0;
 }
 
-/* The front of n rows in runs of equal sign. */
-static int factor_signed(const nsdae_multifrontal *f, int s, int n, double *F)
+/* The front of n rows in runs of equal sign: one, if the matrix is definite. */
+static int factor_symmetric(nsdae_multifrontal *f, int s, int n, double *F)
 {
   int info = 0, next, end = f->super.begin[s + 1];
   for (int k = f->super.begin[s]; k < end && info == 0; k = next) {
     for (next = k + 1; next < end && is_negative(f, next) == is_negative(f, k);) next++;
-    info = factor_run(f, k, next, n, F);
+    info = factor_run(f, s, k, next, n, F);
   }
   return info;
-}
-
-/* The front [P U; R S]: P = L L^T, R := R L^-T, S := S - R R^T. */
-static int factor_symmetric(nsdae_multifrontal *f, int s, int p, int r, double *F, int lda)
-{
-  double *R = F + p, *S = F + (size_t)p * (size_t)lda + p;
-  if (f->negative > 0) return factor_signed(f, s, p + r, F);
-  int info = factor_pivots(f, s, p, F, lda);
-  if (info != 0 || r == 0) return info;
-  cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, F, lda, R,
-              lda);
-  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, -1, R, lda, 1, S, lda);
-  return 0;
 }
 
 /* P = X L U with the exchange of rows X, R := R U^-1, U := L^-1 X^T U, S := S - R U. */
@@ -407,7 +399,7 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
     add_child(f, child, f->work.stack + *top, F, n);
   }
   int info = f->symmetric
-                 ? factor_symmetric(f, s, p, r, F, n)
+                 ? factor_symmetric(f, s, n, F)
                  : factor_general(p, r, F, n, f->work.exchange + f->place[f->super.begin[s]]);
   if (info != 0) return info;
   copy(p, p, F, n, to, p);

@@ -73,6 +73,9 @@ typedef struct nsdae_multifrontal {
 int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
                                const int *index);
 
+/* Where in A the block in this row and column is; the two share an edge or are the same. */
+size_t nsdae_multifrontal_block(const nsdae_multifrontal *f, int row, int column);
+
 /* Factors what is in A. Returns 0, or > 0 where a pivot is zero or not positive. */
 int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric);
 

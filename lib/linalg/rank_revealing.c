@@ -7,12 +7,8 @@
 
 void nsdae_rank_revealing_layout(nsdae_rank_revealing *d, long n, nsdae_arena *arena)
 {
-  d->taken = NSDAE_ARENA_INTS(arena, n);
-  d->dependent = NSDAE_ARENA_INTS(arena, n);
-  d->before = NSDAE_ARENA_INTS(arena, n);
-  d->seen = NSDAE_ARENA_INTS(arena, n);
-  d->factor = NSDAE_ARENA_DOUBLES(arena, n * n);
-  d->combination = NSDAE_ARENA_DOUBLES(arena, n * n);
+  nsdae_arena_ints(arena, n, (int **[]){&d->taken, &d->dependent, &d->before, &d->seen, NULL});
+  nsdae_arena_doubles(arena, n * n, (double **[]){&d->factor, &d->combination, NULL});
 }
 
 void nsdae_rank_revealing_start(nsdae_rank_revealing *d, int n, const double *G)

@@ -33,19 +33,15 @@ int nsdae_sparse_kkt_factor_in(nsdae_sparse_kkt *k, const double *M, const doubl
 
 void nsdae_sparse_kkt_kept(const nsdae_sparse_kkt *k, double *keep)
 {
-  const nsdae_kkt_nodes *n = &k->nodes;
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++)
-      keep[row] = !nsdae_sparse_kkt_is_dropped(k, i, row);
+  for (int row = 0; row < k->part.row_count; row++)
+    keep[row] = !nsdae_sparse_kkt_is_dropped(k, row);
 }
 
 int nsdae_sparse_kkt_common(const nsdae_sparse_kkt *k, const double *keep)
 {
-  const nsdae_kkt_nodes *n = &k->nodes;
   int common = 0;
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++)
-      common += keep[row] != 0 && !nsdae_sparse_kkt_is_dropped(k, i, row);
+  for (int row = 0; row < k->part.row_count; row++)
+    common += keep[row] != 0 && !nsdae_sparse_kkt_is_dropped(k, row);
   return common;
 }
 
@@ -127,7 +123,7 @@ static double error_of_rows(const nsdae_sparse_kkt *k, int of_terms)
       }
       a->d[row] = a->c[row] - a->d[row];
       size = max_with_nan(size, terms);
-      if (!nsdae_sparse_kkt_is_dropped(k, i, row)) worst = max_with_nan(worst, fabs(a->d[row]));
+      if (!nsdae_sparse_kkt_is_dropped(k, row)) worst = max_with_nan(worst, fabs(a->d[row]));
     }
   return part_of(worst, size);
 }

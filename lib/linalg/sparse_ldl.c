@@ -44,20 +44,17 @@ double nsdae_sparse_ldl_work(const nsdae_multifrontal *f)
 static void lay_out_factor(void *object, nsdae_arena *arena)
 {
   nsdae_sparse_ldl *l = object;
+  nsdae_ldl_tree *t = &l->tree;
   long n = l->order, entries = (long)l->entries, fill = (long)l->fill;
-  l->first = NSDAE_ARENA_INTS(arena, n + 1);
+  nsdae_arena_ints(
+      arena, n + 1,
+      (int **[]){&l->first, &l->begin, &t->parent, &t->count, &t->mark, &t->path, NULL});
   l->row = NSDAE_ARENA_INTS(arena, entries);
   l->from = nsdae_arena_take(arena, entries, sizeof *l->from);
-  l->begin = NSDAE_ARENA_INTS(arena, n + 1);
-  l->below = NSDAE_ARENA_INTS(arena, fill);
-  l->tree.parent = NSDAE_ARENA_INTS(arena, n);
-  l->tree.count = NSDAE_ARENA_INTS(arena, n);
-  l->tree.mark = NSDAE_ARENA_INTS(arena, n);
-  l->tree.path = NSDAE_ARENA_INTS(arena, n);
   l->A = NSDAE_ARENA_DOUBLES(arena, entries);
+  l->below = NSDAE_ARENA_INTS(arena, fill);
   l->L = NSDAE_ARENA_DOUBLES(arena, fill);
-  l->D = NSDAE_ARENA_DOUBLES(arena, n);
-  l->x = NSDAE_ARENA_DOUBLES(arena, n);
+  nsdae_arena_doubles(arena, n, (double **[]){&l->D, &l->x, NULL});
 }
 
 /* Column r of block number k above its diagonal, which is its last entry. */

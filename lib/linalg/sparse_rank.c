@@ -21,22 +21,24 @@ static double sine_of(double part)
   return sqrt(fmax(part, 0));
 }
 
-static int place(const nsdae_sparse_kkt *k, int node, int row)
+static int place(const nsdae_sparse_kkt *k, int row)
 {
+  int node = k->nodes.of_row[row];
   return nsdae_multifrontal_place(&k->schur, node, row - k->nodes.row[node]);
 }
 
 /* S_ii */
-static double own(const nsdae_sparse_kkt *k, int node, int row)
+static double own(const nsdae_sparse_kkt *k, int row)
 {
+  int node = k->nodes.of_row[row];
   size_t j = (size_t)(row - k->nodes.row[node]), n = (size_t)k->nodes.size[node];
   return k->schur.A[k->schur.graph.diagonal[node] + j * (n + 1)];
 }
 
-int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *k, int node, int row)
+int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *k, int row)
 {
   if (k->coupled) return k->whole.left_out[row];
-  return !k->by_ldl && k->schur.rank.is_dropped[place(k, node, row)];
+  return !k->by_ldl && k->schur.rank.is_dropped[place(k, row)];
 }
 
 /* ---- redundant rows: J^T N = 0 for N = [-S_RR^-1 S_RD; 1], with the rows R that count and those D
@@ -57,15 +59,13 @@ static void combine(const nsdae_sparse_kkt *k, const double *p, double *Np)
 static void project(const nsdae_sparse_kkt *k, const double *u, double *out)
 {
   const nsdae_kkt_values *a = &k->at;
-  const nsdae_kkt_nodes *n = &k->nodes;
   memcpy(out, u, (size_t)k->part.row_count * sizeof *out);
   nsdae_sparse_kkt_solve_schur(k, out);
   memset(a->z, 0, (size_t)a->blocks.first[a->blocks.count] * sizeof *a->z);
   nsdae_sparse_kkt_add_transposed(k, a->Y, 1, out, a->z, NULL);
   nsdae_sparse_kkt_times(k, a->Y, a->z, out);
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++)
-      out[row] = nsdae_sparse_kkt_is_dropped(k, i, row) ? u[row] - out[row] : 0;
+  for (int row = 0; row < k->part.row_count; row++)
+    out[row] = nsdae_sparse_kkt_is_dropped(k, row) ? u[row] - out[row] : 0;
 }
 
 /* ---- rank */
@@ -112,9 +112,9 @@ static void improve(const nsdae_sparse_kkt *k, int row)
 /* The sine of a row by corrected seminormal equations (Bjorck, Linear Algebra Appl. 88/89 (1987)
  * 31): the least |Y z| with z_row = 1. Y z is formed from Y alone, as S has lost half of its
  * digits. Ends when a correction gains less than a tenth. */
-static double measure(const nsdae_sparse_kkt *k, int node, int row, int dropped)
+static double measure(const nsdae_sparse_kkt *k, int row, int dropped)
 {
-  double square = own(k, node, row), last = INFINITY;
+  double square = own(k, row), last = INFINITY;
   if (!(square > 0)) return 0;
   near_null(k, row, dropped);
   double now = length(k);
@@ -128,63 +128,54 @@ static double measure(const nsdae_sparse_kkt *k, int node, int row, int dropped)
 
 /* Whether the combination u of a row has a part in rows that this round has marked: it may be the
  * same, and is measured anew without them. */
-static int is_marked(const nsdae_sparse_kkt *k, int node, int row)
+static int is_marked(const nsdae_sparse_kkt *k, int row)
 {
   const double part = 1e-6; /* squared; a smaller one costs further rounds, a larger one ranks */
-  const nsdae_kkt_nodes *n = &k->nodes;
   const nsdae_multifrontal_rank *r = &k->schur.rank;
-  for (int i = 0; i < n->count; i++)
-    for (int other = n->row[i]; other < n->row[i + 1]; other++) {
-      int at = place(k, i, other);
-      double u = k->at.u[other];
-      if (r->forced[at] && !r->is_dropped[at] &&
-          u * u * own(k, i, other) > part * own(k, node, row))
-        return 1;
-    }
+  for (int other = 0; other < k->part.row_count; other++) {
+    int at = place(k, other);
+    double u = k->at.u[other];
+    if (r->forced[at] && !r->is_dropped[at] && u * u * own(k, other) > part * own(k, row)) return 1;
+  }
   return 0;
 }
 
 /* Marks rows whose small pivot is rounding, to be dropped; returns how many. */
 static int mark(nsdae_sparse_kkt *k)
 {
-  const nsdae_kkt_nodes *n = &k->nodes;
   nsdae_multifrontal_rank *r = &k->schur.rank;
   int more = 0;
   k->rank.kept = 1;
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++) {
-      int at = place(k, i, row), small = r->part[at] < CERTAIN;
-      if (r->is_dropped[at]) continue;
-      double sine = small ? measure(k, i, row, 0) : sine_of(r->part[at]);
-      if (sine * sine > r->drop) {
-        k->rank.kept = fmin(k->rank.kept, sine);
-      } else if (!is_marked(k, i, row)) {
-        r->forced[at] = 1;
-        more++;
-      }
+  for (int row = 0; row < k->part.row_count; row++) {
+    int at = place(k, row), small = r->part[at] < CERTAIN;
+    if (r->is_dropped[at]) continue;
+    double sine = small ? measure(k, row, 0) : sine_of(r->part[at]);
+    if (sine * sine > r->drop) {
+      k->rank.kept = fmin(k->rank.kept, sine);
+    } else if (!is_marked(k, row)) {
+      r->forced[at] = 1;
+      more++;
     }
+  }
   return more;
 }
 
 /* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
 static void count_rank(nsdae_sparse_kkt *k)
 {
-  const nsdae_kkt_nodes *n = &k->nodes;
   const nsdae_multifrontal_rank *r = &k->schur.rank;
-  int largest = -1, node = -1;
+  int largest = -1;
   double most = 0;
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++) {
-      int at = place(k, i, row);
-      if (!r->is_dropped[at]) continue;
-      k->rank.count--;
-      if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
-      if (largest >= 0 && !(r->part[at] > most)) continue;
-      most = r->part[at];
-      largest = row;
-      node = i;
-    }
-  k->rank.left = largest < 0 ? 0 : measure(k, node, largest, 1);
+  for (int row = 0; row < k->part.row_count; row++) {
+    int at = place(k, row);
+    if (!r->is_dropped[at]) continue;
+    k->rank.count--;
+    if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
+    if (largest >= 0 && !(r->part[at] > most)) continue;
+    most = r->part[at];
+    largest = row;
+  }
+  k->rank.left = largest < 0 ? 0 : measure(k, largest, 1);
 }
 
 static void begin_rank(nsdae_sparse_kkt *k, int chosen)
@@ -227,14 +218,12 @@ static int count_lost(nsdae_sparse_kkt *k)
 
 int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *k, const double *keep)
 {
-  const nsdae_kkt_nodes *n = &k->nodes;
   nsdae_multifrontal_rank *r = &k->schur.rank;
   int left_out = 0;
   r->drop = DBL_MIN; /* none that is positive */
   begin_rank(k, 1);
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++)
-      left_out += r->forced[place(k, i, row)] = keep && keep[row] == 0;
+  for (int row = 0; row < k->part.row_count; row++)
+    left_out += r->forced[place(k, row)] = keep && keep[row] == 0;
   k->by_ldl =
       k->ldl_first && !left_out && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, r->drop) == 0;
   if (k->by_ldl) {
@@ -275,13 +264,11 @@ void nsdae_sparse_kkt_shorten(const nsdae_sparse_kkt *k)
 int nsdae_sparse_kkt_consistent(const nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_values *a = &k->at;
-  const nsdae_kkt_nodes *n = &k->nodes;
   double sine = fmax(fmax(k->rank_tol, k->rank.left), sqrt(DBL_EPSILON));
   double norm = sqrt(nsdae_blocks_square(&a->blocks, a->M, a->x));
-  for (int i = 0; i < n->count; i++)
-    for (int row = n->row[i]; row < n->row[i + 1]; row++)
-      if (nsdae_sparse_kkt_is_dropped(k, i, row) &&
-          !(fabs(a->d[row]) <= sine * (sqrt(own(k, i, row)) * norm + fabs(a->c[row]))))
-        return 0;
+  for (int row = 0; row < k->part.row_count; row++)
+    if (nsdae_sparse_kkt_is_dropped(k, row) &&
+        !(fabs(a->d[row]) <= sine * (sqrt(own(k, row)) * norm + fabs(a->c[row]))))
+      return 0;
   return 1;
 }

@@ -10,8 +10,8 @@ int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *kkt);
 /* Factors S of the rows that keep has, see nsdae_sparse_kkt_factor_in. */
 int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *kkt, const double *keep);
 
-/* Whether the row, of the part and of this node, was dropped. */
-int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *kkt, int node, int row);
+/* Whether the row of the part was dropped. */
+int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *kkt, int row);
 
 /* Whether the equations of the dropped rows agree with the others, of the residual d. */
 int nsdae_sparse_kkt_consistent(const nsdae_sparse_kkt *kkt);

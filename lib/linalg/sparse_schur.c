@@ -80,9 +80,9 @@ static void form_blocks(nsdae_sparse_kkt *k)
   const nsdae_multifrontal *f = &k->schur;
   for (int i = 0; i < n->count; i++) {
     form_block(k, i, i, f->A + f->graph.diagonal[i]);
-    for (int e = n->first[i]; e < n->first[i + 1]; e++)
-      if (f->tree.number[n->index[e]] > f->tree.number[i])
-        form_block(k, n->index[e], i, f->A + f->graph.at[e]);
+    for (int e = f->graph.first[i]; e < f->graph.first[i + 1]; e++)
+      if (f->tree.number[f->graph.index[e]] > f->tree.number[i])
+        form_block(k, f->graph.index[e], i, f->A + f->graph.at[e]);
   }
 }
 

@@ -4,6 +4,7 @@
 #ifndef NSDAE_LINALG_SPARSE_SCHUR_H
 #define NSDAE_LINALG_SPARSE_SCHUR_H
 
+#include "adjacency.h"
 #include "rows.h"
 #include "sparse_ldl.h"
 
@@ -20,10 +21,10 @@ enum nsdae_kkt_backend { NSDAE_KKT_AUTO, NSDAE_KKT_LDL, NSDAE_KKT_SCHUR };
 /* The pattern of the last analysis as one list: counts of blocks and rows, sizes of the blocks, of
  * each row how many blocks it touches and which. */
 typedef struct nsdae_kkt_pattern {
-  int *list, *next;        /* next: the one asked for */
-  int used, room, numbers; /* numbers: room in number */
-  int *number;             /* blocks of the system: in the part */
-  nsdae_arena memory;      /* of all that the part alone decides */
+  int *list;
+  int used, room;
+  int *number;        /* blocks of the system: in the part */
+  nsdae_arena memory; /* of all that the part alone decides */
 } nsdae_kkt_pattern;
 
 /* Consecutive rows that touch the same blocks are one node of the graph of S. */
@@ -32,11 +33,9 @@ typedef struct nsdae_kkt_nodes {
   int *row, *part, *size; /* count + 1: first row, first part; count: rows */
   int *block;             /* parts: the block that they touch */
   size_t *at;             /* parts: their values, row by row */
-  int *first, *index;     /* the graph */
-  int *by_block, *of_block, *mark;
-  int neighbours, parts;
-  size_t values;      /* of J */
-  nsdae_arena memory; /* of the graph */
+  int *of_row;            /* rows: the node */
+  int parts;
+  size_t values; /* of J */
 } nsdae_kkt_nodes;
 
 /* Of the part, its blocks and rows one behind the other. */
@@ -62,12 +61,14 @@ typedef struct nsdae_kkt_rank {
 typedef struct nsdae_kkt_whole {
   nsdae_multifrontal fronts;
   nsdae_sparse_ldl ldl;
-  int by_ldl, ready, count;         /* pairs */
-  int *pair;                        /* 2 count */
-  double *value;                    /* of the pairs */
-  int *size, *first, *index, *used; /* nodes, with one more; edges; nodes */
-  int *left_out;                    /* rows: not of the basis */
-  double *x;                        /* order */
+  int by_ldl, ready, count; /* pairs */
+  int *pair;                /* 2 count */
+  double *value;            /* of the pairs */
+  int *size;                /* nodes */
+  int *edge, *begin;        /* pairs of neighbours; where each begins */
+  nsdae_adjacency graph;
+  int *left_out; /* rows: not of the basis */
+  double *x;     /* order */
   nsdae_arena arena;
 } nsdae_kkt_whole;
 
@@ -82,6 +83,7 @@ typedef struct nsdae_sparse_kkt {
   nsdae_kkt_pattern pattern;
   nsdae_kkt_nodes nodes;
   nsdae_kkt_values at;
+  nsdae_adjacency graph; /* of the nodes */
   nsdae_multifrontal schur;
   nsdae_sparse_ldl ldl;
   nsdae_kkt_whole whole;
@@ -91,9 +93,6 @@ typedef struct nsdae_sparse_kkt {
  * NSDAE_E_MEMORY. */
 int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *kkt, const nsdae_multifrontal *f,
                             nsdae_sparse_ldl *ldl, int *by_ldl);
-
-/* Of qsort: two whole numbers. */
-int nsdae_kkt_ascending(const void *a, const void *b);
 
 /* Forms L and Y. NSDAE_OK or NSDAE_E_MASS, see pivot. */
 int nsdae_sparse_kkt_transform_rows(nsdae_sparse_kkt *kkt, const double *M);

@@ -1,6 +1,5 @@
 #include "sparse_whole.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include <nsdae/status.h>
@@ -37,35 +36,32 @@ static void lay_out(void *object, nsdae_arena *arena)
   const layout *of = object;
   const nsdae_sparse_kkt *k = of->k;
   nsdae_kkt_whole *w = &of->k->whole;
-  long nodes = (long)k->at.blocks.count + k->nodes.count, pairs = of->C->count;
+  long nodes = (long)k->at.blocks.count + k->nodes.count, pairs = of->C->count,
+       edges = pairs + k->nodes.part[k->nodes.count];
   w->pair = NSDAE_ARENA_INTS(arena, 2 * pairs);
   w->value = NSDAE_ARENA_DOUBLES(arena, values_of(k, of->C));
   w->size = NSDAE_ARENA_INTS(arena, nodes);
-  w->first = NSDAE_ARENA_INTS(arena, nodes + 1);
-  w->used = NSDAE_ARENA_INTS(arena, nodes);
-  w->index = NSDAE_ARENA_INTS(arena, 2 * (pairs + k->nodes.part[k->nodes.count]));
+  w->edge = NSDAE_ARENA_INTS(arena, 2 * edges);
+  w->begin = NSDAE_ARENA_INTS(arena, edges + 1);
   w->left_out = NSDAE_ARENA_INTS(arena, k->part.row_count);
   w->x = NSDAE_ARENA_DOUBLES(arena, k->at.blocks.first[k->at.blocks.count] + k->part.row_count);
 }
 
-/* Counts an edge between nodes (index NULL), or enters it. */
-static void add_edge(nsdae_kkt_whole *w, int *index, int a, int b)
-{
-  if (index) index[w->first[a] + w->used[a]] = b;
-  if (index) index[w->first[b] + w->used[b]] = a;
-  w->used[a]++;
-  w->used[b]++;
-}
-
-static void list_edges(nsdae_sparse_kkt *k, int *index)
+/* Pairs of neighbours: coupled blocks, and each node of rows with the blocks that it touches.
+ * Returns their number. */
+static int list_edges(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_whole *w = &k->whole;
   const nsdae_kkt_nodes *n = &k->nodes;
-  int blocks = k->at.blocks.count;
-  memset(w->used, 0, (size_t)(blocks + n->count) * sizeof *w->used);
-  for (int p = 0; p < w->count; p++) add_edge(w, index, w->pair[2 * p], w->pair[2 * p + 1]);
+  int edges = w->count;
+  memcpy(w->edge, w->pair, 2 * (size_t)w->count * sizeof *w->pair);
   for (int i = 0; i < n->count; i++)
-    for (int p = n->part[i]; p < n->part[i + 1]; p++) add_edge(w, index, n->block[p], blocks + i);
+    for (int p = n->part[i]; p < n->part[i + 1]; p++, edges++) {
+      w->edge[2 * edges] = n->block[p];
+      w->edge[2 * edges + 1] = k->at.blocks.count + i;
+    }
+  for (int e = 0; e <= edges; e++) w->begin[e] = 2 * e;
+  return edges;
 }
 
 static int analyse(nsdae_sparse_kkt *k)
@@ -74,14 +70,11 @@ static int analyse(nsdae_sparse_kkt *k)
   int blocks = k->at.blocks.count, nodes = blocks + k->nodes.count;
   for (int b = 0; b < blocks; b++) w->size[b] = size_of(k, b);
   for (int i = 0; i < k->nodes.count; i++) w->size[blocks + i] = k->nodes.size[i];
-  list_edges(k, NULL);
-  w->first[0] = 0;
-  for (int i = 0; i < nodes; i++) w->first[i + 1] = w->first[i] + w->used[i];
-  list_edges(k, w->index);
-  for (int i = 0; i < nodes; i++)
-    qsort(w->index + w->first[i], (size_t)w->used[i], sizeof *w->index, nsdae_kkt_ascending);
+  const nsdae_joined edges = {list_edges(k), w->begin, w->edge};
+  int status = nsdae_adjacency_build(&w->graph, &edges, nodes, 0);
+  if (status < 0) return status;
   w->fronts.negative = blocks;
-  int status = nsdae_multifrontal_analyse(&w->fronts, nodes, w->size, w->first, w->index);
+  status = nsdae_multifrontal_analyse(&w->fronts, nodes, w->size, w->graph.first, w->graph.index);
   return status < 0 ? status : nsdae_sparse_kkt_choose(k, &w->fronts, &w->ldl, &w->by_ldl);
 }
 
@@ -105,11 +98,8 @@ static int analyse_pairs(nsdae_sparse_kkt *k, const nsdae_coupling *C)
 /* The block of nodes a and b in the rows of the one that is eliminated last; by_b: those of b. */
 static double *block_of(const nsdae_kkt_whole *w, int a, int b, int *by_b)
 {
-  const nsdae_multifrontal_graph *g = &w->fronts.graph;
   *by_b = w->fronts.tree.number[b] > w->fronts.tree.number[a];
-  int column = *by_b ? a : b, row = *by_b ? b : a, e = g->first[column];
-  while (g->index[e] != row) e++;
-  return w->fronts.A + g->at[e];
+  return w->fronts.A + nsdae_multifrontal_block(&w->fronts, *by_b ? b : a, *by_b ? a : b);
 }
 
 /* A [rows x columns], or its transpose. */

@@ -6,10 +6,7 @@
 static void lay_out_nodes(void *object, nsdae_arena *arena)
 {
   nsdae_symbolic *e = object;
-  e->node = NSDAE_ARENA_INTS(arena, e->n);
-  e->number = NSDAE_ARENA_INTS(arena, e->n);
-  e->parent = NSDAE_ARENA_INTS(arena, e->n);
-  e->count = NSDAE_ARENA_INTS(arena, e->n);
+  nsdae_arena_ints(arena, e->n, (int **[]){&e->node, &e->number, &e->parent, &e->count, NULL});
   e->start = nsdae_arena_take(arena, e->n + 1L, sizeof(size_t));
   e->work = NSDAE_ARENA_INTS(arena, 3L * e->n);
 }

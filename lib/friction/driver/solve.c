@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "friction_certificate.h"
 #include "friction_solver.h"
 #include "stages.h"
+#include "vector.h"
 
 /* The certificate is of the data as given, an island's residual of the scaled data. They differ by
  * the rounding of impulses up to 1e6 times the least that moves a contact. */
@@ -121,9 +121,7 @@ int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *lar
 
 double nsdae_fc_speed(const nsdae_friction_solver *s)
 {
-  double most = 0;
-  for (int k = 0; k < s->global.view.m; k++) most = fmax(most, fabs(s->global.q[k]));
-  return most;
+  return nsdae_largest(s->global.view.m, s->global.q);
 }
 
 /* ---- islands */

@@ -56,10 +56,9 @@ void nsdae_fc_run_layout(void *object, nsdae_arena *arena)
   nsdae_fc_refinement_layout(&s->refinement, &s->fc, arena);
   nsdae_fc_as_lcp_layout(&s->as_lcp, &s->fc, arena);
   s->slip = NSDAE_ARENA_DOUBLES(arena, s->fc.n);
-  s->point = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
-  run->iterate.r = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
-  run->iterate.low = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
-  run->guess = NSDAE_ARENA_DOUBLES(arena, 3L * s->fc.n);
+  nsdae_arena_doubles(
+      arena, 3L * s->fc.n,
+      (double **[]){&s->point, &run->iterate.r, &run->iterate.low, &run->guess, NULL});
 }
 
 /* ---- conditions of the rows */

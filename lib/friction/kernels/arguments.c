@@ -57,7 +57,6 @@ double nsdae_fc_arguments_diagonal(const nsdae_fc_arguments *p, int c, int i, do
 
 double nsdae_fc_arguments_scale(const nsdae_fc_arguments *p, int m)
 {
-  double most = 0;
-  for (int i = 0; i < m; i++) most = fmax(most, fabs(p->q[i]));
+  double most = nsdae_largest(m, p->q);
   return most > 0 ? most : 1;
 }

@@ -114,9 +114,9 @@ static void smooth_cone(double e, const double *a, const double *b, double *F, d
 }
 
 /* In rows scaled by S = (sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)), the cone is the second-order cone
- * for S r and its own dual for S^-1 u^. */
-void nsdae_fc_smooth_conic_map(int kind, double mu, double e, double shift, const double *r,
-                               const double *u, double *F, double *B, double *A)
+ * for S r and its own dual for S^-1 u^, u^ = u + mu |u_T| e_N with |u_T| smoothed. */
+void nsdae_fc_smooth_map(int kind, double mu, double e, const double *r, const double *u, double *F,
+                         double *B, double *A)
 {
   if (kind == NSDAE_FC_BILATERAL) {
     nsdae_fc_natural_map(kind, mu, r, NULL, u, F, B, A);
@@ -126,24 +126,15 @@ void nsdae_fc_smooth_conic_map(int kind, double mu, double e, double shift, cons
     smooth_normal(e, r, u, F, B, A);
     return;
   }
+  double square = u[1] * u[1] + u[2] * u[2], slip = sqrt(square + e * e);
   double S[3] = {sqrt(mu), 1 / sqrt(mu), 1 / sqrt(mu)}, G[9];
   double a[3] = {S[0] * r[0], S[1] * r[1], S[2] * r[2]};
-  double b[3] = {(u[0] + shift) / S[0], u[1] / S[1], u[2] / S[2]};
+  double b[3] = {(u[0] + mu * (square / (slip + e))) / S[0], u[1] / S[1], u[2] / S[2]};
   smooth_cone(e, a, b, F, G);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       B[3 * i + j] = ((i == j) - G[3 * i + j]) * S[j];
       A[3 * i + j] = G[3 * i + j] / S[j];
+      if (j > 0) A[3 * i + j] += A[3 * i] * mu * (u[j] / slip);
     }
-}
-
-/* The shift is mu |u_T|, smoothed, and turns with u_T. */
-void nsdae_fc_smooth_map(int kind, double mu, double e, const double *r, const double *u, double *F,
-                         double *B, double *A)
-{
-  double square = u[1] * u[1] + u[2] * u[2], slip = sqrt(square + e * e);
-  nsdae_fc_smooth_conic_map(kind, mu, e, mu * (square / (slip + e)), r, u, F, B, A);
-  if (kind != NSDAE_FC_CONE) return;
-  for (int i = 0; i < 3; i++)
-    for (int j = 1; j < 3; j++) A[3 * i + j] += A[3 * i] * mu * (u[j] / slip);
 }

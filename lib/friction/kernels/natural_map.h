@@ -20,8 +20,4 @@ void nsdae_fc_natural_map(int kind, double mu, const double *r, const double *lo
 void nsdae_fc_smooth_map(int kind, double mu, double epsilon, const double *r, const double *u,
                          double *F, double *B, double *A);
 
-/* The same of the convex problem in which u^ = u + shift e_N, whatever the slip. */
-void nsdae_fc_smooth_conic_map(int kind, double mu, double epsilon, double shift, const double *r,
-                               const double *u, double *F, double *B, double *A);
-
 #endif

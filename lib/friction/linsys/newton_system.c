@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "dense.h"
-#include "matrix3.h"
 #include "vector.h"
 
 /* Contacts of a local form up to which dense algebra is the faster. */
@@ -26,86 +25,86 @@ static void lay_out_system(void *object, nsdae_arena *arena)
   for (int k = 0; k < c->n && !m->dense; k++) m->pairs += pairs_of(c, k);
   m->lu = NSDAE_ARENA_DOUBLES(arena, m->dense ? 9L * c->n * c->n : 0);
   m->pivot = NSDAE_ARENA_INTS(arena, m->dense ? 3L * c->n : 0);
-  m->pattern.first = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
-  m->pattern.at = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
-  m->pattern.index = NSDAE_ARENA_INTS(arena, 2 * m->pairs);
-  m->pattern.other = NSDAE_ARENA_INTS(arena, 2 * m->pairs);
+  m->couple = NSDAE_ARENA_INTS(arena, c->local ? 2 * (long)m->pairs : 0);
+  m->begin = NSDAE_ARENA_INTS(arena, c->local ? (long)m->pairs + 1 : 0);
   m->place = nsdae_arena_take(arena, (long)m->pairs, sizeof(size_t));
-  m->E = NSDAE_ARENA_DOUBLES(arena, 9L * c->n);
-  m->K = NSDAE_ARENA_DOUBLES(arena, 9L * c->n);
-  m->E_inverse = NSDAE_ARENA_DOUBLES(arena, 9L * c->n);
+  nsdae_arena_doubles(arena, 9L * c->n, (double **[]){&m->E, &m->K, &m->E_inverse, NULL});
   m->dy = NSDAE_ARENA_DOUBLES(arena, c->ny);
+}
+
+/* ---- matrices of three rows, row-major */
+
+/* y = A x */
+static inline void apply(const double *A, const double *x, double *y)
+{
+  for (int i = 0; i < 3; i++) y[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+}
+
+/* C = A B */
+static inline void multiply(const double *A, const double *B, double *C)
+{
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+}
+
+/* Gauss-Jordan elimination with row pivoting. Returns 0, or 1 if A is singular or not finite. */
+static inline int invert(const double *A, double *inverse)
+{
+  double a[3][6];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 6; j++) a[i][j] = j < 3 ? A[3 * i + j] : j == i + 3;
+  for (int k = 0; k < 3; k++) {
+    int p = k;
+    for (int i = k + 1; i < 3; i++)
+      if (fabs(a[i][k]) > fabs(a[p][k])) p = i;
+    double pivot = a[p][k];
+    if (!(fabs(pivot) > 0 && fabs(pivot) < INFINITY)) return 1;
+    for (int j = 0; j < 6; j++) {
+      double held = a[p][j] / pivot;
+      a[p][j] = a[k][j];
+      a[k][j] = held;
+    }
+    for (int i = 0; i < 3; i++) {
+      double factor = a[i][k];
+      for (int j = 0; j < 6 && i != k; j++) a[i][j] -= factor * a[k][j];
+    }
+  }
+  for (int i = 0; i < 9; i++) inverse[i] = a[i / 3][3 + i % 3];
+  return 0;
 }
 
 /* ---- symbolic analysis */
 
-/* Row and column block of a pair of item k: all pairs of its blocks, or (local form) itself with
- * each. */
-static void pair_at(const nsdae_fc_scaled *c, int k, size_t pair, int *row, int *column)
-{
-  size_t n = (size_t)(c->parts.first[k + 1] - c->parts.first[k]);
-  *row = c->local ? k : c->parts.block[c->parts.first[k] + (int)(pair / n)];
-  *column = c->parts.block[c->parts.first[k] + (int)(pair % n)];
-}
-
-/* Lists of neighbours, with repetitions and in any order. */
-static void collect(nsdae_fc_system *m)
+/* Blocks that share an item are neighbours; of the local form items of which one has a part of the
+ * other: the transposed part of W may be zero and missing. */
+static int build_graph(nsdae_fc_system *m)
 {
   const nsdae_fc_scaled *c = m->fc;
-  int row, column;
-  memset(m->pattern.at, 0, ((size_t)c->blocks + 1) * sizeof *m->pattern.at);
-  for (int pass = 0; pass < 2; pass++) {
-    for (int k = 0; k < c->n; k++)
-      for (size_t p = 0; p < pairs_of(c, k); p++) {
-        pair_at(c, k, p, &row, &column);
-        if (row == column) continue;
-        if (pass == 1) m->pattern.other[m->pattern.at[row]] = column;
-        m->pattern.at[row]++;
-        if (!c->local) continue; /* the transposed pair of W may be zero and missing */
-        if (pass == 1) m->pattern.other[m->pattern.at[column]] = row;
-        m->pattern.at[column]++;
-      }
-    for (int b = c->blocks; b > 0; b--) m->pattern.at[b] = m->pattern.at[b - 1];
-    m->pattern.at[0] = 0;
-    for (int b = 0; b < c->blocks && pass == 0; b++) m->pattern.at[b + 1] += m->pattern.at[b];
-  }
-}
-
-/* Read in the order of the blocks, the lists give each block its neighbours in ascending order, so
- * that repetitions are next to each other. */
-static void sort_graph(nsdae_fc_system *m)
-{
-  int n = m->fc->blocks, used = 0;
-  for (int b = 0; b < n; b++) m->pattern.first[b] = m->pattern.at[b];
-  for (int b = 0; b < n; b++)
-    for (int a = m->pattern.at[b]; a < m->pattern.at[b + 1]; a++) {
-      int to = m->pattern.other[a];
-      if (m->pattern.first[to] > m->pattern.at[to] &&
-          m->pattern.index[m->pattern.first[to] - 1] == b)
-        continue;
-      m->pattern.index[m->pattern.first[to]++] = b;
+  nsdae_joined lists = {c->n, c->parts.first, c->parts.block};
+  if (c->local) m->begin[0] = 0;
+  for (int k = 0; k < c->n && c->local; k++)
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      m->couple[2 * e] = k;
+      m->couple[2 * e + 1] = c->parts.block[e];
+      m->begin[e + 1] = 2 * (e + 1);
     }
-  for (int b = 0; b < n; b++) {
-    int begin = used;
-    for (int a = m->pattern.at[b]; a < m->pattern.first[b]; a++)
-      m->pattern.index[used++] = m->pattern.index[a];
-    m->pattern.first[b] = begin;
-  }
-  m->pattern.first[n] = used;
+  if (c->local) lists = (nsdae_joined){c->parts.entries, m->begin, m->couple};
+  return nsdae_adjacency_build(&m->graph, &lists, c->blocks, 0);
 }
 
-static size_t find(const nsdae_fc_system *m, int row, int column)
+/* Where the blocks of the pairs are: of all pairs of an item, or (local form) of it with each. */
+static void place_pairs(nsdae_fc_system *m)
 {
-  int low = m->pattern.first[column], high = m->pattern.first[column + 1];
-  if (row == column) return m->fronts.graph.diagonal[row];
-  while (high - low > 1) {
-    int middle = (low + high) / 2;
-    if (m->pattern.index[middle] <= row)
-      low = middle;
-    else
-      high = middle;
-  }
-  return m->fronts.graph.at[low];
+  const nsdae_fc_scaled *c = m->fc;
+  const int *block = c->parts.block;
+  size_t *place = m->place;
+  for (int k = 0; k < c->n; k++)
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      if (c->local) *place++ = nsdae_multifrontal_block(&m->fronts, k, block[e]);
+      for (int f = c->parts.first[k]; f < c->parts.first[k + 1] && !c->local; f++)
+        *place++ = nsdae_multifrontal_block(&m->fronts, block[e], block[f]);
+    }
 }
 
 /* Floating-point operations of a factorisation: LU of p columns of a front of p + r. */
@@ -131,27 +130,18 @@ static double price(const nsdae_fc_system *m)
 
 int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
 {
-  size_t used = 0;
-  int row, column;
   m->fc = c;
   m->dense = c->local && (c->all_listed || c->n <= DENSE);
-  if (nsdae_arena_fit(&m->memory, lay_out_system, m) != NSDAE_OK) return NSDAE_E_MEMORY;
-  if (m->dense) {
-    m->cost = price(m);
-    return NSDAE_OK;
+  int status = nsdae_arena_fit(&m->memory, lay_out_system, m);
+  if (status == NSDAE_OK && !m->dense) {
+    status = build_graph(m);
+    if (status == NSDAE_OK)
+      status = nsdae_multifrontal_analyse(&m->fronts, c->blocks, c->parts.size, m->graph.first,
+                                          m->graph.index);
+    if (status == NSDAE_OK) place_pairs(m);
   }
-  collect(m);
-  sort_graph(m);
-  if (nsdae_multifrontal_analyse(&m->fronts, c->blocks, c->parts.size, m->pattern.first,
-                                 m->pattern.index) != NSDAE_OK)
-    return NSDAE_E_MEMORY;
-  for (int k = 0; k < c->n; k++)
-    for (size_t p = 0; p < pairs_of(c, k); p++) {
-      pair_at(c, k, p, &row, &column);
-      m->place[used++] = find(m, row, column);
-    }
-  m->cost = price(m);
-  return NSDAE_OK;
+  if (status == NSDAE_OK) m->cost = price(m);
+  return status;
 }
 
 /* ---- assembly and factorisation */
@@ -218,8 +208,8 @@ int nsdae_fc_system_factor(nsdae_fc_system *m, const double *E, const double *A)
     if (c->local)
       memcpy(K, block, 9 * sizeof *K);
     else {
-      if (nsdae_invert3(E + 9 * (size_t)k, inverse) != 0) return 1;
-      nsdae_multiply3(inverse, block, K);
+      if (invert(E + 9 * (size_t)k, inverse) != 0) return 1;
+      multiply(inverse, block, K);
     }
   }
   if (c->local)
@@ -238,7 +228,7 @@ static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
   const nsdae_fc_scaled *c = m->fc;
   memset(m->dy, 0, (size_t)c->ny * sizeof *m->dy);
   for (int k = 0; k < c->n; k++) {
-    nsdae_apply3(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
+    apply(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
       nsdae_add_product(c->parts.size[c->parts.block[e]], 3, nsdae_fc_part(c, e), dr + 3 * k,
                         m->dy + c->parts.offset[c->parts.block[e]]);
@@ -249,7 +239,7 @@ static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
     for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
       nsdae_add_transposed(c->parts.size[c->parts.block[e]], 3, 1, nsdae_fc_part(c, e),
                            m->dy + c->parts.offset[c->parts.block[e]], u);
-    nsdae_apply3(m->K + 9 * (size_t)k, u, x);
+    apply(m->K + 9 * (size_t)k, u, x);
     for (int j = 0; j < 3; j++) dr[3 * k + j] -= x[j];
   }
 }
@@ -269,6 +259,7 @@ void nsdae_fc_system_solve(nsdae_fc_system *m, const double *b, double *dr)
 
 void nsdae_fc_system_release(nsdae_fc_system *m)
 {
+  nsdae_adjacency_release(&m->graph);
   nsdae_multifrontal_release(&m->fronts);
   nsdae_arena_release(&m->memory);
 }

@@ -11,16 +11,9 @@
 #ifndef NSDAE_FRICTION_NEWTON_SYSTEM_H
 #define NSDAE_FRICTION_NEWTON_SYSTEM_H
 
+#include "adjacency.h"
 #include "multifrontal.h"
 #include "scaled_island.h"
-
-/* The graph of the blocks (local form: of the items). */
-typedef struct nsdae_fc_pattern {
-  int *first; /* blocks + 1: first neighbour of each in index */
-  int *index;
-  int *other; /* work: lists of neighbours before they are sorted */
-  int *at;    /* blocks + 1: first entry of those lists */
-} nsdae_fc_pattern;
 
 typedef struct nsdae_fc_system {
   const nsdae_fc_scaled *fc;
@@ -29,13 +22,14 @@ typedef struct nsdae_fc_system {
                 pivot [3 n] are for it */
   double *lu;
   int *pivot;
-  size_t pairs; /* of blocks that share an item, in both directions and with themselves */
-  nsdae_fc_pattern pattern;
-  size_t *place;     /* pairs: of their blocks in the matrix, item by item */
-  double *E, *K;     /* 9 n: E as given; K, of the local form A */
-  double *E_inverse; /* 9 n */
-  double *dy;        /* ny */
-  double cost;       /* of a factorisation, in multiplications by J */
+  nsdae_adjacency graph; /* of the blocks (local form: of the items) */
+  int *couple, *begin;   /* of the local form: 2 for each part, itself and its block; from where */
+  size_t pairs;          /* of blocks that share an item, in both directions and with themselves */
+  size_t *place;         /* pairs: of their blocks in the matrix, item by item */
+  double *E, *K;         /* 9 n: E as given; K, of the local form A */
+  double *E_inverse;     /* 9 n */
+  double *dy;            /* ny */
+  double cost;           /* of a factorisation, in multiplications by J */
   nsdae_arena memory;
 } nsdae_fc_system;
 

@@ -1,6 +1,6 @@
 /* The certificate: the scaled natural residual of every item, with velocities from the data as
  * given. */
-#include "friction_certificate.h"
+#include "global_problem.h"
 
 #include <float.h>
 #include <math.h>

@@ -83,26 +83,15 @@ static void lay_out_farkas(void *object, nsdae_arena *arena)
 {
   nsdae_fc_farkas *f = object;
   long n = f->cone.n, m = f->cone.m;
-  f->item = NSDAE_ARENA_INTS(arena, m);
-  f->sign = NSDAE_ARENA_DOUBLES(arena, m);
-  f->columns = NSDAE_ARENA_DOUBLES(arena, n * m);
-  f->cone.C = f->scaled = NSDAE_ARENA_DOUBLES(arena, n * m);
-  f->row = NSDAE_ARENA_DOUBLES(arena, n);
-  f->by = NSDAE_ARENA_DOUBLES(arena, m);
-  f->target = NSDAE_ARENA_DOUBLES(arena, n);
-  f->cone.z = NSDAE_ARENA_DOUBLES(arena, m);
-  f->cone.w = NSDAE_ARENA_DOUBLES(arena, n);
-  f->cone.gram = NSDAE_ARENA_DOUBLES(arena, n * n);
-  f->cone.factor = NSDAE_ARENA_DOUBLES(arena, n * n);
-  f->inverse = NSDAE_ARENA_DOUBLES(arena, n * n);
-  f->cone.s = NSDAE_ARENA_DOUBLES(arena, n);
-  f->cone.allowed = NSDAE_ARENA_INTS(arena, m);
-  f->cone.order = NSDAE_ARENA_INTS(arena, n);
-  f->cone.state = NSDAE_ARENA_INTS(arena, m);
-  f->chosen = NSDAE_ARENA_INTS(arena, n);
+  nsdae_cone *c = &f->cone;
+  nsdae_arena_ints(arena, m, (int **[]){&f->item, &c->allowed, &c->state, NULL});
+  nsdae_arena_ints(arena, n, (int **[]){&c->order, &f->chosen, &f->pivot, &f->kept, NULL});
+  nsdae_arena_doubles(arena, m, (double **[]){&f->sign, &f->by, &c->z, NULL});
+  nsdae_arena_doubles(arena, n, (double **[]){&f->row, &f->target, &c->w, &c->s, NULL});
+  nsdae_arena_doubles(arena, n * m, (double **[]){&f->columns, &f->scaled, NULL});
+  nsdae_arena_doubles(arena, n * n, (double **[]){&c->gram, &c->factor, &f->inverse, NULL});
   f->exact = NSDAE_ARENA_DOUBLES(arena, 2 * n);
-  f->pivot = NSDAE_ARENA_INTS(arena, n);
-  f->kept = NSDAE_ARENA_INTS(arena, n);
+  c->C = f->scaled;
 }
 
 /* The numbers of block b of the whole in its island: entries of v of the blocks before it. */
@@ -350,10 +339,8 @@ static int is_verified(nsdae_fc_farkas *f, int k)
 /* The proof in the rows of the whole, its largest entry about one. */
 static void hand_over(const nsdae_fc_farkas *f, int k, double *l)
 {
-  double most = 0;
+  double most = power_of_two(nsdae_largest(k, f->exact + f->cone.n));
   memset(l, 0, (size_t)f->fc->global->view.m * sizeof *l);
-  for (int e = 0; e < k; e++) most = fmax(most, fabs(f->exact[f->cone.n + e]));
-  most = power_of_two(most);
   for (int e = 0; e < k; e++) {
     int j = f->chosen[e];
     l[f->fc->global->view.row[f->item[j]]] += f->sign[j] * (f->exact[f->cone.n + e] / most);

@@ -9,44 +9,25 @@
 #include "disjoint_sets.h"
 #include "vector.h"
 
-/* What the items of an island share. */
-static int sets(const nsdae_fc_global *c)
-{
-  return c->view.p->form == NSDAE_FRICTION_GLOBAL ? c->view.p->blocks : c->view.items;
-}
-
 void nsdae_fc_global_layout(void *object, nsdae_arena *arena)
 {
   nsdae_fc_global *c = object;
   const nsdae_friction_problem *p = c->view.p;
   nsdae_fc_view_layout(&c->view, arena);
-  long mass = 0, values = 0, nv = 0, m = 0;
-  for (int b = 0; b < p->blocks; b++) {
-    mass += (long)p->size[b] * p->size[b];
-    nv += p->size[b];
-  }
-  for (int i = 0; i < c->view.items; i++) {
-    m += nsdae_fc_rows(p, i);
-    for (int e = p->first[i]; e < p->first[i + 1] && p->form == NSDAE_FRICTION_GLOBAL; e++)
-      values += (long)nsdae_fc_rows(p, i) * p->size[p->block[e]];
-  }
-  c->L = NSDAE_ARENA_DOUBLES(arena, mass);
+  long nv = c->view.nv, m = c->view.m;
+  int global = p->form == NSDAE_FRICTION_GLOBAL;
+  c->L = NSDAE_ARENA_DOUBLES(arena, c->view.mass);
   c->diagonal = NSDAE_ARENA_INTS(arena, p->blocks);
-  c->J = NSDAE_ARENA_DOUBLES(arena, values);
-  c->q = NSDAE_ARENA_DOUBLES(arena, m);
+  c->J = NSDAE_ARENA_DOUBLES(arena, global ? c->view.values : 0);
   c->d = NSDAE_ARENA_DOUBLES(arena, c->view.items);
-  c->v = NSDAE_ARENA_DOUBLES(arena, nv);
-  c->low = NSDAE_ARENA_DOUBLES(arena, nv);
-  c->r = NSDAE_ARENA_DOUBLES(arena, m);
-  c->r_low = NSDAE_ARENA_DOUBLES(arena, m);
-  c->u = NSDAE_ARENA_DOUBLES(arena, m);
-  c->islands.label = NSDAE_ARENA_INTS(arena, c->view.items);
-  c->islands.member = NSDAE_ARENA_INTS(arena, c->view.items);
-  c->islands.start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
-  c->islands.number = NSDAE_ARENA_INTS(arena, sets(c));
-  c->islands.listed = NSDAE_ARENA_INTS(arena, p->blocks);
-  c->islands.listed_start = NSDAE_ARENA_INTS(arena, c->view.items + 1L);
-  c->islands.parent = NSDAE_ARENA_INTS(arena, sets(c));
+  nsdae_arena_doubles(arena, m, (double **[]){&c->q, &c->r, &c->r_low, &c->u, NULL});
+  nsdae_arena_doubles(arena, nv, (double **[]){&c->v, &c->low, NULL});
+  nsdae_fc_islands *all = &c->islands;
+  nsdae_arena_ints(arena, c->view.items + 2L,
+                   (int **[]){&all->label, &all->member, &all->start, &all->listed_start, NULL});
+  all->number = NSDAE_ARENA_INTS(arena, global ? p->blocks : c->view.items);
+  all->parent = NSDAE_ARENA_INTS(arena, c->view.items + (long)p->blocks);
+  all->listed = NSDAE_ARENA_INTS(arena, p->blocks);
 }
 
 /* ---- factors of the masses */
@@ -67,10 +48,8 @@ static int is_symmetric(int n, const double *M)
 /* Inverts L, lower, where it is diagonal; returns whether it is. */
 static int invert_diagonal(int n, double *L)
 {
-  for (int j = 0; j < n; j++)
-    for (int i = j + 1; i < n; i++)
-      if (L[(size_t)j * (size_t)n + (size_t)i] != 0) return 0;
-  for (int j = 0; j < n; j++) L[(size_t)j * (size_t)(n + 1)] = 1 / L[(size_t)j * (size_t)(n + 1)];
+  if (!nsdae_la_is_diagonal(n, L, n)) return 0;
+  for (int j = 0; j < n; j++, L += n + 1) *L = 1 / *L;
   return 1;
 }
 
@@ -184,60 +163,42 @@ int nsdae_fc_touches(const nsdae_fc_global *c, int e)
   return 0;
 }
 
-/* Sets of blocks (local form: of items) that items join. An item with compliance alone touches no
- * block and is an island. */
+/* Sets of items and, after them, of blocks (local form: of items) that they touch. */
 static void join_blocks(nsdae_fc_global *c)
 {
   const nsdae_friction_problem *p = c->view.p;
-  nsdae_sets_begin(c->islands.parent, sets(c));
-  for (int i = 0; i < c->view.items; i++) {
-    int mine = p->form == NSDAE_FRICTION_LOCAL ? i : -1;
-    for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      if (!nsdae_fc_touches(c, e)) continue;
-      mine = nsdae_sets_join(c->islands.parent, mine >= 0 ? mine : p->block[e], p->block[e]);
-    }
-  }
+  int items = c->view.items, after = p->form == NSDAE_FRICTION_LOCAL ? 0 : items;
+  nsdae_sets_begin(c->islands.parent, items + p->blocks);
+  for (int i = 0; i < items; i++)
+    for (int e = p->first[i]; e < p->first[i + 1]; e++)
+      if (nsdae_fc_touches(c, e)) nsdae_sets_join(c->islands.parent, i, after + p->block[e]);
 }
 
-static int set_of(nsdae_fc_global *c, int i)
-{
-  const nsdae_friction_problem *p = c->view.p;
-  if (p->form == NSDAE_FRICTION_LOCAL) return nsdae_sets_root(c->islands.parent, i);
-  for (int e = p->first[i]; e < p->first[i + 1]; e++)
-    if (nsdae_fc_touches(c, e)) return nsdae_sets_root(c->islands.parent, p->block[e]);
-  return -1;
-}
-
-/* Labels, in the order of the least items. Of a set that has its label, parent of the root gives
- * way to -1 - label. */
+/* Labels, in the order of the least items that something moves. The root of a set is its least
+ * item; start has the label of that. */
 static void label_items(nsdae_fc_global *c)
 {
-  enum { STATIC = -2, ALONE = -1 };
-  c->islands.count = 0;
-  for (int i = 0; i < c->view.items; i++) c->islands.label[i] = c->d[i] > 0 ? set_of(c, i) : STATIC;
+  nsdae_fc_islands *all = &c->islands;
+  all->count = 0;
+  for (int i = 0; i < c->view.items; i++) all->start[i] = all->label[i] = -1;
   for (int i = 0; i < c->view.items; i++) {
-    int set = c->islands.label[i];
-    if (set == STATIC)
-      c->islands.label[i] = -1;
-    else if (set == ALONE || c->islands.parent[set] >= 0) {
-      c->islands.label[i] = c->islands.count++;
-      if (set >= 0) c->islands.parent[set] = -1 - c->islands.label[i];
-    } else
-      c->islands.label[i] = -1 - c->islands.parent[set];
+    int root = nsdae_sets_root(all->parent, i);
+    if (!(c->d[i] > 0)) continue;
+    if (all->start[root] < 0) all->start[root] = all->count++;
+    all->label[i] = all->start[root];
   }
 }
 
-/* Items by island (counting sort). */
+/* Items by island (counting sort): those of k begin at start[k + 1], which goes to their end. */
 static void sort_items(nsdae_fc_global *c)
 {
-  for (int k = 0; k <= c->islands.count; k++) c->islands.start[k] = 0;
+  int *start = c->islands.start, *label = c->islands.label;
+  memset(start, 0, ((size_t)c->islands.count + 2) * sizeof *start);
   for (int i = 0; i < c->view.items; i++)
-    if (c->islands.label[i] >= 0) c->islands.start[c->islands.label[i] + 1]++;
-  for (int k = 0; k < c->islands.count; k++) c->islands.start[k + 1] += c->islands.start[k];
+    if (label[i] >= 0) start[label[i] + 2]++;
+  for (int k = 0; k < c->islands.count; k++) start[k + 2] += start[k + 1];
   for (int i = 0; i < c->view.items; i++)
-    if (c->islands.label[i] >= 0) c->islands.member[c->islands.start[c->islands.label[i]]++] = i;
-  for (int k = c->islands.count; k > 0; k--) c->islands.start[k] = c->islands.start[k - 1];
-  c->islands.start[0] = 0;
+    if (label[i] >= 0) c->islands.member[start[label[i] + 1]++] = i;
 }
 
 /* Blocks of item i that are not yet numbered, from count on. */
@@ -256,7 +217,8 @@ static int number_blocks_of(nsdae_fc_global *c, int i, int count, int *listed)
 /* Blocks in the order in which the items of their island come to them; items as they stand. */
 static void number_blocks(nsdae_fc_global *c)
 {
-  for (int b = 0; b < sets(c); b++) c->islands.number[b] = -1;
+  int sets = c->view.p->form == NSDAE_FRICTION_LOCAL ? c->view.items : c->view.p->blocks;
+  for (int b = 0; b < sets; b++) c->islands.number[b] = -1;
   c->islands.listed_start[0] = 0;
   for (int island = 0; island < c->islands.count; island++) {
     int count = 0, from = c->islands.listed_start[island];

@@ -13,11 +13,11 @@ typedef struct nsdae_fc_islands {
   int count;
   int *label;        /* items: the island, from 0; -1: none */
   int *member;       /* items: those of island 0 in order, then those of island 1, ... */
-  int *start;        /* items + 1: first of each island in member */
+  int *start;        /* items + 2: first of each island in member */
   int *listed;       /* blocks: those of island 0 by their number, then those of island 1, ... */
   int *listed_start; /* items + 1: first of each island in listed */
   int *number;       /* blocks (local form: items): their number in their island; -1: in none */
-  int *parent;       /* the same: disjoint sets */
+  int *parent;       /* items and blocks: disjoint sets */
 } nsdae_fc_islands;
 
 typedef struct nsdae_fc_global {
@@ -52,5 +52,17 @@ int nsdae_fc_global_blocked(const nsdae_fc_global *whole);
 
 /* v := M^-1 v of block b. */
 void nsdae_fc_divide_by_mass(const nsdae_fc_global *whole, int b, double *v);
+
+/* ---- the certificate, from the data as given (certificate.c); impulses may be double-double, r +
+ * low (low NULL: zero) */
+
+/* u [m] of r and low [m], and the residual of the public header; NaN if an entry is not finite.
+ */
+double nsdae_fc_global_residual(const nsdae_fc_global *whole, const double *r, const double *low,
+                                double *u);
+
+/* u in the rows of one island; those of others stay. */
+void nsdae_fc_island_velocities(const nsdae_fc_global *whole, int island, const double *r,
+                                const double *low, double *u);
 
 #endif

@@ -138,33 +138,35 @@ static int check_blocks(const nsdae_friction_problem *p, nsdae_error *error)
 
 /* ---- data */
 
-/* Entries of M and of value. */
-static size_t count_mass(const nsdae_friction_problem *p)
-{
-  size_t count = 0;
-  for (int b = 0; b < p->blocks; b++) count += (size_t)p->size[b] * (size_t)p->size[b];
-  return count;
-}
-
+/* Entries of the part of an item in a block. */
 static size_t part(const nsdae_friction_problem *p, int item, int block)
 {
   int other = p->form == NSDAE_FRICTION_GLOBAL ? p->size[block] : nsdae_fc_rows(p, block);
   return (size_t)other * (size_t)nsdae_fc_rows(p, item);
 }
 
-static size_t count_values(const nsdae_friction_problem *p)
+void nsdae_fc_view_count(nsdae_fc_view *view)
 {
-  size_t count = 0;
-  for (int i = 0; i < p->contacts + p->bilateral; i++)
-    for (int e = p->first[i]; e < p->first[i + 1]; e++) count += part(p, i, p->block[e]);
-  return count;
+  const nsdae_friction_problem *p = view->p;
+  view->items = p->contacts + p->bilateral;
+  view->entries = view->items > 0 ? p->first[view->items] : 0;
+  view->m = view->nv = 0;
+  view->mass = view->values = 0;
+  for (int b = 0; b < p->blocks; b++) {
+    view->nv += p->size[b];
+    view->mass += (size_t)p->size[b] * (size_t)p->size[b];
+  }
+  for (int i = 0; i < view->items; i++) {
+    view->m += nsdae_fc_rows(p, i);
+    for (int e = p->first[i]; e < p->first[i + 1]; e++) view->values += part(p, i, p->block[e]);
+  }
 }
 
 static int check_data(const nsdae_friction_problem *p, nsdae_error *error)
 {
-  size_t nv = 0, m = 0;
-  for (int b = 0; b < p->blocks; b++) nv += (size_t)p->size[b];
-  for (int i = 0; i < p->contacts + p->bilateral; i++) m += (size_t)nsdae_fc_rows(p, i);
+  nsdae_fc_view view = {.p = p};
+  nsdae_fc_view_count(&view);
+  size_t nv = (size_t)view.nv, m = (size_t)view.m;
   for (int i = 0; i < p->contacts; i++) {
     if (nsdae_fc_rows(p, i) == 1) continue;
     int status = check_values(error, "mu", (size_t)i, (size_t)i + 1, p->mu, 0);
@@ -174,9 +176,9 @@ static int check_data(const nsdae_friction_problem *p, nsdae_error *error)
   if (status == NSDAE_OK && p->compliance)
     status = check_values(error, "compliance", 0, m, p->compliance, 0);
   if (status == NSDAE_OK) status = check_values(error, "f", 0, nv, p->f, -INFINITY);
-  if (status == NSDAE_OK) status = check_values(error, "M", 0, count_mass(p), p->M, -INFINITY);
+  if (status == NSDAE_OK) status = check_values(error, "M", 0, view.mass, p->M, -INFINITY);
   if (status != NSDAE_OK || m == 0) return status;
-  return check_values(error, "value", 0, count_values(p), p->value, -INFINITY);
+  return check_values(error, "value", 0, view.values, p->value, -INFINITY);
 }
 
 int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error)
@@ -197,8 +199,7 @@ int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error)
 void nsdae_fc_view_layout(nsdae_fc_view *view, nsdae_arena *arena)
 {
   const nsdae_friction_problem *p = view->p;
-  view->items = p->contacts + p->bilateral;
-  view->entries = view->items > 0 ? p->first[view->items] : 0;
+  nsdae_fc_view_count(view);
   view->row = NSDAE_ARENA_INTS(arena, view->items + 1);
   view->offset = NSDAE_ARENA_INTS(arena, p->blocks + 1);
   view->mass_at = nsdae_arena_take(arena, (long)p->blocks + 1, sizeof(size_t));
@@ -218,6 +219,4 @@ void nsdae_fc_view_fill(nsdae_fc_view *view)
   for (int i = 0; i < view->items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++)
       view->at[e + 1] = view->at[e] + part(p, i, p->block[e]);
-  view->m = view->row[view->items];
-  view->nv = view->offset[p->blocks];
 }

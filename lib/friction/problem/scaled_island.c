@@ -15,27 +15,31 @@ static int belongs(const nsdae_fc_scaled *c, int i, int e)
   return own || nsdae_fc_touches(c->global, e);
 }
 
-/* Sizes of the island. Blocks are numbered in the order of their first use. */
+/* Entries of y of a block. */
+static int block_size(const nsdae_fc_scaled *c, int b)
+{
+  const nsdae_fc_islands *all = &c->global->islands;
+  return c->local ? 3 : c->global->view.p->size[all->listed[all->listed_start[c->label] + b]];
+}
+
+/* Sizes of the island. */
 static void count_sizes(nsdae_fc_scaled *c)
 {
-  const nsdae_fc_global *w = c->global;
-  const nsdae_friction_problem *p = w->view.p;
-  c->n = w->islands.start[c->label + 1] - w->islands.start[c->label];
-  c->parts.entries = c->blocks = c->ny = 0;
+  const nsdae_fc_islands *all = &c->global->islands;
+  const nsdae_friction_problem *p = c->global->view.p;
+  c->n = all->start[c->label + 1] - all->start[c->label];
+  c->blocks = c->local ? c->n : all->listed_start[c->label + 1] - all->listed_start[c->label];
+  c->ny = c->parts.entries = 0;
   c->parts.values = 0;
+  for (int b = 0; b < c->blocks; b++) c->ny += block_size(c, b);
   for (int k = 0; k < c->n; k++) {
     int i = nsdae_fc_member(c, k);
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      int b = p->block[e];
       if (!belongs(c, i, e)) continue;
       c->parts.entries++;
-      c->parts.values += 3 * (size_t)(c->local ? 3 : p->size[b]);
-      if (c->local || w->islands.number[b] != c->blocks) continue;
-      c->blocks++;
-      c->ny += p->size[b];
+      c->parts.values += 3 * (size_t)(c->local ? 3 : p->size[p->block[e]]);
     }
   }
-  if (c->local) c->blocks = c->n, c->ny = 3 * c->n;
 }
 
 /* ---- memory */
@@ -48,27 +52,20 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
   c->all_listed =
       (double)c->global->view.entries >= (double)c->global->view.items * c->global->view.items;
   count_sizes(c);
-  int n = c->n;
-  c->items.item = NSDAE_ARENA_INTS(arena, n);
-  c->items.kind = NSDAE_ARENA_INTS(arena, n);
-  c->items.mu = NSDAE_ARENA_DOUBLES(arena, n);
-  c->items.size = NSDAE_ARENA_DOUBLES(arena, n);
-  c->items.weight = NSDAE_ARENA_DOUBLES(arena, n);
-  c->items.rho = NSDAE_ARENA_DOUBLES(arena, n);
-  c->items.factor = NSDAE_ARENA_DOUBLES(arena, n);
-  c->items.turn = NSDAE_ARENA_DOUBLES(arena, 2L * n);
-  c->items.q = NSDAE_ARENA_DOUBLES(arena, 3L * n);
-  c->items.C = NSDAE_ARENA_DOUBLES(arena, 3L * n);
-  c->items.D = NSDAE_ARENA_DOUBLES(arena, 9L * n);
-  c->items.S = NSDAE_ARENA_DOUBLES(arena, 9L * n);
+  nsdae_fc_items *is = &c->items;
+  long n = c->n;
+  nsdae_arena_ints(arena, n, (int **[]){&is->item, &is->kind, NULL});
+  nsdae_arena_doubles(arena, n,
+                      (double **[]){&is->mu, &is->size, &is->weight, &is->rho, &is->factor, NULL});
+  nsdae_arena_doubles(arena, 3 * n, (double **[]){&is->q, &is->C, &c->r, &c->u, NULL});
+  nsdae_arena_doubles(arena, 9 * n, (double **[]){&is->D, &is->S, NULL});
+  is->turn = NSDAE_ARENA_DOUBLES(arena, 2 * n);
   c->parts.first = NSDAE_ARENA_INTS(arena, n + 1L);
   c->parts.block = NSDAE_ARENA_INTS(arena, c->parts.entries);
   c->parts.at = nsdae_arena_take(arena, c->parts.entries + 1L, sizeof(size_t));
   c->parts.J = NSDAE_ARENA_DOUBLES(arena, c->parts.values);
   c->parts.size = NSDAE_ARENA_INTS(arena, c->blocks);
   c->parts.offset = NSDAE_ARENA_INTS(arena, c->blocks + 1L);
-  c->r = NSDAE_ARENA_DOUBLES(arena, 3L * n);
-  c->u = NSDAE_ARENA_DOUBLES(arena, 3L * n);
   c->low = NSDAE_ARENA_DOUBLES(arena, c->ny);
   c->y = c->local ? c->r : NSDAE_ARENA_DOUBLES(arena, c->ny);
 }
@@ -114,16 +111,11 @@ static void fill_item(nsdae_fc_scaled *c, int k, int i, double s)
 
 static void fill_sizes(nsdae_fc_scaled *c)
 {
-  const nsdae_fc_global *w = c->global;
-  const nsdae_friction_problem *p = w->view.p;
-  for (int k = 0; k < c->n; k++)
-    for (int e = p->first[c->items.item[k]]; e < p->first[c->items.item[k] + 1]; e++)
-      if (belongs(c, c->items.item[k], e))
-        c->parts.size[w->islands.number[p->block[e]]] = c->local ? 3 : p->size[p->block[e]];
-  for (int b = 0; b < c->blocks && c->local; b++) c->parts.size[b] = 3;
   c->parts.offset[0] = 0;
-  for (int b = 0; b < c->blocks; b++)
+  for (int b = 0; b < c->blocks; b++) {
+    c->parts.size[b] = block_size(c, b);
     c->parts.offset[b + 1] = c->parts.offset[b] + c->parts.size[b];
+  }
 }
 
 /* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
@@ -287,11 +279,6 @@ void nsdae_fc_response(const nsdae_fc_scaled *c, const double *dr, double *dy, d
   for (int k = 0; k < c->n; k++) relative_velocity(c, k, 0, dr, c->local ? dr : dy, du);
 }
 
-void nsdae_fc_fill_s(const nsdae_fc_scaled *c, double *s)
-{
-  for (int k = 0; k < c->n; k++) s[k] = nsdae_fc_s_of(c, k);
-}
-
 void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x[3], double low[3])
 {
   for (int j = 0; j < 3; j++) {
@@ -303,28 +290,25 @@ void nsdae_fc_impulse(const nsdae_fc_scaled *c, int k, const double *r, double x
 
 /* ---- residual */
 
-/* Of item k of a double-double r: K is a cone, and so r need not be scaled. */
-static double item_residual_twice(const nsdae_fc_scaled *c, int k, const double *r, const double *u)
+/* With a base r is a double-double: K is a cone, and so u is scaled in its place. */
+double nsdae_fc_item_residual(const nsdae_fc_scaled *c, int k, const double *r, const double *u)
 {
-  double x[3], low[3], y[3], rho = c->items.rho[k];
-  nsdae_fc_impulse(c, k, r, x, low);
-  for (int j = 0; j < 3; j++) y[j] = u[3 * k + j] / rho;
-  return rho * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, low, y);
-}
-
-static double item_residual(const nsdae_fc_scaled *c, int k, const double *r, const double *u)
-{
-  double x[3], rho = c->items.rho[k];
-  if (c->base.high) return item_residual_twice(c, k, r, u);
-  for (int j = 0; j < 3; j++) x[j] = rho * r[3 * k + j];
-  return nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u + 3 * k);
+  const int based = c->base.high != NULL;
+  double x[3], low[3], y[3], rho = c->items.rho[k], by = based ? rho : 1;
+  if (based) nsdae_fc_impulse(c, k, r, x, low);
+  for (int j = 0; j < 3; j++) {
+    if (!based) x[j] = rho * r[3 * k + j];
+    y[j] = u[j] / by;
+  }
+  return c->items.weight[k] *
+         (by * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, based ? low : NULL, y));
 }
 
 double nsdae_fc_residual(const nsdae_fc_scaled *c, const double *r, const double *u)
 {
   double most = 0;
   for (int k = 0; k < c->n; k++) {
-    double one = c->items.weight[k] * item_residual(c, k, r, u);
+    double one = nsdae_fc_item_residual(c, k, r, u + 3 * k);
     if (!(one <= most)) most = one;
     if (most != most) return NAN;
   }

@@ -92,11 +92,10 @@ void nsdae_fc_velocities(const nsdae_fc_scaled *fc, const double *r, double *y, 
 /* By how much dr [3 n] changes them, without its compliance. */
 void nsdae_fc_response(const nsdae_fc_scaled *fc, const double *dr, double *dy, double *du);
 
-/* Largest entry of the natural map, weighted: the residual of the public header. */
+/* Largest entry of the natural map, weighted: the residual of the public header; of item k with
+ * velocities u [3], and of all. */
+double nsdae_fc_item_residual(const nsdae_fc_scaled *fc, int k, const double *r, const double *u);
 double nsdae_fc_residual(const nsdae_fc_scaled *fc, const double *r, const double *u);
-
-/* s = mu |u_T| of each item [n], of the velocities fc->u. */
-void nsdae_fc_fill_s(const nsdae_fc_scaled *fc, double *s);
 
 /* r of item k with the base, leading and trailing part. */
 void nsdae_fc_impulse(const nsdae_fc_scaled *fc, int k, const double *r, double x[3],

@@ -17,12 +17,9 @@ static const double DEPENDENT = 1e-10;
 void nsdae_fc_anderson_layout(nsdae_fc_anderson *s, const nsdae_fc_scaled *c, nsdae_arena *arena)
 {
   long n = 3L * c->n, ny = c->local ? 0 : c->ny;
-  s->before = NSDAE_ARENA_DOUBLES(arena, n);
-  s->f = NSDAE_ARENA_DOUBLES(arena, n);
-  s->g = NSDAE_ARENA_DOUBLES(arena, n);
+  nsdae_arena_doubles(arena, n, (double **[]){&s->before, &s->f, &s->g, NULL});
+  nsdae_arena_doubles(arena, WINDOW * n, (double **[]){&s->F, &s->G, NULL});
   s->y = NSDAE_ARENA_DOUBLES(arena, ny);
-  s->F = NSDAE_ARENA_DOUBLES(arena, WINDOW * n);
-  s->G = NSDAE_ARENA_DOUBLES(arena, WINDOW * n);
   s->Y = NSDAE_ARENA_DOUBLES(arena, WINDOW * ny);
 }
 
@@ -34,7 +31,7 @@ void nsdae_fc_anderson_begin(nsdae_fc_anderson *s)
 double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc_scaled *c, double *slip)
 {
   memcpy(s->before, c->r, 3 * (size_t)c->n * sizeof *c->r);
-  return nsdae_fc_sweep(c, 1, slip);
+  return nsdae_fc_sweep(c, slip);
 }
 
 NSDAE_INLINED double *column(double *A, int rows, int k)

@@ -52,9 +52,7 @@ void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae
   s->row = NSDAE_ARENA_INTS(arena, m);
   s->W = NSDAE_ARENA_DOUBLES(arena, m * (m + 1L));
   s->A = NSDAE_ARENA_DOUBLES(arena, (long)n * n);
-  s->b = NSDAE_ARENA_DOUBLES(arena, n);
-  s->x = NSDAE_ARENA_DOUBLES(arena, n);
-  s->y = NSDAE_ARENA_DOUBLES(arena, n);
+  nsdae_arena_doubles(arena, n, (double **[]){&s->b, &s->x, &s->y, NULL});
   s->basis = NSDAE_ARENA_INTS(arena, n);
   s->work = NSDAE_ARENA_DOUBLES(arena, s->lwork);
   s->iwork = NSDAE_ARENA_INTS(arena, s->liwork);

@@ -142,38 +142,29 @@ void nsdae_fc_sweep_begin(nsdae_fc_scaled *c)
   for (int k = 0; k < c->n; k++) add_parts(c, k, c->r + 3 * k);
 }
 
-double nsdae_fc_sweep(nsdae_fc_scaled *c, int sweeps, double *slip)
+double nsdae_fc_sweep(nsdae_fc_scaled *c, double *slip)
 {
   double change = 0;
-  for (int s = 0; s < sweeps; s++) {
-    change = 0;
-    for (int k = 0; k < c->n; k++) {
-      double u[3], r[3];
-      gather_block(c, k, u);
-      solve_item(c, k, u, slip, r);
-      for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
-      double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
-      if (most == 0) continue;
-      change = nsdae_larger(change, c->items.weight[k] * most);
-      apply(c, k, r);
-    }
+  for (int k = 0; k < c->n; k++) {
+    double u[3], r[3];
+    gather_block(c, k, u);
+    solve_item(c, k, u, slip, r);
+    for (int j = 0; j < 3; j++) r[j] -= c->r[3 * k + j];
+    double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
+    if (most == 0) continue;
+    change = nsdae_larger(change, c->items.weight[k] * most);
+    apply(c, k, r);
   }
   return change;
-}
-
-static double item_residual(const nsdae_fc_scaled *c, int k)
-{
-  const double *r = c->r + 3 * k, rho = c->items.rho[k];
-  double u[3], x[3] = {rho * r[0], rho * r[1], rho * r[2]};
-  gather_block(c, k, u);
-  return c->items.weight[k] * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, NULL, u);
 }
 
 int nsdae_fc_sweep_converged(const nsdae_fc_scaled *c, double tol, int *seen)
 {
   for (int i = 0; i < c->n; i++) {
     int k = *seen + i < c->n ? *seen + i : *seen + i - c->n;
-    if (item_residual(c, k) <= tol) continue;
+    double u[3];
+    gather_block(c, k, u);
+    if (nsdae_fc_item_residual(c, k, c->r, u) <= tol) continue;
     *seen = k;
     return 0;
   }

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "double_double.h"
-#include "friction_certificate.h"
 #include "solver_contract.h"
 
 /* Corrections are solved with rounded data to this part of tol: to rounding, if that is 1e-12,
@@ -21,12 +20,9 @@ static const double AIM = 1e-3;
 void nsdae_fc_refinement_layout(nsdae_fc_refinement *p, const nsdae_fc_scaled *fc,
                                 nsdae_arena *arena)
 {
-  p->high = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
-  p->low = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
-  p->best = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
-  p->best_low = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
-  p->q = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
-  p->correction = NSDAE_ARENA_DOUBLES(arena, 3L * fc->n);
+  nsdae_arena_doubles(
+      arena, 3L * fc->n,
+      (double **[]){&p->high, &p->low, &p->best, &p->best_low, &p->q, &p->correction, NULL});
 }
 
 /* The residual of high + low, of the data as given. The island is at r = 0 then, its q the

@@ -8,14 +8,10 @@
 void nsdae_fc_newton_layout(nsdae_fc_newton *s, nsdae_arena *arena)
 {
   long n = s->fc->n;
-  s->E = NSDAE_ARENA_DOUBLES(arena, 9 * n);
-  s->A = NSDAE_ARENA_DOUBLES(arena, 9 * n);
-  s->F = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->dr = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->trial = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  s->centre = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  nsdae_arena_doubles(arena, 9 * n, (double **[]){&s->E, &s->A, NULL});
+  nsdae_arena_doubles(arena, 3 * n,
+                      (double **[]){&s->F, &s->dr, &s->trial, &s->centre, &s->u, NULL});
   s->y = NSDAE_ARENA_DOUBLES(arena, s->fc->ny);
-  s->u = NSDAE_ARENA_DOUBLES(arena, 3 * n);
 }
 
 double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u, int derivatives)

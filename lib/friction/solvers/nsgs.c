@@ -60,7 +60,7 @@ static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
   while (idle <= most && change > 0) {
     for (int k = 0; k < BETWEEN; k++) {
       if (!nsdae_fc_spend_sweep(s, it, b)) return 0;
-      change = nsdae_fc_sweep(&s->fc, 1, s->slip);
+      change = nsdae_fc_sweep(&s->fc, s->slip);
     }
     if (evaluate(s, it) <= b->tol) return 1;
     idle += BETWEEN;

@@ -35,15 +35,10 @@ void nsdae_fc_socp_layout(nsdae_fc_socp *p, const nsdae_fc_scaled *fc, nsdae_are
 {
   long n = fc->n;
   p->s = NSDAE_ARENA_DOUBLES(arena, n);
-  p->a = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->b = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->da = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->db = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->rhs = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->root = NSDAE_ARENA_DOUBLES(arena, 3 * n);
   p->axis = NSDAE_ARENA_DOUBLES(arena, 2 * n);
-  p->gap = NSDAE_ARENA_DOUBLES(arena, 3 * n);
-  p->end = NSDAE_ARENA_DOUBLES(arena, 3 * n);
+  nsdae_arena_doubles(
+      arena, 3 * n,
+      (double **[]){&p->a, &p->b, &p->da, &p->db, &p->rhs, &p->root, &p->gap, &p->end, NULL});
 }
 
 /* Rows of item k, the others being zero: three of a cone, else one. */
@@ -394,10 +389,8 @@ int nsdae_fc_socp_run(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_b
 void nsdae_fc_socp_begin(nsdae_fc_island *s, const nsdae_fc_iterate *it)
 {
   nsdae_fc_set_point(s, it->r);
-  if (it->residual < NSDAE_FC_NEAR)
-    nsdae_fc_fill_s(&s->fc, s->socp.s);
-  else
-    memset(s->socp.s, 0, (size_t)s->fc.n * sizeof *s->socp.s);
+  for (int k = 0; k < s->fc.n; k++)
+    s->socp.s[k] = it->residual < NSDAE_FC_NEAR ? nsdae_fc_s_of(&s->fc, k) : 0;
 }
 
 int nsdae_fc_socp_interior_point(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)

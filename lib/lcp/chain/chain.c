@@ -3,10 +3,29 @@
  */
 #include "chain.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #include "judge.h"
 #include "lcp_methods.h"
 #include "proof.h"
-#include "ray.h"
+
+/* b >= 0, and the active set of the caller: neither needs a search. */
+static int try_trivial(nsdae_lcp_work *w)
+{
+  for (int i = 0; i < w->n; i++)
+    if (w->scaled.b[i] < 0) return 0;
+  memset(w->room.trial, 0, (size_t)w->n * sizeof *w->room.trial);
+  memset(w->x, 0, (size_t)w->n * sizeof *w->x);
+  return nsdae_lcp_judge(w, w->room.trial, NSDAE_LCP_TRIVIAL);
+}
+
+static int try_warm(nsdae_lcp_work *w)
+{
+  int any = 0;
+  for (int i = 0; i < w->n; i++) any |= w->basis[i];
+  return any && nsdae_lcp_judge_basis(w, w->basis, NSDAE_LCP_WARM);
+}
 
 /* With a solution at hand, if a doubted one, there is nothing to be proved. */
 static int prove(nsdae_lcp_work *w)
@@ -25,34 +44,22 @@ static int enumerate(nsdae_lcp_work *w)
   return 0;
 }
 
-/* Every stage returns whether the chain ends with it: with a proof, or settled. */
-static int run_stage(nsdae_lcp_work *w, int stage)
-{
-  switch (stage) {
-  case NSDAE_LCP_TRIVIAL:
-    return nsdae_lcp_try_trivial(w);
-  case NSDAE_LCP_WARM:
-    return nsdae_lcp_try_warm(w);
-  case NSDAE_LCP_LEMKE:
-    return nsdae_lcp_try_lemke(w);
-  case NSDAE_LCP_NEWTON:
-    return nsdae_lcp_try_newton(w);
-  case NSDAE_LCP_COVERING:
-    return nsdae_lcp_try_coverings(w);
-  case NSDAE_LCP_PROVE:
-    return prove(w);
-  case NSDAE_LCP_FURTHER:
-    return nsdae_lcp_try_further(w);
-  default:
-    return enumerate(w);
-  }
-}
+/* In the order of their bits. Each returns whether the chain ends with it: with a proof, or
+ * settled.
+ */
+static int (*const stages[])(nsdae_lcp_work *) = {try_trivial,
+                                                  try_warm,
+                                                  nsdae_lcp_try_lemke,
+                                                  nsdae_lcp_try_newton,
+                                                  nsdae_lcp_try_coverings,
+                                                  prove,
+                                                  nsdae_lcp_try_further,
+                                                  enumerate};
 
-/* One after the other, in the order of their numbers. */
 static int run_stages(nsdae_lcp_work *w)
 {
-  for (int stage = 1; stage < NSDAE_LCP_ALL; stage *= 2)
-    if ((w->options->stages & stage) && run_stage(w, stage)) break;
+  for (size_t k = 0; k < sizeof stages / sizeof *stages; k++)
+    if ((w->options->stages & 1 << k) && stages[k](w)) break;
   if (w->info->outcome == NSDAE_OUTCOME_SOLVED) return NSDAE_OK;
   return w->info->outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
 }

@@ -6,7 +6,7 @@
  * island of i: it bounds the residual of nsdae_dlcpres in every scaling, of the whole and of every
  * island (componentwise backward error, Oettli and Prager, Numer. Math. 6, 1964). It does so as
  * long as the s_i are not larger than b warrants, for which the active block has to be regular. */
-#include "guess.h"
+#include "chain.h"
 
 #include <float.h>
 #include <math.h>
@@ -15,6 +15,7 @@
 
 #include "active_set.h"
 #include "dense.h"
+#include "islands.h"
 #include "residual.h"
 
 /* Bounds that a refinement cannot improve on by much, and such that are not for want of one. */
@@ -181,43 +182,29 @@ static double sensitivity(nsdae_lcp_work *w, int size)
   return worst;
 }
 
-/* ---- the islands of an active set */
-
-/* Whether the column of x_j has an entry in a row that is reached. */
-static int is_reached(const nsdae_lcp_work *w, int j)
+/* Whether x_j acts on a row with b_i < 0. */
+static int acts(const nsdae_lcp_work *w, int j)
 {
-  const double *column = scaled_column(w, j);
-  for (int i = 0; i < w->n && !w->room.trial[j]; i++)
-    if (w->room.trial[i] && column[i] != 0) return 1;
-  return w->room.trial[j];
+  const double *column = scaled_column(w, j), *b = w->problem->b;
+  int i = 0;
+  while (i < w->n && !(b[i] < 0 && column[i] != 0)) i++;
+  return i < w->n;
 }
 
-static void spread(const nsdae_lcp_work *w, int j)
-{
-  const double *column = scaled_column(w, j);
-  for (int i = 0; i < w->n; i++) w->room.trial[i] |= i == j || column[i] != 0;
-}
-
-/* How many x_j > 0 are not reached; from those that are it goes on to the rows of their columns. */
-static int count_left(const nsdae_lcp_work *w, int size, int goes_on)
-{
-  int left = 0;
-  for (int k = 0; k < size; k++) {
-    int j = w->room.index[k], reached = w->x[j] == 0 || is_reached(w, j);
-    left += !reached;
-    if (reached && goes_on && w->x[j] > 0) spread(w, j);
-  }
-  return left;
-}
-
-/* Whether every x_j > 0 has a b_i < 0 on its island, as far as the columns of such x_j lead. On an
- * island with b >= 0 the chain takes x = 0, and so must do who solves all islands as one. */
+/* Whether every x_j > 0 has a b_i < 0 on its island. On an island with b >= 0 the chain takes x =
+ * 0, and so must do who solves all islands as one. */
 static int is_pushed(const nsdae_lcp_work *w, int size)
 {
-  for (int i = 0; i < w->n; i++) w->room.trial[i] = w->problem->b[i] < 0;
-  int left = count_left(w, size, 0);
-  for (int round = 0; round < 3 && left > 0; round++) left = count_left(w, size, 1);
-  return left == 0;
+  int *label = w->room.allowed, *pushed = w->room.trial, all = 1;
+  for (int k = 0; k < size; k++)
+    all = all && (w->x[w->room.index[k]] == 0 || acts(w, w->room.index[k]));
+  if (all) return 1;
+  nsdae_islands_find(w->n, w->problem->A, w->problem->lda, label);
+  memset(pushed, 0, (size_t)w->n * sizeof *pushed);
+  for (int i = 0; i < w->n; i++) pushed[label[i]] |= w->problem->b[i] < 0;
+  for (int k = 0; k < size; k++)
+    if (w->x[w->room.index[k]] > 0 && !pushed[label[w->room.index[k]]]) return 0;
+  return 1;
 }
 
 /* ---- the guess */

@@ -12,7 +12,6 @@
 #include <string.h>
 
 #include "chain.h"
-#include "guess.h"
 #include "islands.h"
 #include "judge.h"
 

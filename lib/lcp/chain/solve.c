@@ -1,11 +1,11 @@
 /* The solver as it is called: arguments, workspace, names. */
-#include <float.h>
 #include <math.h>
 #include <nsdae/lcp.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "chain.h"
+#include "finite.h"
 
 enum { LARGEST = 20000 };
 
@@ -49,30 +49,6 @@ static int in_range(const nsdae_lcp_options *o)
          o->stages <= NSDAE_LCP_ALL && o->enumerate_max >= 0 && o->enumerate_max <= 24;
 }
 
-/* 0 * a is zero except for NaN and infinity; sums side by side, for the latency of an addition. */
-static int all_finite(size_t n, const double *a)
-{
-  enum { SUMS = 16 };
-  double sum[SUMS] = {0}, all = 0;
-  size_t i = 0;
-  for (; i + SUMS <= n; i += SUMS)
-    for (size_t k = 0; k < SUMS; k++) sum[k] += 0 * a[i + k];
-  for (size_t k = 0; i > 0 && k < SUMS; k++) all += sum[k];
-  int sound = all == 0;
-  for (; i < n; i++) sound &= fabs(a[i]) <= DBL_MAX; /* few: no sums */
-  return sound;
-}
-
-static int finite(const nsdae_lcp_problem *p)
-{
-  size_t n = (size_t)p->n, lda = (size_t)p->lda;
-  if (!all_finite(n, p->b)) return 0;
-  if (lda == n) return all_finite(n * n, p->A);
-  for (size_t j = 0; j < n; j++)
-    if (!all_finite(n, p->A + j * lda)) return 0;
-  return 1;
-}
-
 /* Status of what both ways of calling take. */
 static int check_solve(const nsdae_lcp_problem *p, const nsdae_lcp_options *options,
                        const double *x, const double *y)
@@ -80,7 +56,8 @@ static int check_solve(const nsdae_lcp_problem *p, const nsdae_lcp_options *opti
   if (!p || p->n < 0 || p->n > LARGEST || p->lda < 1 || p->lda < p->n) return NSDAE_E_ARGUMENT;
   if (p->n > 0 && (!p->A || !p->b || !x || !y)) return NSDAE_E_ARGUMENT;
   if (!in_range(options)) return NSDAE_E_ARGUMENT;
-  return finite(p) ? NSDAE_OK : NSDAE_E_NONFINITE;
+  int finite = nsdae_lcp_finite(p->n, 1, p->b, 1) && nsdae_lcp_finite(p->n, p->n, p->A, p->lda);
+  return finite ? NSDAE_OK : NSDAE_E_NONFINITE;
 }
 
 int nsdae_lcp_solve_in(const nsdae_lcp_problem *problem, const nsdae_lcp_options *options,

@@ -1,10 +1,12 @@
 #include "active_set.h"
 
 #include <math.h>
+#include <nsdae/kernels.h>
 #include <stddef.h>
 #include <string.h>
 
 #include "dense.h"
+#include "vector.h"
 
 int nsdae_lcp_gather(int n, const double *A, int lda, const int *basis, double *lu, int *index)
 {
@@ -18,24 +20,31 @@ int nsdae_lcp_gather(int n, const double *A, int lda, const int *basis, double *
   return size;
 }
 
-double nsdae_lcp_active_set(int n, const double *a, int lda, const double *b, const int *basis,
-                            double *x, double *lu, int *pivot, int *index)
+int nsdae_lcp_active_set(const nsdae_lcp_point *p)
 {
-  int size = nsdae_lcp_gather(n, a, lda, basis, lu, index);
-  for (int j = 0; j < size; j++) x[j] = -b[index[j]];
-  if (size > 0 && nsdae_la_lu(size, lu, size, pivot) != 0) {
+  int n = p->n, size = nsdae_lcp_gather(n, p->a, p->lda, p->basis, p->lu, p->index);
+  double *x = p->x;
+  for (int j = 0; j < size; j++) x[j] = -p->b[p->index[j]];
+  if (size > 0 && nsdae_la_lu(size, p->lu, size, p->pivot) != 0) {
     memset(x, 0, (size_t)n * sizeof *x);
-    return 0;
+    return -1;
   }
-  if (size > 0) nsdae_la_lu_solve(size, lu, size, pivot, x);
-  for (int i = n, k = size; i-- > 0;) x[i] = basis[i] ? x[--k] : 0;
-  /* The least pivot, relative to the largest entry above it. */
+  if (size > 0) nsdae_la_lu_solve(size, p->lu, size, p->pivot, x);
+  for (int i = n, k = size; i-- > 0;) x[i] = p->basis[i] ? x[--k] : 0;
+  return size;
+}
+
+double nsdae_lcp_least_pivot(const nsdae_lcp_point *p, int size)
+{
   double least = 1;
   for (int j = 0; j < size; j++) {
-    const double *column = lu + (size_t)j * (size_t)size;
-    double largest = 0;
-    for (int i = 0; i <= j; i++) largest = fmax(largest, fabs(column[i]));
-    least = fmin(least, fabs(column[j]) / largest);
+    const double *column = p->lu + (size_t)j * (size_t)size;
+    least = fmin(least, fabs(column[j]) / nsdae_largest(j + 1, column));
   }
   return least;
+}
+
+int nsdae_lcp_point_residual(const nsdae_lcp_point *p, double *residual)
+{
+  return nsdae_dlcpres(p->n, p->a, p->lda, p->b, p->x, p->y, residual, p->sizes);
 }

@@ -8,34 +8,23 @@
 
 enum { LARGEST = 20 };
 
-typedef struct enumeration {
-  int n, lda;
-  const double *a, *b;
-  double *lu, *x, *y, *sizes;
-  int *basis, *pivot, *index;
-  int singular; /* whether some A_FF was singular to rounding */
-} enumeration;
-
-static double residual_of(enumeration *e)
+static double residual_of(const nsdae_lcp_point *p)
 {
   double residual;
-  int info = nsdae_dlcpres(e->n, e->a, e->lda, e->b, e->x, e->y, &residual, e->sizes);
-  return info == 0 ? residual : INFINITY;
+  return nsdae_lcp_point_residual(p, &residual) == 0 ? residual : INFINITY;
 }
 
 /* Residual of the point of the active set; where it is not above tol, of what remains of the point
  * without its rounding below zero. A set with a negative x_i is no solution even where x_i = 0
- * makes one: that one belongs to another set. */
-static double try_set(enumeration *e, int set, double tol)
+ * makes one: that one belongs to another set. singular: whether A_FF is, to rounding. */
+static double try_set(const nsdae_lcp_point *p, double tol, int *singular)
 {
-  for (int i = 0; i < e->n; i++) e->basis[i] = set >> i & 1;
-  double least =
-      nsdae_lcp_active_set(e->n, e->a, e->lda, e->b, e->basis, e->x, e->lu, e->pivot, e->index);
-  e->singular |= !(least > 64 * e->n * DBL_EPSILON);
-  double residual = residual_of(e);
+  int size = nsdae_lcp_active_set(p);
+  *singular |= size < 0 || !(nsdae_lcp_least_pivot(p, size) > 64 * p->n * DBL_EPSILON);
+  double residual = residual_of(p);
   if (!(residual <= tol)) return residual;
-  for (int i = 0; i < e->n; i++) e->x[i] = fmax(0, e->x[i]);
-  return residual_of(e);
+  for (int i = 0; i < p->n; i++) p->x[i] = fmax(0, p->x[i]);
+  return residual_of(p);
 }
 
 static int check_dlcpenum(int n, const double *a, int lda, const double *b, double tol,
@@ -65,18 +54,15 @@ int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol,
     work[0] = (double)n * (n + 2);
     return 0;
   }
-  enumeration e = {.n = n, .lda = lda, .a = a, .b = b, .lu = work};
-  e.x = x;
-  e.y = work + (size_t)n * (size_t)n;
-  e.sizes = e.y + n;
-  e.basis = iwork;
-  e.pivot = e.basis + n;
-  e.index = e.pivot + n;
+  double *y = work + (size_t)n * (size_t)n;
+  const nsdae_lcp_point p = {n, lda, a, b, x, work, y, y + n, iwork, iwork + n, iwork + 2 * n};
+  int singular = 0;
   *residual = INFINITY;
   for (; *set < 1 << n; ++*set) {
-    double fresh = try_set(&e, *set, tol);
+    for (int i = 0; i < n; i++) iwork[i] = *set >> i & 1;
+    double fresh = try_set(&p, tol, &singular);
     if (fresh < *residual) *residual = fresh;
     if (fresh <= tol) return 0;
   }
-  return e.singular ? 2 : 1;
+  return singular ? 2 : 1;
 }

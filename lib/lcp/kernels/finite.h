@@ -2,16 +2,15 @@
 #ifndef NSDAE_LCP_FINITE_H
 #define NSDAE_LCP_FINITE_H
 
-#include <math.h>
-#include <stddef.h>
+#include "vector.h"
 
 /* Whether A [rows x columns] is there and has neither NaN nor infinity. */
 static inline int nsdae_lcp_finite(int rows, int columns, const double *A, int lda)
 {
   if (rows > 0 && columns > 0 && !A) return 0;
+  if (lda == rows) return nsdae_all_finite((size_t)rows * (size_t)columns, A);
   for (int j = 0; j < columns; j++)
-    for (int i = 0; i < rows; i++)
-      if (!isfinite(A[(size_t)j * (size_t)lda + (size_t)i])) return 0;
+    if (!nsdae_all_finite((size_t)rows, A + (size_t)j * (size_t)lda)) return 0;
   return 1;
 }
 

@@ -11,6 +11,7 @@
 #include <stddef.h>
 
 #include "dictionary.h"
+#include "finite.h"
 #include "vector.h"
 
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
@@ -61,27 +62,12 @@ static int before(const method *m, int i, int r, const double *c)
   return 0;
 }
 
-static double larger(double a, double b)
-{
-  return a > b ? a : b; /* fmax is a call */
-}
-
 static double smaller(double a, double b)
 {
   return a < b ? a : b;
 }
 
-/* max |c_i|; four at a time, for the latency of a comparison. */
-static double largest_of(int n, const double *c)
-{
-  double most[4] = {0};
-  int i = 0;
-  for (; i + 4 <= n; i += 4)
-    for (int k = 0; k < 4; k++) most[k] = larger(fabs(c[i + k]), most[k]);
-  for (; i < n; i++) most[0] = larger(fabs(c[i]), most[0]);
-  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
-}
-
+/* min c_i; four at a time, for the latency of a comparison. */
 static double smallest_of(int n, const double *c)
 {
   double least[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
@@ -100,7 +86,7 @@ static double smallest_of(int n, const double *c)
 static int blocking_row(const method *m, const double *c)
 {
   int n = m->n, best = -1, z0 = m->row_of_z0;
-  double least = least_pivot * largest_of(n, c), smallest;
+  double least = least_pivot * nsdae_largest(n, c), smallest;
   /* bound_i: where basic_i falls below -slack as the entering variable grows. */
   const double *restrict q = m->t.q, slack_y = m->slack_y, more = m->slack_x - slack_y;
   const int *restrict is_x = m->is_x;
@@ -150,7 +136,7 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
     /* The variable entering takes row r. */
     double size = slack * fabs(m->t.q[r] / c[r]);
     m->is_x[r] = entering >= m->n;
-    if (m->is_x[r]) m->slack_x = larger(size, m->slack_x);
+    if (m->is_x[r]) m->slack_x = nsdae_larger(m->slack_x, size);
     m->basic[r] = entering;
     if (leaving == 2 * n) {
       nsdae_dictionary_move(&m->t, r, c);
@@ -168,14 +154,12 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
 /* x and basis, until they have what they are for, hold the bounds and is_x. */
 static void start_lemke(method *m, int n, const double *b, double *x, int *basis, int *iwork)
 {
-  double most = 0;
-  for (int i = 0; i < n; i++) most = larger(fabs(b[i]), most);
   m->n = n;
   m->basic = iwork;
   m->place = iwork + n;
   m->is_x = basis;
   m->bound = x;
-  m->slack_y = slack * most;
+  m->slack_y = slack * nsdae_largest(n, b);
   m->slack_x = 0;
   for (int i = 0; i < n; i++) {
     m->basic[i] = i;
@@ -215,8 +199,7 @@ int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, con
   method m;
   if (row < 0) {
     /* b >= 0: x = 0. */
-    for (int j = 0; j < n; j++)
-      if (!nsdae_all_finite((size_t)n, a + (size_t)j * (size_t)lda)) return -2;
+    if (!nsdae_lcp_finite(n, n, a, lda)) return -2;
     for (int i = 0; i < n; i++) {
       x[i] = 0;
       basis[i] = 0;
@@ -240,7 +223,7 @@ static int check_dlemke(int n, const double *a, int lda, const double *b, const 
   if (lwork == -1) return 0;
   if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
-  if (n > 0 && (!b || !nsdae_all_finite((size_t)n, b))) return -4;
+  if (n > 0 && !nsdae_lcp_finite(n, 1, b, n)) return -4;
   for (int i = 0; d && i < n; i++)
     if (!(d[i] > 0 && d[i] < INFINITY)) return -5;
   if (max_pivots < 0) return -6;

@@ -8,42 +8,26 @@
 #include "finite.h"
 #include "residual.h"
 
-typedef struct pivoting {
-  int n, lda;
-  const double *a, *b;
-  double tol;
-  double *x, *lu, *y, *sizes;
-  int *basis, *pivot, *index;
-  double *residual;
-} pivoting;
-
-/* x and y of the basis; 0, or 1 where there is no finite one. */
-static int evaluate_basis(pivoting *p)
-{
-  double least =
-      nsdae_lcp_active_set(p->n, p->a, p->lda, p->b, p->basis, p->x, p->lu, p->pivot, p->index);
-  int info = nsdae_dlcpres(p->n, p->a, p->lda, p->b, p->x, p->y, p->residual, p->sizes);
-  return !(least > 0) || info != 0;
-}
-
 /* Whether x_i, or y_i where x_i is not basic, is below zero by more than tol. */
-static int negative(const pivoting *p, int i)
+static int negative(const nsdae_lcp_point *p, int i, double tol)
 {
   const double *column = p->a + (size_t)i * (size_t)p->lda;
   return (p->basis[i] ? p->x[i] : p->y[i]) < 0 &&
-         nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -p->tol;
+         nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -tol;
 }
 
-static int pivot_to_the_end(pivoting *p, int block, int max_pivots, int *pivots)
+static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int max_pivots,
+                            int *basis, int *pivots, double *residual)
 {
   int fewest = p->n + 1, left = block;
   for (*pivots = 0;; ++*pivots) {
-    if (evaluate_basis(p) != 0) return 1;
-    if (*p->residual <= p->tol) return 0;
+    int size = nsdae_lcp_active_set(p);
+    if (nsdae_lcp_point_residual(p, residual) != 0 || size < 0) return 1;
+    if (*residual <= tol) return 0;
     /* The indices that are negative, into index; their number. */
     int count = 0;
     for (int i = 0; i < p->n; i++)
-      if (negative(p, i)) p->index[count++] = i;
+      if (negative(p, i, tol)) p->index[count++] = i;
     if (count == 0) return 1;
     if (*pivots == max_pivots) return 2;
     if (count < fewest) {
@@ -52,16 +36,8 @@ static int pivot_to_the_end(pivoting *p, int block, int max_pivots, int *pivots)
     } else if (left > 0)
       left--;
     if (left == 0) count = 1;
-    for (int k = 0; k < count; k++) p->basis[p->index[k]] ^= 1;
+    for (int k = 0; k < count; k++) basis[p->index[k]] ^= 1;
   }
-}
-
-/* Rounding below zero off; the residual is that of what is returned. */
-static int clear_rounding(pivoting *p)
-{
-  for (int i = 0; i < p->n; i++) p->x[i] = fmax(0, p->x[i]);
-  nsdae_dlcpres(p->n, p->a, p->lda, p->b, p->x, p->y, p->residual, p->sizes);
-  return *p->residual <= p->tol ? 0 : 1;
 }
 
 static int zero_or_one(int n, const int *basis)
@@ -104,20 +80,12 @@ int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, double tol, 
     work[0] = (double)n * (n + 2);
     return 0;
   }
-  size_t square = (size_t)n * (size_t)n;
-  pivoting p = {.n = n,
-                .lda = lda,
-                .a = a,
-                .b = b,
-                .tol = tol,
-                .x = x,
-                .lu = work,
-                .y = work + square,
-                .sizes = work + square + n,
-                .basis = basis,
-                .pivot = iwork,
-                .index = iwork + n,
-                .residual = residual};
-  info = pivot_to_the_end(&p, block, max_pivots, pivots);
-  return info != 0 ? info : clear_rounding(&p);
+  double *y = work + (size_t)n * (size_t)n;
+  const nsdae_lcp_point p = {n, lda, a, b, x, work, y, y + n, basis, iwork, iwork + n};
+  info = pivot_to_the_end(&p, tol, block, max_pivots, basis, pivots, residual);
+  if (info != 0) return info;
+  /* Rounding below zero off; the residual is that of what is returned. */
+  for (int i = 0; i < n; i++) x[i] = fmax(0, x[i]);
+  nsdae_lcp_point_residual(&p, residual);
+  return *residual <= tol ? 0 : 1;
 }

@@ -4,10 +4,6 @@
 
 #include "work.h"
 
-/* b >= 0, and the caller's active set. */
-int nsdae_lcp_try_trivial(nsdae_lcp_work *w);
-int nsdae_lcp_try_warm(nsdae_lcp_work *w);
-
 /* Lemke's method with the covering vector of ones, and with others. */
 int nsdae_lcp_try_lemke(nsdae_lcp_work *w);
 int nsdae_lcp_try_coverings(nsdae_lcp_work *w);
@@ -20,5 +16,15 @@ int nsdae_lcp_lemke_once(nsdae_lcp_work *w, int *pivots);
  */
 int nsdae_lcp_try_newton(nsdae_lcp_work *w);
 int nsdae_lcp_try_further(nsdae_lcp_work *w);
+
+/* x [n]: entries in (0, 1] from a linear congruential generator (Knuth's MMIX), always the same
+ * ones for the same seed, which goes on. */
+static inline void nsdae_lcp_scatter(int n, double *x, unsigned long long *seed)
+{
+  for (int i = 0; i < n; i++) {
+    *seed = *seed * 6364136223846793005ull + 1442695040888963407ull;
+    x[i] = ((double)(*seed >> 40) + 1) / 16777216.0;
+  }
+}
 
 #endif

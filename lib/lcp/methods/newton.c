@@ -8,8 +8,8 @@
 #include "fischer.h"
 #include "judge.h"
 #include "lcp_methods.h"
-#include "scatter.h"
 #include "transform.h"
+#include "vector.h"
 
 /* Starts of the semismooth Newton method. */
 enum { STARTS = 24, EARLY = 4, ITERATIONS = 60, LARGE = 100 };
@@ -17,9 +17,8 @@ enum { STARTS = 24, EARLY = 4, ITERATIONS = 60, LARGE = 100 };
 /* Scaled x of the start of that number: zero, the size of b, then at random up to it. */
 static void start_point(nsdae_lcp_work *w, int number, unsigned long long *seed, double *x)
 {
-  double most = 0;
+  double most = nsdae_largest(w->n, w->scaled.b);
   nsdae_lcp_scatter(w->n, w->room.cover, seed);
-  for (int i = 0; i < w->n; i++) most = fmax(most, fabs(w->scaled.b[i]));
   for (int i = 0; i < w->n; i++)
     x[i] = number == 0 ? 0 : number == 1 ? fmax(-w->scaled.b[i], 0) : most * w->room.cover[i];
 }

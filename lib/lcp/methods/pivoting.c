@@ -4,7 +4,6 @@
 
 #include "judge.h"
 #include "lcp_methods.h"
-#include "scatter.h"
 
 enum { COVERINGS = 12 };
 

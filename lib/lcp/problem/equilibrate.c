@@ -3,17 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* max |a_i|; four at a time, for the latency of a comparison. */
-static double largest(int n, const double *a)
-{
-  double most[4] = {0}, rest = 0;
-  int i = 0;
-  for (; i + 4 <= n; i += 4)
-    for (int k = 0; k < 4; k++) most[k] = fabs(a[i + k]) > most[k] ? fabs(a[i + k]) : most[k];
-  for (; i < n; i++) rest = fabs(a[i]) > rest ? fabs(a[i]) : rest;
-  for (int k = 0; k < 4; k++) rest = most[k] > rest ? most[k] : rest;
-  return rest;
-}
+#include "disjoint_sets.h"
+#include "vector.h"
 
 /* Sizes within these factors of one are let be, and are even enough when at work. */
 enum { WORTH_IT = 256, EVEN = 4, ROUNDS = 12 };
@@ -35,7 +26,7 @@ static void largest_entries(int n, const double *A, double *restrict of_row,
     const double *restrict column = A + (size_t)j * (size_t)n;
     for (int i = 0; i < n; i++)
       of_row[i] = fabs(column[i]) > of_row[i] ? fabs(column[i]) : of_row[i];
-    of_column[j] = largest(n, column);
+    of_column[j] = nsdae_largest(n, column);
   }
 }
 
@@ -108,24 +99,13 @@ static void even_means(int n, double *A, double *row, double *column, double *wo
 
 /* ---- sizes of independent blocks */
 
-/* Rows (i) and columns (n + j) that entries join to the one on the stack, all marked; returns
- * their number. */
-static int visit(int n, const double *A, int *stack, int *mark, int start)
+/* Rows (i) and columns (n + j) in disjoint sets: those that entries join. */
+static void join_entries(int n, const double *A, int *set)
 {
-  int count = 0;
-  stack[count++] = start;
-  mark[start] = 1;
-  for (int k = 0; k < count; k++) {
-    int node = stack[k], of_row = node < n;
-    const double *a = of_row ? A + node : A + (size_t)(node - n) * (size_t)n;
-    for (int i = 0; i < n; i++) {
-      int other = of_row ? n + i : i;
-      if (a[(size_t)i * (of_row ? (size_t)n : 1)] == 0 || mark[other]) continue;
-      mark[other] = 1;
-      stack[count++] = other;
-    }
-  }
-  return count;
+  nsdae_sets_begin(set, 2 * n);
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++, A++)
+      if (*A != 0) nsdae_sets_join(set, i, n + j);
 }
 
 /* Multiplies the rows of a block by the power of two, and divides the columns by it, that brings
@@ -154,7 +134,7 @@ static void shift_block(int n, const double *b, double *row, double *column, con
 /* Whether b is far from the ends of the range, or zero. */
 static int is_moderate(int n, const double *b)
 {
-  double most = largest(n, b);
+  double most = nsdae_largest(n, b);
   return most == 0 || (most > 0x1p-500 && most < 0x1p500);
 }
 
@@ -189,9 +169,13 @@ void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column,
     even_sizes(n, A, row, column, work);
   }
   /* Blocks that no entry joins have no common scale but that of b. */
-  int *stack = iwork, *mark = iwork + 2 * n;
-  for (int i = 0; i < 2 * n; i++) mark[i] = 0;
-  for (int start = 0; start < n; start++)
-    if (!mark[start]) shift_block(n, b, row, column, stack, visit(n, A, stack, mark, start));
+  int *set = iwork, *node = iwork + 2 * n;
+  join_entries(n, A, set);
+  for (int root = 0; root < n; root++) {
+    int count = 0;
+    for (int k = root; k < 2 * n && set[root] == root; k++)
+      if (nsdae_sets_root(set, k) == root) node[count++] = k;
+    shift_block(n, b, row, column, node, count);
+  }
   for (int i = 0; i < n; i++) b[i] = ldexp(b[i], ilogb(row[i]));
 }

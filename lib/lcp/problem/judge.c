@@ -8,7 +8,9 @@
 #include "active_set.h"
 #include "dense.h"
 
-double nsdae_lcp_residual(nsdae_lcp_work *w)
+/* Residual of w->x, in equilibrated rows and columns; w->y := A x + b. Infinite where an x_i or y_i
+ * of the problem as given is not a finite number, and where b is out of range. */
+static double point_residual(nsdae_lcp_work *w)
 {
   double residual;
   nsdae_dlcpres(w->n, w->scaled.A, w->n > 0 ? w->n : 1, w->scaled.b, w->x, w->y, &residual,
@@ -34,7 +36,7 @@ int nsdae_lcp_is_settled(const nsdae_lcp_work *w)
 
 int nsdae_lcp_judge(nsdae_lcp_work *w, const int *basis, int stage)
 {
-  double residual = nsdae_lcp_residual(w);
+  double residual = point_residual(w);
   if (!(residual < w->info->residual)) return 0;
   w->info->residual = residual;
   memcpy(w->best, w->x, (size_t)w->n * sizeof *w->best);
@@ -50,22 +52,25 @@ int nsdae_lcp_judge(nsdae_lcp_work *w, const int *basis, int stage)
  * 1980). */
 static int solve_basis(nsdae_lcp_work *w, const int *basis, double *x)
 {
-  double *part = w->room.sizes;
-  int size = nsdae_lcp_gather(w->n, w->scaled.A, w->n, basis, w->room.lu, w->room.index);
-  if (nsdae_la_lu(size, w->room.lu, size, w->room.pivot) != 0) return 1;
-  memset(part, 0, (size_t)size * sizeof *part);
-  for (int round = 0; round < 2; round++) {
-    /* rhs = -b_B - A_BB x_B of the active set in w->room.index, for x_B in part. */
-    for (int i = 0; i < size; i++) w->room.rhs[i] = -w->scaled.b[w->room.index[i]];
-    for (int j = 0; j < size; j++) {
-      const double *from = w->scaled.A + (size_t)w->room.index[j] * (size_t)w->n;
-      for (int i = 0; i < size; i++) w->room.rhs[i] -= from[w->room.index[i]] * part[j];
-    }
-    nsdae_la_lu_solve(size, w->room.lu, size, w->room.pivot, w->room.rhs);
-    for (int j = 0; j < size; j++) part[j] += w->room.rhs[j];
+  int n = w->n;
+  const nsdae_lcp_point p = {.n = n,
+                             .lda = n,
+                             .a = w->scaled.A,
+                             .b = w->scaled.b,
+                             .x = x,
+                             .lu = w->room.lu,
+                             .basis = basis,
+                             .pivot = w->room.pivot,
+                             .index = w->room.index};
+  int size = nsdae_lcp_active_set(&p);
+  if (size < 0) return 1;
+  for (int i = 0; i < size; i++) w->room.rhs[i] = -p.b[p.index[i]];
+  for (int j = 0; j < size; j++) {
+    const double *from = p.a + (size_t)p.index[j] * (size_t)n;
+    for (int i = 0; i < size; i++) w->room.rhs[i] -= from[p.index[i]] * x[p.index[j]];
   }
-  memset(x, 0, (size_t)w->n * sizeof *x);
-  for (int j = 0; j < size; j++) x[w->room.index[j]] = fmax(part[j], 0);
+  nsdae_la_lu_solve(size, p.lu, size, p.pivot, w->room.rhs);
+  for (int j = 0; j < size; j++) x[p.index[j]] = fmax(x[p.index[j]] + w->room.rhs[j], 0);
   return 0;
 }
 
@@ -99,7 +104,7 @@ void nsdae_lcp_hand_over(nsdae_lcp_work *w)
   if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
       memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
     for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
-    w->info->residual = nsdae_lcp_residual(w);
+    w->info->residual = point_residual(w);
   }
   scale_back(w);
   for (int i = 0; proof && i < w->n; i++) w->y[i] = w->room.point[i];

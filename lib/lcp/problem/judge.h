@@ -4,10 +4,6 @@
 
 #include "work.h"
 
-/* Residual of w->x, in equilibrated rows and columns; w->y := A x + b. Infinite where an x_i or y_i
- * of the problem as given is not a finite number, and where b is out of range. */
-double nsdae_lcp_residual(nsdae_lcp_work *w);
-
 /* Judges the point w->x and keeps it where it is the best so far; where it solves the problem,
  * outcome, stage and the caller's basis are set. Returns whether the problem is settled. */
 int nsdae_lcp_judge(nsdae_lcp_work *w, const int *basis, int stage);

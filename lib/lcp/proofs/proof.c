@@ -55,9 +55,8 @@ static int is_whole(int n, const double *w, double factor)
 static void simplify(int n, double *w)
 {
   enum { LARGEST = 4096 };
-  double most = 0;
+  double most = nsdae_largest(n, w);
   int k = 1;
-  for (int i = 0; i < n; i++) most = fmax(most, fabs(w[i]));
   while (k <= LARGEST && !is_whole(n, w, k / most)) k++;
   double factor = k <= LARGEST ? k : 0x1p24;
   for (int i = 0; i < n; i++) w[i] = round(factor / most * w[i]);

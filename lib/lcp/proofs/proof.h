@@ -14,4 +14,11 @@ int nsdae_lcp_prove(nsdae_lcp_work *w);
 /* Every choice of active sets, cut short where a partial one is proved empty. Returns as above. */
 int nsdae_lcp_prove_all(nsdae_lcp_work *w);
 
+/* Largest problem whose ray is looked at. */
+enum { NSDAE_RAY_MAX = 60 };
+
+/* Sets info->ray from the basis in w->trial, on which Lemke's method with the covering vector of
+ * ones ended without a blocking row. */
+void nsdae_lcp_read_ray(nsdae_lcp_work *w);
+
 #endif

@@ -7,7 +7,7 @@
  * copositive nor semimonotone. Where z0 = 0, x^T A x = 0 and A is not strictly so. The basis names
  * the x_i that grow, except the pair that has no part in it: every pair is tried for it, and the
  * result is checked in exact arithmetic. */
-#include "ray.h"
+#include "proof.h"
 
 #include <math.h>
 #include <stddef.h>
