@@ -234,10 +234,8 @@ static const nsdae_output *find_output(const nsdae_system *system, const nsdae_c
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
-  const nsdae_callback *c = nsdae_callbacks, *end = c + nsdae_callbacks_count;
-  while (c < end && strcmp(c->name, callback) != 0) c++;
-  if (!error || c == end) return;
-  const nsdae_output *output = find_output(system, c, rows);
+  const nsdae_callback *c = nsdae_callback_of(callback);
+  const nsdae_output *output = error && c ? find_output(system, c, rows) : NULL;
   if (output) nsdae_output_name_entry(system, output, row, column, error);
 }
 
