@@ -37,6 +37,14 @@ int nsdae_error_set(nsdae_error *error, int status, const char *where, const cha
   return status;
 }
 
+int nsdae_error_at(nsdae_error *error, int status, int index, double time)
+{
+  if (!error) return status;
+  error->index = index;
+  error->time = time;
+  return status;
+}
+
 int nsdae_error_memory(nsdae_error *error, const char *where)
 {
   return nsdae_error_set(error, NSDAE_E_MEMORY, where, "", "out of memory");

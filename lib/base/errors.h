@@ -18,6 +18,9 @@ void nsdae_error_clear(nsdae_error *error);
 int nsdae_error_set(nsdae_error *error, int status, const char *where, const char *argument,
                     const char *format, ...) NSDAE_PRINTF(5, 6);
 
+/* Adds index and time to the record and returns status. error may be NULL. */
+int nsdae_error_at(nsdae_error *error, int status, int index, double time);
+
 /* NSDAE_E_MEMORY, "out of memory". */
 int nsdae_error_memory(nsdae_error *error, const char *where);
 

@@ -47,27 +47,17 @@ typedef struct listing {
   const nsdae_bodies_pair *pair;
 } listing;
 
-/* Two solids with the poses of their bodies; features of the first touch corners of the second. */
-typedef struct couple {
-  const nsdae_solid_of *solid[2];
-  const nsdae_pose *pose[2];
-} couple;
-
-static couple couple_of(const listing *l, int i, int j)
+static nsdae_couple couple_of(const listing *l, int i, int j)
 {
-  const nsdae_solid_of *s = (const nsdae_solid_of *)l->bodies->solid.at;
-  return (couple){{s + i, s + j},
-                  {nsdae_broad_pose(l->broad, s[i].body), nsdae_broad_pose(l->broad, s[j].body)}};
-}
-
-static couple turned(const couple *two)
-{
-  return (couple){{two->solid[1], two->solid[0]}, {two->pose[1], two->pose[0]}};
+  const nsdae_solid_of *s = l->bodies->solid.at;
+  return (nsdae_couple){
+      {s + i, s + j},
+      {nsdae_broad_pose(l->broad, s[i].body), nsdae_broad_pose(l->broad, s[j].body)}};
 }
 
 /* What a unit impulse along n and along t, n turned to the left, does to a body: +-d, and arm x +-d
  * about its centre. Directions push body 1 and hold body 0. */
-static void set_planar(const nsdae_still *still, const couple *two, nsdae_contact *c)
+static void set_planar(const nsdae_still *still, const nsdae_couple *two, nsdae_contact *c)
 {
   for (int i = 0; i < 2; i++) {
     double sign = i ? 1 : -1, x = sign * still->normal[0], y = sign * still->normal[1];
@@ -80,7 +70,7 @@ static void set_planar(const nsdae_still *still, const couple *two, nsdae_contac
 }
 
 /* The same in space, the moment in the body's own axes. */
-static void set_spatial(const nsdae_still *still, const couple *two, nsdae_contact *c)
+static void set_spatial(const nsdae_still *still, const nsdae_couple *two, nsdae_contact *c)
 {
   double d[3][3], arm[3], moment[3];
   /* d_0 = n, d_1 along e x n (see nsdae_tangent_axis), d_2 = n x d_1. */
@@ -103,7 +93,8 @@ static void set_spatial(const nsdae_still *still, const couple *two, nsdae_conta
   }
 }
 
-static int add_contact(const listing *l, int number, const couple *two, const nsdae_still *still)
+static int add_contact(const listing *l, int number, const nsdae_couple *two,
+                       const nsdae_still *still)
 {
   nsdae_contact c = {.id = l->id + number,
                      .block = {two->solid[0]->body, two->solid[1]->body},
@@ -121,27 +112,26 @@ static int add_contact(const listing *l, int number, const couple *two, const ns
 static int list_feature(void *to, const nsdae_feature *f)
 {
   const listing *l = to;
-  const couple two = couple_of(l, f->solid[0], f->solid[1]);
+  const nsdae_couple two = couple_of(l, f->solid[0], f->solid[1]);
   nsdae_still still;
   if (!f->edges && two.solid[0]->points <= 1) {
-    still = nsdae_round_still(two.solid[0], two.solid[1], f->part[1], two.pose[0], two.pose[1]);
+    still = nsdae_round_still(&two, f->part[1]);
   } else {
-    nsdae_touch touch =
-        nsdae_feature_touch(f, two.solid[0], two.solid[1], two.pose[0], two.pose[1], NULL);
+    nsdae_touch touch = nsdae_feature_touch(f, &two);
     still = nsdae_still_of(&touch);
   }
   return still.far || still.gap > l->reach ? 0 : add_contact(l, f->number, &two, &still);
 }
 
 /* Corners of the second solid against edges of the first, numbered from first on. */
-static int list_corners(const listing *l, int first, const couple *two, const nsdae_meeting *met)
+static int list_corners(const listing *l, int first, const nsdae_couple *two,
+                        const nsdae_meeting *met)
 {
   double most = l->reach + two->solid[0]->radius + two->solid[1]->radius;
   int status = 0;
   for (int i = 0; i < two->solid[1]->points && status >= 0; i++) {
     if (nsdae_height_above(met->above[0], two->solid[1]->point + 3 * i) > most) continue;
-    nsdae_still still =
-        nsdae_polygon_still(two->solid[0], two->solid[1], i, two->pose[0], two->pose[1], met);
+    nsdae_still still = nsdae_polygon_still(two, i, met);
     if (!still.far && still.gap <= l->reach) status = add_contact(l, first + i, two, &still);
   }
   return status;
@@ -149,20 +139,18 @@ static int list_corners(const listing *l, int first, const couple *two, const ns
 
 /* Two solids of the plane with edges, whose features nsdae_pair_features has in this order. Nothing
  * where they are apart by more than the reach along a normal of either. */
-static int list_planar(const listing *l, const couple *two)
+static int list_planar(const listing *l, const nsdae_couple *two, const nsdae_couple *other)
 {
-  const couple other = turned(two);
   double enough = l->reach + two->solid[0]->radius + two->solid[1]->radius;
-  const nsdae_meeting met =
-      nsdae_find_meeting(two->solid[0], two->solid[1], two->pose[0], two->pose[1], enough);
+  const nsdae_meeting met = nsdae_find_meeting(two, enough);
   if (met.value[0] > enough || met.value[1] > enough) return 0;
   const nsdae_meeting turned = nsdae_meeting_turned(&met);
   int status = list_corners(l, 0, two, &met);
-  return status < 0 ? status : list_corners(l, two->solid[1]->points, &other, &turned);
+  return status < 0 ? status : list_corners(l, two->solid[1]->points, other, &turned);
 }
 
 /* Corners of the second solid against a plane; most of a body's are too high. */
-static int list_plane(const listing *l, const couple *two)
+static int list_plane(const listing *l, const nsdae_couple *two)
 {
   const nsdae_solid_of *plane = two->solid[0], *solid = two->solid[1];
   const nsdae_pose *from = two->pose[0], *to = two->pose[1];
@@ -184,21 +172,17 @@ static int list_plane(const listing *l, const couple *two)
   return status;
 }
 
-static int is_plane(const nsdae_solid_of *s)
-{
-  return s->shape == NSDAE_SHAPE_PLANE;
-}
-
 static int list_pair(void *to, nsdae_broad *broad, int i, int j)
 {
   listing *l = to;
-  const couple two = couple_of(l, i, j);
+  const nsdae_couple two = couple_of(l, i, j);
   l->pair = broad->pair[two.solid[0]->material][two.solid[1]->material];
   l->id = ((long)i * broad->solids + j) * broad->features;
-  const couple other = turned(&two);
-  if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1])) return list_planar(l, &two);
-  if (is_plane(two.solid[0])) return list_plane(l, &two);
-  if (is_plane(two.solid[1])) return list_plane(l, &other);
+  const nsdae_couple other = {{two.solid[1], two.solid[0]}, {two.pose[1], two.pose[0]}};
+  if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1]))
+    return list_planar(l, &two, &other);
+  if (two.solid[0]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, &two);
+  if (two.solid[1]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, &other);
   return nsdae_pair_features(l->bodies->solid.at, i, j, two.pose, list_feature, l);
 }
 

@@ -32,7 +32,7 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
 {
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
-  for (int i = 0; i < b->solid.count; i++) free(((nsdae_solid_of *)b->solid.at)[i].point);
+  for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
   nsdae_list *lists[] = {&b->body,    &b->element, &b->frictional_joint,
                          &b->solid,   &b->feature, &b->spring,
                          &b->torsion, &b->load,    &b->pair};
@@ -254,16 +254,24 @@ void nsdae_bodies_part(const nsdae_bodies *b, const nsdae_velocity_row *row, int
   if (b->dimension == 3) nsdae_turn_back(pose->R, row->angular[i], part + 3);
 }
 
-void nsdae_bodies_scatter(const nsdae_bodies *b, const int *body, const nsdae_pose *pose0,
-                          const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
-                          double *out, int stride)
+void nsdae_bodies_place(const nsdae_bodies *b, const int body[2], const double *q, const double *v,
+                        nsdae_places *at)
 {
-  const nsdae_pose *pose[2] = {pose0, pose1};
+  for (int i = 0; i < 2; i++) {
+    if (at->body[i] == body[i]) continue;
+    at->pose[i] = at->body[1] == body[i] ? at->pose[1] : nsdae_bodies_pose(b, body[i], q, v);
+    at->body[i] = body[i];
+  }
+}
+
+void nsdae_bodies_scatter(const nsdae_bodies *b, const nsdae_places *at,
+                          const nsdae_velocity_row *row, double scale, double *out, int stride)
+{
   for (int i = 0; i < 2; i++) {
     double part[6];
-    if (body[i] == NSDAE_GROUND) continue;
-    nsdae_bodies_part(b, row, i, pose[i], part);
-    size_t nv = (size_t)nsdae_body_nv(b), first = (size_t)body[i] * nv;
+    if (at->body[i] == NSDAE_GROUND) continue;
+    nsdae_bodies_part(b, row, i, &at->pose[i], part);
+    size_t nv = (size_t)nsdae_body_nv(b), first = (size_t)at->body[i] * nv;
     for (size_t j = 0; j < nv; j++) out[(first + j) * (size_t)stride] += scale * part[j];
   }
 }

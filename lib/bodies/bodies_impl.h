@@ -76,6 +76,32 @@ static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i
   return (const nsdae_rigid_body *)b->body.at + i;
 }
 
+static inline const nsdae_primitive *nsdae_element_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_primitive *)b->element.at + i;
+}
+
+static inline const nsdae_bodies_frictional_joint *nsdae_frictional_joint_at(const nsdae_bodies *b,
+                                                                             int i)
+{
+  return (const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i;
+}
+
+static inline const nsdae_solid_of *nsdae_solid_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_solid_of *)b->solid.at + i;
+}
+
+static inline const nsdae_feature *nsdae_feature_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_feature *)b->feature.at + i;
+}
+
+static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_bodies_spring *)b->spring.at + i;
+}
+
 /* Coordinates and velocities of a body. */
 static inline int nsdae_body_nq(const nsdae_bodies *b)
 {
@@ -119,10 +145,22 @@ void nsdae_bodies_own_direction(const nsdae_bodies *bodies, int body, const doub
 void nsdae_bodies_part(const nsdae_bodies *bodies, const nsdae_velocity_row *row, int i,
                        const nsdae_pose *pose, double part[6]);
 
-/* Adds scale times a row of velocities to the places of its bodies, stride apart. */
-void nsdae_bodies_scatter(const nsdae_bodies *bodies, const int *body, const nsdae_pose *pose0,
-                          const nsdae_pose *pose1, const nsdae_velocity_row *row, double scale,
-                          double *out, int stride);
+/* Two bodies and their poses. */
+typedef struct nsdae_places {
+  int body[2];
+  nsdae_pose pose[2];
+} nsdae_places;
+
+enum { NSDAE_NO_PLACE = -2 };
+static const nsdae_places nsdae_nowhere = {.body = {NSDAE_NO_PLACE, NSDAE_NO_PLACE}};
+
+/* Of these bodies; poses that are there already, of the element before, are kept. */
+void nsdae_bodies_place(const nsdae_bodies *bodies, const int body[2], const double *q,
+                        const double *v, nsdae_places *places);
+
+/* Adds scale times a row of velocities to the entries of its bodies, stride apart. */
+void nsdae_bodies_scatter(const nsdae_bodies *bodies, const nsdae_places *at,
+                          const nsdae_velocity_row *row, double scale, double *out, int stride);
 
 /* Forces of gravity, springs, torsions and loads, and of spinning; their energy. */
 int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,
@@ -145,16 +183,7 @@ void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
 
-/* Two bodies and their poses: those of the element before, which often has the same bodies. */
-typedef struct nsdae_places {
-  int body[2];
-  nsdae_pose pose[2];
-} nsdae_places;
-
-enum { NSDAE_NO_PLACE = -2 };
-
-/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. Before
- * the first element the bodies of the places are NSDAE_NO_PLACE. */
+/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. */
 int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_primitive *element, double t,
                          const double *q, const double *v, nsdae_places *places,
                          nsdae_primitive_value *value);

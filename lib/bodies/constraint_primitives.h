@@ -41,7 +41,7 @@ typedef struct nsdae_primitive_value {
 } nsdae_primitive_value;
 
 /* From the poses of its two bodies; 0 or what the drive returned. */
-int nsdae_primitive_evaluate(const nsdae_primitive *element, double t, const nsdae_pose *pose0,
-                             const nsdae_pose *pose1, nsdae_primitive_value *value);
+int nsdae_primitive_evaluate(const nsdae_primitive *element, double t, const nsdae_pose pose[2],
+                             nsdae_primitive_value *value);
 
 #endif

@@ -2,22 +2,11 @@
  * bodies are; rows of one's own follow. */
 #include "bodies_impl.h"
 
-static const nsdae_places nowhere = {.body = {NSDAE_NO_PLACE, NSDAE_NO_PLACE}};
-
 int nsdae_bodies_element(const nsdae_bodies *b, const nsdae_primitive *e, double t, const double *q,
                          const double *v, nsdae_places *at, nsdae_primitive_value *value)
 {
-  for (int i = 0; i < 2; i++) {
-    if (at->body[i] == e->body[i]) continue;
-    at->pose[i] = at->body[1] == e->body[i] ? at->pose[1] : nsdae_bodies_pose(b, e->body[i], q, v);
-    at->body[i] = e->body[i];
-  }
-  return nsdae_primitive_evaluate(e, t, &at->pose[0], &at->pose[1], value);
-}
-
-static const nsdae_primitive *element_of(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_primitive *)b->element.at + i;
+  nsdae_bodies_place(b, e->body, q, v, at);
+  return nsdae_primitive_evaluate(e, t, at->pose, value);
 }
 
 static int constraint(double t, const double *q, double *phi, void *user)
@@ -25,9 +14,9 @@ static int constraint(double t, const double *q, double *phi, void *user)
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_places at = nowhere;
+  nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < b->element.count; i++) {
-    int code = nsdae_bodies_element(b, element_of(b, i), t, q, NULL, &at, &value);
+    int code = nsdae_bodies_element(b, nsdae_element_at(b, i), t, q, NULL, &at, &value);
     if (code) return code;
     phi[i] = value.phi.x;
   }
@@ -39,9 +28,9 @@ static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void
 {
   const nsdae_bodies *b = user;
   nsdae_primitive_value value;
-  nsdae_places at = nowhere;
+  nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < b->element.count; i++) {
-    const nsdae_primitive *e = element_of(b, i);
+    const nsdae_primitive *e = nsdae_element_at(b, i);
     int code = nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
     for (int j = 0; j < 2 && code == 0; j++) {
       double part[6];
@@ -60,12 +49,11 @@ static int constraint_jacobian(double t, const double *q, double *J, int ldj, vo
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_places at = nowhere;
+  nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < b->element.count; i++) {
-    const nsdae_primitive *e = element_of(b, i);
-    int code = nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
+    int code = nsdae_bodies_element(b, nsdae_element_at(b, i), t, q, NULL, &at, &value);
     if (code) return code;
-    nsdae_bodies_scatter(b, e->body, &at.pose[0], &at.pose[1], &value.row, 1, J + i, ldj);
+    nsdae_bodies_scatter(b, &at, &value.row, 1, J + i, ldj);
   }
   return own->constraint_jacobian(t, q, J + b->element.count, ldj, own->user);
 }
@@ -76,9 +64,9 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_places at = nowhere;
+  nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < b->element.count; i++) {
-    int code = nsdae_bodies_element(b, element_of(b, i), t, q, v, &at, &value);
+    int code = nsdae_bodies_element(b, nsdae_element_at(b, i), t, q, v, &at, &value);
     if (code) return code;
     phi_t[i] = value.phi_t;
     omega[i] = value.phi.dd;
@@ -93,19 +81,14 @@ static int frictional_joint_tangent(double t, const double *q, double *W, int ld
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_primitive_value value;
-  nsdae_places at = nowhere;
-  for (int i = 0; i < b->frictional_joint.count; i++) {
-    const nsdae_primitive *e =
-        &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
-    nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
-    nsdae_bodies_scatter(b, e->body, &at.pose[0], &at.pose[1], &value.row, 1,
-                         W + (size_t)i * (size_t)ldw, 1);
+  nsdae_places at = nsdae_nowhere;
+  for (int i = 0; i < b->frictional_joint.count; i++, W += ldw, w++) {
+    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, NULL, &at, &value);
+    nsdae_bodies_scatter(b, &at, &value.row, 1, W, 1);
   }
-  int f = b->frictional_joint.count; /* a slot does not move with v = 0: w stays 0 */
-  return own->frictional_joint_tangent
-             ? own->frictional_joint_tangent(t, q, W + (size_t)f * (size_t)ldw, ldw, w + f,
-                                             own->user)
-             : 0;
+  /* a slot does not move with v = 0: w stays 0 */
+  return own->frictional_joint_tangent ? own->frictional_joint_tangent(t, q, W, ldw, w, own->user)
+                                       : 0;
 }
 
 /* What rows of one's own lack of a derivative is left to the system, for all rows. */
@@ -128,8 +111,7 @@ static int set_frictional_joints(const nsdae_bodies *b, nsdae_system *system)
   if (b->frictional_joint.count + b->own.dims.f == 0) return NSDAE_OK;
   int status = nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent);
   for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
-    const nsdae_bodies_frictional_joint *s =
-        (const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i;
+    const nsdae_bodies_frictional_joint *s = nsdae_frictional_joint_at(b, i);
     status = nsdae_system_set_frictional_joint(system, i, s->constraint, s->mu);
   }
   return status;

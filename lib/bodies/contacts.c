@@ -2,46 +2,23 @@
 #include "narrow_phase.h"
 #include "bodies_impl.h"
 
-static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_feature *)b->feature.at + i;
-}
-
-/* Two solids with the poses of their bodies. */
-typedef struct couple {
-  int solid[2], body[2];
-  nsdae_pose pose[2];
-} couple;
-
-enum { NO_SOLID = -1 };
-
 /* ---- one contact */
 
-/* What there is of a contact that is far: places and directions between the solids' origins, so
- * that there are some. */
-static void direct(nsdae_touch *touch, const nsdae_solid_of *solid, const couple *c)
-{
-  nsdae_jet length;
-  for (int i = 0; i < 2; i++)
-    touch->at[i] = nsdae_pose_point(&c->pose[i], solid[c->solid[i]].origin);
-  touch->normal = nsdae_direction(nsdae_jet3_sub(touch->at[1], touch->at[0]), 1, &length);
-}
-
-/* The contact of feature i. A couple that is the last feature's is kept: two boxes have 160. */
+/* The contact of feature i. Of one that is far there are places and directions too, those between
+ * the origins of the solids. */
 static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const double *v,
-                            couple *c)
+                            nsdae_places *at)
 {
-  const nsdae_feature *f = feature_of(b, i);
-  const nsdae_solid_of *solid = b->solid.at;
-  for (int j = 0; j < 2; j++) {
-    if (c->solid[j] == f->solid[j]) continue;
-    c->solid[j] = f->solid[j];
-    c->body[j] = solid[f->solid[j]].body;
-    c->pose[j] = nsdae_bodies_pose(b, c->body[j], q, v);
-  }
-  nsdae_touch touch = nsdae_feature_touch(f, &solid[f->solid[0]], &solid[f->solid[1]], &c->pose[0],
-                                          &c->pose[1], NULL);
-  if (touch.far) direct(&touch, solid, c);
+  const nsdae_feature *f = nsdae_feature_at(b, i);
+  const nsdae_couple two = {{nsdae_solid_at(b, f->solid[0]), nsdae_solid_at(b, f->solid[1])},
+                            {&at->pose[0], &at->pose[1]}};
+  const int body[2] = {two.solid[0]->body, two.solid[1]->body};
+  nsdae_jet length;
+  nsdae_bodies_place(b, body, q, v, at);
+  nsdae_touch touch = nsdae_feature_touch(f, &two);
+  if (!touch.far) return touch;
+  for (int j = 0; j < 2; j++) touch.at[j] = nsdae_pose_point(two.pose[j], two.solid[j]->origin);
+  touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
   return touch;
 }
 
@@ -51,41 +28,28 @@ static int gap(double t, const double *q, double *g, void *user)
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
-  couple c = {.solid = {NO_SOLID, NO_SOLID}};
-  for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &c).gap.x;
+  nsdae_places at = nsdae_nowhere;
+  for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &at).gap.x;
   return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
 }
 
-/* The row of n . xi for a direction of a contact. */
-static nsdae_velocity_row contact_row(const nsdae_touch *touch, const nsdae_pose pose[2],
-                                      nsdae_jet3 direction)
-{
-  double x[2][3], n[3];
-  for (int i = 0; i < 3; i++) {
-    x[0][i] = touch->at[0].at[i].x;
-    x[1][i] = touch->at[1].at[i].x;
-    n[i] = direction.at[i].x;
-  }
-  return nsdae_relative_row(&pose[0], &pose[1], x[0], x[1], n);
-}
-
-static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const couple *c,
+/* The column of n . xi for a direction of a contact. */
+static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const nsdae_places *at,
                        nsdae_jet3 direction, double *column)
 {
-  nsdae_velocity_row row = contact_row(touch, c->pose, direction);
-  nsdae_bodies_scatter(b, c->body, &c->pose[0], &c->pose[1], &row, 1, column, 1);
+  nsdae_velocity_row row = nsdae_relative_row(at->pose, touch->at[0], touch->at[1], direction);
+  nsdae_bodies_scatter(b, at, &row, 1, column, 1);
 }
 
 static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
-  couple c = {.solid = {NO_SOLID, NO_SOLID}};
-  for (int i = 0; i < b->feature.count; i++) {
-    nsdae_touch touch = touch_at(b, i, q, NULL, &c);
-    if (!touch.far) put_column(b, &touch, &c, touch.normal, W + (size_t)i * (size_t)ldw);
+  nsdae_places at = nsdae_nowhere;
+  for (int i = 0; i < b->feature.count; i++, W += ldw) {
+    nsdae_touch touch = touch_at(b, i, q, NULL, &at);
+    if (!touch.far) put_column(b, &touch, &at, touch.normal, W);
   }
-  W += (size_t)b->feature.count * (size_t)ldw;
   return own->gap_normal ? own->gap_normal(t, q, W, ldw, own->user) : 0;
 }
 
@@ -109,16 +73,13 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   int nt = b->dimension - 1;
-  couple c = {.solid = {NO_SOLID, NO_SOLID}};
+  nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < b->feature.count; i++) {
-    nsdae_touch touch = touch_at(b, i, q, NULL, &c);
+    nsdae_touch touch = touch_at(b, i, q, NULL, &at);
     nsdae_jet3 direction[2];
     tangents(b->dimension, touch.normal, direction);
-    for (int j = 0; j < nt; j++)
-      put_column(b, &touch, &c, direction[j],
-                 W + ((size_t)i * (size_t)nt + (size_t)j) * (size_t)ldw);
+    for (int j = 0; j < nt; j++, W += ldw) put_column(b, &touch, &at, direction[j], W);
   }
-  W += (size_t)b->feature.count * (size_t)nt * (size_t)ldw;
   return own->gap_tangent ? own->gap_tangent(t, q, W, ldw, own->user) : 0;
 }
 
@@ -155,12 +116,10 @@ static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose p
 static void frictional_joint_acceleration(const nsdae_bodies *b, double t, const double *q,
                                           const double *v, double *omega_s)
 {
-  nsdae_places at = {.body = {NSDAE_NO_PLACE, NSDAE_NO_PLACE}};
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value value;
   for (int i = 0; i < b->frictional_joint.count; i++) {
-    nsdae_primitive_value value;
-    const nsdae_primitive *e =
-        &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
-    nsdae_bodies_element(b, e, t, q, v, &at, &value);
+    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &at, &value);
     omega_s[i] = value.phi.dd;
   }
 }
@@ -173,13 +132,13 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   int k = b->feature.count, f = b->frictional_joint.count, nt = b->dimension - 1;
-  couple c = {.solid = {NO_SOLID, NO_SOLID}};
+  nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < k; i++) {
-    nsdae_touch touch = touch_at(b, i, q, v, &c);
+    nsdae_touch touch = touch_at(b, i, q, v, &at);
     nsdae_jet3 direction[2];
     omega_n[i] = touch.gap.dd;
     tangents(b->dimension, touch.normal, direction);
-    nsdae_jet3 xi = relative_velocity(&touch, c.pose);
+    nsdae_jet3 xi = relative_velocity(&touch, at.pose);
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
   }
   frictional_joint_acceleration(b, t, q, v, omega_s);
@@ -196,7 +155,7 @@ static int set_coefficients(const nsdae_bodies *b, nsdae_system *system)
 {
   int status = NSDAE_OK;
   for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
-    const nsdae_feature *f = feature_of(b, i);
+    const nsdae_feature *f = nsdae_feature_at(b, i);
     status = nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t);
   }
   return status;

@@ -9,21 +9,6 @@
 
 enum { WORDS = 64 }; /* of two bodies, or of a solid: two numbers of 11 digits and 40 letters */
 
-static const nsdae_primitive *element_of(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_primitive *)b->element.at + i;
-}
-
-static const nsdae_feature *feature_of(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_feature *)b->feature.at + i;
-}
-
-static const nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_solid_of *)b->solid.at + i;
-}
-
 /* ---- words */
 
 static const char *of_bodies(const int body[2], char text[WORDS])
@@ -44,7 +29,7 @@ static void joint_words(const nsdae_primitive *e, char *text, size_t size)
 
 static const char *solid_words(const nsdae_bodies *b, int i, char text[WORDS])
 {
-  const nsdae_solid_of *s = solid_of(b, i);
+  const nsdae_solid_of *s = nsdae_solid_at(b, i);
   const char *shape = s->hollow ? "hole" : nsdae_solid_name(s->shape);
   if (s->body == NSDAE_GROUND)
     snprintf(text, WORDS, "%s %d of the ground", shape, i);
@@ -71,13 +56,13 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
     return 1;
   }
   if (kind == NSDAE_NAME_CONTACT && i < b->feature.count) {
-    contact_words(b, feature_of(b, (int)i)->solid, text, size);
+    contact_words(b, nsdae_feature_at(b, (int)i)->solid, text, size);
     return 1;
   }
   const nsdae_primitive *e = NULL;
-  if (kind == NSDAE_NAME_CONSTRAINT && i < b->element.count) e = element_of(b, (int)i);
+  if (kind == NSDAE_NAME_CONSTRAINT && i < b->element.count) e = nsdae_element_at(b, (int)i);
   if (kind == NSDAE_NAME_FRICTIONAL_JOINT && i < b->frictional_joint.count)
-    e = &((const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i)->along;
+    e = &nsdae_frictional_joint_at(b, (int)i)->along;
   if (e) joint_words(e, text, size);
   return e != NULL;
 }
@@ -88,7 +73,7 @@ static int exact(const void *of, int kind, int i)
   const nsdae_bodies *b = of;
   if (kind == NSDAE_NAME_CONTACT) return i < b->feature.count;
   if (kind == NSDAE_NAME_FRICTIONAL_JOINT) return i < b->frictional_joint.count;
-  return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !element_of(b, i)->drive;
+  return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !nsdae_element_at(b, i)->drive;
 }
 
 /* ---- degenerate elements */
@@ -111,7 +96,7 @@ static int has_no_length(const nsdae_bodies *b, const nsdae_primitive *e, const 
 static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
 {
   static const char *const rate[3] = {"f", "f'", "f''"};
-  const nsdae_primitive *e = element_of(b, i);
+  const nsdae_primitive *e = nsdae_element_at(b, i);
   char joint[2 * WORDS];
   double f[3] = {e->rest, 0, 0};
   int code = e->drive ? e->drive(t, f, e->user) : 0, j = 0;
@@ -130,7 +115,7 @@ static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q
 
 static int explain_spring(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
 {
-  const nsdae_primitive *e = &((const nsdae_bodies_spring *)b->spring.at + i)->length;
+  const nsdae_primitive *e = &nsdae_spring_at(b, i)->length;
   char bodies[WORDS];
   if (!has_no_length(b, e, q)) return 0;
   r->element = "spring";
@@ -166,8 +151,8 @@ static int is_round(const nsdae_solid_of *s)
 
 static int explain_contact(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
 {
-  const nsdae_feature *f = feature_of(b, i);
-  const nsdae_solid_of *s0 = solid_of(b, f->solid[0]), *s1 = solid_of(b, f->solid[1]);
+  const nsdae_feature *f = nsdae_feature_at(b, i);
+  const nsdae_solid_of *s0 = nsdae_solid_at(b, f->solid[0]), *s1 = nsdae_solid_at(b, f->solid[1]);
   char pair[2 * WORDS];
   double x[2][3];
   if (!is_round(s0) || !is_round(s1)) return 0;

@@ -135,9 +135,9 @@ static int is_over(const nsdae_solid_of *s, const double *place, int axis, doubl
 
 /* Whether the face that is the least deep can be another than the nearest one to a corner: it is
  * within the box, or came out on the side that is away from its solid. */
-static int may_be_over(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const nsdae_pose *pose0,
-                       const nsdae_pose *pose1, const double *place)
+static int may_be_over(const nsdae_couple *two, const double *place)
 {
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
   double beside = NSDAE_BESIDE * (s0->size + s1->size), middle[3];
   int out = 0, axis = 0;
   for (int i = 0; i < 3; i++) {
@@ -146,7 +146,7 @@ static int may_be_over(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
     out++;
   }
   if (out != 1) return out == 0;
-  own_place(s0, pose0, nsdae_pose_point(pose1, s1->origin), middle);
+  own_place(s0, two->pose[0], nsdae_pose_point(two->pose[1], s1->origin), middle);
   /* in the middle rounding says which side that is */
   return fabs(middle[axis]) <= beside || place[axis] * middle[axis] < 0;
 }
@@ -154,20 +154,19 @@ static int may_be_over(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
 /* Corners of what overlaps a box touch the face that is the least deep in it, not each the face
  * that is nearest to it: blocks that lie flush keep the common face, though at their corners others
  * are as near. None is deeper than the overlap. */
-static nsdae_touch corner_on_box(const nsdae_feature *f, const nsdae_solid_of *s0,
-                                 const nsdae_solid_of *s1, const nsdae_pose *pose0,
-                                 const nsdae_pose *pose1)
+static nsdae_touch corner_on_box(const nsdae_couple *two, nsdae_jet3 x1)
 {
-  nsdae_jet3 x1 = nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1]));
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
+  const nsdae_pose *pose0 = two->pose[0];
   double place[3];
   own_place(s0, pose0, x1, place);
-  if (s1->points == 1 || !may_be_over(s0, s1, pose0, pose1, place))
+  if (s1->points == 1 || !may_be_over(two, place))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  nsdae_separating_axis o = nsdae_separating_axis_find(s0, s1, pose0, pose1);
+  nsdae_separating_axis o = nsdae_separating_axis_find(two);
   int by_edges = o.face < o.most - o.slack; /* then no corner in the box is deeper than they are */
   if (o.most > o.slack || by_edges || !is_over(s0, place, o.axis, o.beside))
     return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(s0, s1);
+  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(two);
   return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
 }
 
@@ -209,18 +208,17 @@ typedef struct two_solids {
   double axes[2][9], way[3];
 } two_solids;
 
-static two_solids in_space(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
-                           const nsdae_pose *pose0, const nsdae_pose *pose1)
+static two_solids in_space(const nsdae_couple *couple)
 {
-  const nsdae_solid_of *const s[2] = {s0, s1};
-  const nsdae_pose *const pose[2] = {pose0, pose1};
+  const nsdae_solid_of *const *s = couple->solid;
+  const nsdae_pose *const *pose = couple->pose;
   two_solids two;
   double at[2][3];
   for (int i = 0; i < 2; i++) {
     for (int j = 0; j < 3; j++) nsdae_turn(pose[i]->R, s[i]->R + 3 * j, two.axes[i] + 3 * j);
     nsdae_turn(pose[i]->R, s[i]->origin, at[i]);
   }
-  for (int i = 0; i < 3; i++) two.way[i] = at[1][i] + pose1->r[i] - at[0][i] - pose0->r[i];
+  for (int i = 0; i < 3; i++) two.way[i] = at[1][i] + pose[1]->r[i] - at[0][i] - pose[0]->r[i];
   return two;
 }
 
@@ -265,10 +263,10 @@ static unsigned leaving(const nsdae_solid_of *s, int axis, const double *n)
   return mask;
 }
 
-void nsdae_find_facing(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const nsdae_pose *pose0,
-                       const nsdae_pose *pose1, nsdae_facing *facing)
+void nsdae_find_facing(const nsdae_couple *couple, nsdae_facing *facing)
 {
-  two_solids two = in_space(s0, s1, pose0, pose1);
+  const nsdae_solid_of *s0 = couple->solid[0], *s1 = couple->solid[1];
+  two_solids two = in_space(couple);
   *facing = (nsdae_facing){{0}};
   for (int i = s0->shape == NSDAE_SHAPE_BOX ? 0 : 2; i < 3; i++)
     for (int j = s1->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++) {
@@ -282,48 +280,45 @@ void nsdae_find_facing(const nsdae_solid_of *s0, const nsdae_solid_of *s1, const
 
 /* Of solids that overlap only the edges of the axis of least depth touch; see separating_axis.h.
  * Lines along a face are as deep as the face up to rounding, and do. */
-static nsdae_touch edges(const nsdae_feature *f, const nsdae_solid_of *s0, const nsdae_solid_of *s1,
-                         const nsdae_pose *pose0, const nsdae_pose *pose1)
+static nsdae_touch edges(const nsdae_feature *f, const nsdae_couple *two)
 {
-  const nsdae_solid_of *const s[2] = {s0, s1};
-  const nsdae_pose *const pose[2] = {pose0, pose1};
-  two_solids two = in_space(s0, s1, pose0, pose1);
+  const nsdae_solid_of *const *s = two->solid;
+  two_solids placed = in_space(two);
   two_lines l = {.a = {0}};
   double sign[2][3], n[2][3], middle[3];
   int axis[2];
   for (int i = 0; i < 2; i++) axis[i] = edge_of(s[i], f->part[i], sign[i]);
-  if (!between_axes(&two, axis[0], axis[1], n) || !leaves_by(sign[0], n[0]) ||
+  if (!between_axes(&placed, axis[0], axis[1], n) || !leaves_by(sign[0], n[0]) ||
       !leaves_by(sign[1], n[1]))
-    return nsdae_touch_far(s0, s1);
+    return nsdae_touch_far(two);
   for (int i = 0; i < 2; i++) {
     middle_of(s[i], sign[i], middle);
-    l.x[i] = nsdae_pose_point(pose[i], middle);
-    l.u[i] = nsdae_pose_direction(pose[i], s[i]->R + 3 * axis[i]);
+    l.x[i] = nsdae_pose_point(two->pose[i], middle);
+    l.u[i] = nsdae_pose_direction(two->pose[i], s[i]->R + 3 * axis[i]);
   }
   nearest(&l);
-  if (fabs(l.a.x) > s0->half[axis[0]] || fabs(l.b.x) > s1->half[axis[1]])
-    return nsdae_touch_far(s0, s1);
-  nsdae_touch touch = line_line(&l, two.way, s0->radius, s1->radius);
-  double apart = touch.gap.x + s0->radius + s1->radius;
+  if (fabs(l.a.x) > s[0]->half[axis[0]] || fabs(l.b.x) > s[1]->half[axis[1]])
+    return nsdae_touch_far(two);
+  nsdae_touch touch = line_line(&l, placed.way, s[0]->radius, s[1]->radius);
+  double apart = touch.gap.x + s[0]->radius + s[1]->radius;
   if (apart >= 0) return touch;
-  nsdae_separating_axis o = nsdae_separating_axis_find(s0, s1, pose0, pose1);
-  return apart < o.most - o.slack ? nsdae_touch_far(s0, s1) : touch;
+  nsdae_separating_axis o = nsdae_separating_axis_find(two);
+  return apart < o.most - o.slack ? nsdae_touch_far(two) : touch;
 }
 
 /* ---- interface */
 
-nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_solid_of *s0,
-                                const nsdae_solid_of *s1, const nsdae_pose *pose0,
-                                const nsdae_pose *pose1, const nsdae_meeting *met)
+nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_couple *two)
 {
-  if (f->edges) return edges(f, s0, s1, pose0, pose1);
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
+  if (f->edges) return edges(f, two);
   int rounded = s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1;
   if (s0->shape == NSDAE_SHAPE_POLYGON || rounded) {
-    nsdae_meeting own;
-    if (!met && s1->points > 1) own = nsdae_find_meeting(s0, s1, pose0, pose1, INFINITY);
-    return nsdae_polygon_touch(s0, s1, f->part[1], pose0, pose1, met ? met : &own);
+    nsdae_meeting met;
+    if (s1->points > 1) met = nsdae_find_meeting(two, INFINITY);
+    return nsdae_polygon_touch(two, f->part[1], &met);
   }
-  if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(f, s0, s1, pose0, pose1);
-  return against_corner(s0, pose0, nsdae_pose_point(pose1, nsdae_solid_corner(s1, f->part[1])),
-                        s1->radius);
+  nsdae_jet3 x1 = nsdae_pose_point(two->pose[1], nsdae_solid_corner(s1, f->part[1]));
+  if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(two, x1);
+  return against_corner(s0, two->pose[0], x1, s1->radius);
 }

@@ -20,13 +20,9 @@ const char *nsdae_solid_name(int shape);
 int nsdae_solid_corners(const nsdae_solid_of *solid);
 int nsdae_solid_edges(const nsdae_solid_of *solid);
 /* The edges of two solids that can be the nearest of both. */
-void nsdae_find_facing(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
-                       const nsdae_pose *pose0, const nsdae_pose *pose1, nsdae_facing *facing);
+void nsdae_find_facing(const nsdae_couple *two, nsdae_facing *facing);
 
-/* The contact of a feature between two solids with these poses of their bodies; met: of planar
- * solids where it is known, else NULL. */
-nsdae_touch nsdae_feature_touch(const nsdae_feature *feature, const nsdae_solid_of *solid0,
-                                const nsdae_solid_of *solid1, const nsdae_pose *pose0,
-                                const nsdae_pose *pose1, const nsdae_meeting *met);
+/* The contact of a feature between two solids, in its order. */
+nsdae_touch nsdae_feature_touch(const nsdae_feature *feature, const nsdae_couple *two);
 
 #endif

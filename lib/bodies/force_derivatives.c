@@ -12,28 +12,10 @@
 
 #include "bodies_impl.h"
 
-/* An element where it is. */
-typedef struct element {
-  int body[2];
-  nsdae_pose pose[2];
-  double v[2][6]; /* velocities of its bodies, 0 of the ground */
-} element;
-
-/* Its value and row as jets along a direction. */
+/* The value and row of an element as jets along a direction. */
 typedef struct element_jet {
   nsdae_jet phi, g[2][6];
 } element_jet;
-
-static element element_at(const nsdae_bodies *b, const int *body, const double *q, const double *v)
-{
-  element e = {.body = {body[0], body[1]}};
-  for (int i = 0; i < 2; i++) {
-    e.pose[i] = nsdae_bodies_pose(b, body[i], q, v);
-    for (int j = 0; j < nsdae_body_nv(b) && body[i] != NSDAE_GROUND; j++)
-      e.v[i][j] = v[nsdae_body_nv(b) * body[i] + j];
-  }
-  return e;
-}
 
 /* The pose that moves along velocity `column` alone, at rest if it is < 0. */
 static nsdae_pose along_column(const nsdae_bodies *b, const nsdae_pose *pose, int column)
@@ -110,7 +92,7 @@ static element_jet torsion_jet(const nsdae_bodies *b, const nsdae_bodies_torsion
 }
 
 /* The blocks of a matrix over the velocities of an element's bodies, 6 of each. */
-static int add_blocks(const nsdae_bodies *b, const element *e, double X[12][12],
+static int add_blocks(const nsdae_bodies *b, const nsdae_places *e, double X[12][12],
                       nsdae_block_list *list)
 {
   int n = nsdae_body_nv(b), status = 0;
@@ -130,23 +112,27 @@ static int add_element(const nsdae_bodies *b, const nsdae_bodies_spring *spring,
                        const nsdae_bodies_torsion *torsion, int along_q, const double *q,
                        const double *v, nsdae_block_list *list)
 {
-  const element e = element_at(b, spring ? spring->length.body : torsion->body, q, v);
+  nsdae_places e = nsdae_nowhere;
+  nsdae_bodies_place(b, spring ? spring->length.body : torsion->body, q, v, &e);
   double k = spring ? spring->stiffness : torsion->stiffness, X[12][12] = {{0}};
   double c = spring ? spring->damping : torsion->damping;
-  int first = e.body[0] == NSDAE_GROUND ? 6 : 0; /* D takes g alone, of any direction */
+  int nv = nsdae_body_nv(b),
+      first = e.body[0] == NSDAE_GROUND ? 6 : 0; /* D takes g alone, of any direction */
   element_jet jet = {.phi = {0, 0, 0}};
   for (int j = first; j < 12; j++) {
     int side = j / 6, column = j % 6;
-    if (e.body[side] == NSDAE_GROUND || column >= nsdae_body_nv(b)) continue;
+    if (e.body[side] == NSDAE_GROUND || column >= nv) continue;
     if (j == first || along_q) {
       const nsdae_pose pose[2] = {along_column(b, &e.pose[0], side == 0 ? column : -1),
                                   along_column(b, &e.pose[1], side == 1 ? column : -1)};
       jet = spring ? spring_jet(b, &spring->length, pose) : torsion_jet(b, torsion, pose);
     }
     double rate = 0, turned = 0; /* g.v, g'.v */
-    for (int i = 0; i < 12 && along_q; i++) {
-      rate += jet.g[i / 6][i % 6].x * e.v[i / 6][i % 6];
-      turned += jet.g[i / 6][i % 6].d * e.v[i / 6][i % 6];
+    for (int i = 0; i < 2 * nv && along_q; i++) {
+      if (e.body[i / nv] == NSDAE_GROUND) continue;
+      double u = v[nv * e.body[i / nv] + i % nv];
+      rate += jet.g[i / nv][i % nv].x * u;
+      turned += jet.g[i / nv][i % nv].d * u;
     }
     double rise = along_q ? k * jet.phi.d + c * turned : c * jet.g[side][column].x;
     double f = along_q ? k * jet.phi.x + c * rate : 0;
@@ -180,7 +166,8 @@ static int add_load(const nsdae_bodies *b, const nsdae_load *load, int along_q, 
                     const double *q, const double *v, nsdae_block_list *list)
 {
   const int body[2] = {NSDAE_GROUND, load->body};
-  const element e = element_at(b, body, q, v);
+  nsdae_places e = nsdae_nowhere;
+  nsdae_bodies_place(b, body, q, v, &e);
   nsdae_jet3 point = nsdae_pose_point(&e.pose[1], load->point), force, torque;
   double x[3], u[3], arm[3], spin[3], f[6], slope[6][6], X[12][12] = {{0}};
   for (int i = 0; i < 3; i++) {
@@ -232,12 +219,11 @@ static int add_gyroscopic(const nsdae_bodies *b, int body, const double *v, nsda
 static int add_elements(const nsdae_bodies *b, int along_q, double t, const double *q,
                         const double *v, nsdae_block_list *list)
 {
-  const nsdae_bodies_spring *spring = b->spring.at;
   const nsdae_bodies_torsion *torsion = b->torsion.at;
   const nsdae_load *load = b->load.at;
   int status = 0;
   for (int i = 0; i < b->spring.count && status == 0; i++)
-    status = add_element(b, spring + i, NULL, along_q, q, v, list);
+    status = add_element(b, nsdae_spring_at(b, i), NULL, along_q, q, v, list);
   for (int i = 0; i < b->torsion.count && status == 0; i++)
     status = add_element(b, NULL, torsion + i, along_q, q, v, list);
   for (int i = 0; i < b->load.count && status == 0; i++)

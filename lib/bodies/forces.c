@@ -25,48 +25,46 @@ static void spinning(const nsdae_bodies *b, const double *v, double *F)
 /* F = -(stiffness (l - rest) + damping l') along the row of l' */
 static void springs(const nsdae_bodies *b, double t, const double *q, const double *v, double *F)
 {
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value l;
   for (int i = 0; i < b->spring.count; i++) {
-    const nsdae_bodies_spring *s = (const nsdae_bodies_spring *)b->spring.at + i;
-    nsdae_pose pose0 = nsdae_bodies_pose(b, s->length.body[0], q, v);
-    nsdae_pose pose1 = nsdae_bodies_pose(b, s->length.body[1], q, v);
-    nsdae_primitive_value value;
-    nsdae_primitive_evaluate(&s->length, t, &pose0, &pose1, &value);
-    nsdae_bodies_scatter(b, s->length.body, &pose0, &pose1, &value.row,
-                         -s->stiffness * value.phi.x - s->damping * value.phi.d, F, 1);
+    const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+    nsdae_bodies_element(b, &s->length, t, q, v, &at, &l);
+    double force = -s->stiffness * l.phi.x - s->damping * l.phi.d;
+    nsdae_bodies_scatter(b, &at, &l.row, force, F, 1);
   }
 }
 
 /* phi - rest of a torsion and the row of phi'. In space phi is the angle of a direction of body 1
  * in the frame of body 0, in (-pi, pi]. */
 static double torsion_angle(const nsdae_bodies *b, const nsdae_bodies_torsion *s,
-                            const nsdae_pose *pose0, const nsdae_pose *pose1,
-                            nsdae_velocity_row *row)
+                            const nsdae_pose pose[2], nsdae_velocity_row *row)
 {
   double u[3], zero[3], hand[3], quarter[3];
-  nsdae_turn(pose0->R, s->axis, u);
+  nsdae_turn(pose[0].R, s->axis, u);
   *row = (nsdae_velocity_row){.linear = {{0}}};
   for (int i = 0; i < 3; i++) {
     row->angular[0][i] = -u[i];
     row->angular[1][i] = u[i];
   }
-  if (b->dimension == 2) return pose1->angle - pose0->angle - s->offset - s->rest;
-  nsdae_turn(pose0->R, s->zero, zero);
-  nsdae_turn(pose1->R, s->hand, hand);
+  if (b->dimension == 2) return pose[1].angle - pose[0].angle - s->offset - s->rest;
+  nsdae_turn(pose[0].R, s->zero, zero);
+  nsdae_turn(pose[1].R, s->hand, hand);
   nsdae_cross3(u, zero, quarter);
   return atan2(nsdae_dot3(hand, quarter), nsdae_dot3(hand, zero)) - s->rest;
 }
 
 static void torsions(const nsdae_bodies *b, const double *q, const double *v, double *F)
 {
-  for (int i = 0; i < b->torsion.count; i++) {
-    const nsdae_bodies_torsion *s = (const nsdae_bodies_torsion *)b->torsion.at + i;
-    nsdae_pose pose0 = nsdae_bodies_pose(b, s->body[0], q, v);
-    nsdae_pose pose1 = nsdae_bodies_pose(b, s->body[1], q, v);
-    nsdae_velocity_row row;
-    double angle = torsion_angle(b, s, &pose0, &pose1, &row);
-    double rate = nsdae_dot3(row.angular[0], pose0.w) + nsdae_dot3(row.angular[1], pose1.w);
-    nsdae_bodies_scatter(b, s->body, &pose0, &pose1, &row,
-                         -s->stiffness * angle - s->damping * rate, F, 1);
+  const nsdae_bodies_torsion *s = b->torsion.at;
+  nsdae_places at = nsdae_nowhere;
+  nsdae_velocity_row row;
+  for (int i = 0; i < b->torsion.count; i++, s++) {
+    nsdae_bodies_place(b, s->body, q, v, &at);
+    double angle = torsion_angle(b, s, at.pose, &row);
+    double rate =
+        nsdae_dot3(row.angular[0], at.pose[0].w) + nsdae_dot3(row.angular[1], at.pose[1].w);
+    nsdae_bodies_scatter(b, &at, &row, -s->stiffness * angle - s->damping * rate, F, 1);
   }
 }
 
@@ -85,17 +83,18 @@ int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t
 
 static int loads(const nsdae_bodies *b, double t, const double *q, const double *v, double *F)
 {
-  nsdae_pose ground = nsdae_pose_ground();
-  for (int i = 0; i < b->load.count; i++) {
-    const nsdae_load *load = (const nsdae_load *)b->load.at + i;
-    nsdae_pose pose = nsdae_bodies_pose(b, load->body, q, v);
-    double x[3], gave[6];
-    int code = nsdae_load_evaluate(load, &pose, t, x, gave);
-    if (code) return code;
+  const nsdae_load *load = b->load.at;
+  nsdae_places at = nsdae_nowhere;
+  for (int i = 0; i < b->load.count; i++, load++) {
     const int body[2] = {NSDAE_GROUND, load->body};
-    nsdae_velocity_row row = nsdae_relative_row(&ground, &pose, x, x, gave);
+    double x[3], gave[6];
+    nsdae_bodies_place(b, body, q, v, &at);
+    int code = nsdae_load_evaluate(load, &at.pose[1], t, x, gave);
+    if (code) return code;
+    const nsdae_jet3 point = nsdae_jet3_of(x);
+    nsdae_velocity_row row = nsdae_relative_row(at.pose, point, point, nsdae_jet3_of(gave));
     for (int j = 0; j < 3; j++) row.angular[1][j] += gave[3 + j];
-    nsdae_bodies_scatter(b, body, &ground, &pose, &row, 1, F, 1);
+    nsdae_bodies_scatter(b, &at, &row, 1, F, 1);
   }
   return 0;
 }
@@ -112,25 +111,22 @@ int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const 
 
 double nsdae_bodies_energy(const nsdae_bodies *b, const double *q)
 {
+  const nsdae_bodies_torsion *torsion = b->torsion.at;
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value l;
+  nsdae_velocity_row row;
   double energy = 0;
   for (int i = 0; i < b->body.count; i++)
     for (int j = 0; j < b->dimension; j++)
       energy -= nsdae_body_at(b, i)->mass * b->gravity[j] * q[i * nsdae_body_nq(b) + j];
   for (int i = 0; i < b->spring.count; i++) {
-    const nsdae_bodies_spring *s = (const nsdae_bodies_spring *)b->spring.at + i;
-    nsdae_pose pose0 = nsdae_bodies_pose(b, s->length.body[0], q, NULL);
-    nsdae_pose pose1 = nsdae_bodies_pose(b, s->length.body[1], q, NULL);
-    nsdae_primitive_value value;
-    nsdae_primitive_evaluate(&s->length, 0, &pose0, &pose1, &value);
-    energy += s->stiffness * value.phi.x * value.phi.x / 2;
+    nsdae_bodies_element(b, &nsdae_spring_at(b, i)->length, 0, q, NULL, &at, &l);
+    energy += nsdae_spring_at(b, i)->stiffness * l.phi.x * l.phi.x / 2;
   }
-  for (int i = 0; i < b->torsion.count; i++) {
-    const nsdae_bodies_torsion *s = (const nsdae_bodies_torsion *)b->torsion.at + i;
-    nsdae_pose pose0 = nsdae_bodies_pose(b, s->body[0], q, NULL);
-    nsdae_pose pose1 = nsdae_bodies_pose(b, s->body[1], q, NULL);
-    nsdae_velocity_row row;
-    double angle = torsion_angle(b, s, &pose0, &pose1, &row);
-    energy += s->stiffness * angle * angle / 2;
+  for (int i = 0; i < b->torsion.count; i++, torsion++) {
+    nsdae_bodies_place(b, torsion->body, q, NULL, &at);
+    double angle = torsion_angle(b, torsion, at.pose, &row);
+    energy += torsion->stiffness * angle * angle / 2;
   }
   return energy;
 }

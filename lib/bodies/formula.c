@@ -158,20 +158,19 @@ typedef struct portrait {
 
 /* ---- solids, springs, rods */
 
-static void set_position(portrait *p, const nsdae_bodies *b, int body, const double *s)
+/* Formulas of where the point s of a body's frame is, and their texts. */
+static void set_point(const nsdae_bodies *b, int body, const double *s, formula f[3],
+                      const char *text[3])
 {
   for (int i = 0; i < b->dimension; i++) {
-    p->position[i] = place_formula(b, body, s, i);
-    p->body.position[i] = p->position[i].text;
+    f[i] = place_formula(b, body, s, i);
+    text[i] = f[i].text;
   }
 }
 
-static void set_end(portrait *p, const nsdae_bodies *b, int body, const double *s)
+static void set_position(portrait *p, const nsdae_bodies *b, int body, const double *s)
 {
-  for (int i = 0; i < b->dimension; i++) {
-    p->end[i] = place_formula(b, body, s, i);
-    p->body.end[i] = p->end[i].text;
-  }
+  set_point(b, body, s, p->position, p->body.position);
 }
 
 /* The body's frame; in space turned on by the solid's quaternion. */
@@ -203,7 +202,7 @@ static int show_line(const nsdae_bodies *b, nsdae_system *system, const nsdae_pr
 {
   portrait p = {.body = {.shape = NSDAE_SHAPE_SEGMENT}};
   set_position(&p, b, e->body[0], e->point[0]);
-  set_end(&p, b, e->body[1], e->point[1]);
+  set_point(b, e->body[1], e->point[1], p.end, p.body.end);
   return show(&p, system, what, number);
 }
 
@@ -225,12 +224,12 @@ static void set_size(nsdae_body *body, const nsdae_solid_of *s)
 static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
 {
   const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
-  const nsdae_solid_of *s = (const nsdae_solid_of *)b->solid.at + i;
+  const nsdae_solid_of *s = nsdae_solid_at(b, i);
   portrait p = {.body = {.shape = s->shape}};
   set_size(&p.body, s);
   if (s->shape == NSDAE_SHAPE_SEGMENT) {
     set_position(&p, b, s->body, s->point);
-    set_end(&p, b, s->body, s->point + 3);
+    set_point(b, s->body, s->point + 3, p.end, p.body.end);
   } else if (s->shape == NSDAE_SHAPE_POLYGON) { /* its corners are in the body's frame */
     p.body.points = s->points;
     p.body.point = s->point;
@@ -259,7 +258,7 @@ static int show_bare(const nsdae_bodies *b, nsdae_system *system)
   char *seen = calloc((size_t)b->body.count, sizeof *seen);
   int status = seen ? NSDAE_OK : NSDAE_E_MEMORY;
   for (int i = 0; i < b->solid.count && seen; i++) {
-    int body = ((const nsdae_solid_of *)b->solid.at)[i].body;
+    int body = nsdae_solid_at(b, i)->body;
     if (body != NSDAE_GROUND) seen[body] = 1;
   }
   for (int i = 0; i < b->body.count && status == NSDAE_OK; i++)
@@ -274,10 +273,9 @@ int nsdae_bodies_show(const nsdae_bodies *b, nsdae_system *system)
   for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) status = show_solid(b, system, i);
   if (status == NSDAE_OK) status = show_bare(b, system);
   for (int i = 0; i < b->spring.count && status == NSDAE_OK; i++)
-    status =
-        show_line(b, system, &((const nsdae_bodies_spring *)b->spring.at + i)->length, "spring", i);
+    status = show_line(b, system, &nsdae_spring_at(b, i)->length, "spring", i);
   for (int i = 0, rods = 0; i < b->element.count && status == NSDAE_OK; i++) {
-    const nsdae_primitive *e = (const nsdae_primitive *)b->element.at + i;
+    const nsdae_primitive *e = nsdae_element_at(b, i);
     if (e->kind == NSDAE_PRIMITIVE_DISTANCE) status = show_line(b, system, e, "rod", rods++);
   }
   return status;

@@ -45,24 +45,23 @@ nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, 
   return touch;
 }
 
-nsdae_touch nsdae_touch_far(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+nsdae_touch nsdae_touch_far(const nsdae_couple *two)
 {
-  return (nsdae_touch){.far = 1, .gap = nsdae_jet_of(s0->size + s1->size)};
+  return (nsdae_touch){.far = 1, .gap = nsdae_jet_of(two->solid[0]->size + two->solid[1]->size)};
 }
 
 nsdae_still nsdae_still_of(const nsdae_touch *touch)
 {
   nsdae_still still = {.far = touch->far, .gap = touch->gap.x};
-  for (int i = 0; i < 3; i++) {
-    still.normal[i] = touch->normal.at[i].x;
-    for (int j = 0; j < 2; j++) still.at[j][i] = touch->at[j].at[i].x;
-  }
+  nsdae_jet3_values(touch->normal, still.normal);
+  for (int j = 0; j < 2; j++) nsdae_jet3_values(touch->at[j], still.at[j]);
   return still;
 }
 
-nsdae_still nsdae_round_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                              const nsdae_pose *pose0, const nsdae_pose *pose1)
+nsdae_still nsdae_round_still(const nsdae_couple *two, int corner)
 {
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
+  const nsdae_pose *pose0 = two->pose[0], *pose1 = two->pose[1];
   nsdae_still still = {.far = 0};
   double x0[3], x1[3], d[3], h;
   nsdae_turn(pose0->R, s0->origin, x0);

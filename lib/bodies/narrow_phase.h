@@ -17,22 +17,19 @@ nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, 
 
 /* A contact that another feature stands for: the gap is constant; it has no places and directions.
  */
-nsdae_touch nsdae_touch_far(const nsdae_solid_of *s0, const nsdae_solid_of *s1);
+nsdae_touch nsdae_touch_far(const nsdae_couple *two);
 
 /* Whether a solid of the plane has edges that can separate: a segment without rounding is a side.
  */
 int nsdae_has_edges(const nsdae_solid_of *solid);
 
-/* The meeting of two planar solids with these poses of their bodies. */
-nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1,
-                                 const nsdae_pose *pose0, const nsdae_pose *pose1, double enough);
+/* The meeting of two planar solids. */
+nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough);
 /* The same of the solids in the other order. */
 nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met);
 
-/* The contact of a corner of solid s1 against the polygon or rounded segment s0; met is theirs. */
-nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                                const nsdae_pose *pose0, const nsdae_pose *pose1,
-                                const nsdae_meeting *met);
+/* The contact of a corner of solid 1 against the polygon or rounded segment 0; met is theirs. */
+nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae_meeting *met);
 
 /* A contact as it is now, without rates: lists need no more, and want it for each of many. */
 typedef struct nsdae_still {
@@ -41,13 +38,10 @@ typedef struct nsdae_still {
 } nsdae_still;
 
 nsdae_still nsdae_still_of(const nsdae_touch *touch);
-/* The corner of solid s1 against a plane, or against what is round or a hole, s0. */
-nsdae_still nsdae_round_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                              const nsdae_pose *pose0, const nsdae_pose *pose1);
+/* The corner of solid 1 against a plane, or against what is round or a hole, solid 0. */
+nsdae_still nsdae_round_still(const nsdae_couple *two, int corner);
 /* As nsdae_polygon_touch. */
-nsdae_still nsdae_polygon_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                                const nsdae_pose *pose0, const nsdae_pose *pose1,
-                                const nsdae_meeting *met);
+nsdae_still nsdae_polygon_still(const nsdae_couple *two, int corner, const nsdae_meeting *met);
 
 /* The gap and the places of the point x_1, at the height h along n over what is rounded by r_0; it
  * is rounded by r_1. */

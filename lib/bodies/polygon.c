@@ -20,12 +20,6 @@ static const double *edge_normal(const nsdae_solid_of *s, int i)
   return s->edge + 4 * i;
 }
 
-/* A solid and its pose. */
-typedef struct placed {
-  const nsdae_solid_of *solid;
-  const nsdae_pose *pose;
-} placed;
-
 /* How a polygon sees a point p of the other's frame: turned and moved, x = (c, s) p + r. */
 typedef struct view {
   double c, s, r[2];
@@ -33,10 +27,12 @@ typedef struct view {
 
 /* ---- separation along the normals */
 
-static view view_of(placed polygon, placed other)
+/* Of solid i, on the other one. */
+static view view_of(const nsdae_couple *two, int i)
 {
-  const double *R = polygon.pose->R, *Q = other.pose->R;
-  const double x = other.pose->r[0] - polygon.pose->r[0], y = other.pose->r[1] - polygon.pose->r[1];
+  const nsdae_pose *polygon = two->pose[i], *other = two->pose[1 - i];
+  const double *R = polygon->R, *Q = other->R;
+  const double x = other->r[0] - polygon->r[0], y = other->r[1] - polygon->r[1];
   return (view){R[0] * Q[0] + R[1] * Q[1],
                 R[0] * Q[1] - R[1] * Q[0],
                 {R[0] * x + R[1] * y, R[3] * x + R[4] * y}};
@@ -63,14 +59,14 @@ static double lowest(const nsdae_solid_of *s, const double *above)
 }
 
 /* The largest s of the edges of a polygon; of one that is enough no larger one is looked for. */
-static void separate(placed polygon, placed other, const view *w, int side, double enough,
+static void separate(const nsdae_couple *two, int side, const view *w, double enough,
                      nsdae_meeting *met)
 {
-  for (int e = 0; e < polygon.solid->points && met->value[side] <= enough; e++) {
+  const nsdae_solid_of *polygon = two->solid[side];
+  for (int e = 0; e < polygon->points && met->value[side] <= enough; e++) {
     double above[3];
-    const double *n = edge_normal(polygon.solid, e);
-    heights(w, n, nsdae_solid_corner(polygon.solid, e), above);
-    double s = lowest(other.solid, above);
+    heights(w, edge_normal(polygon, e), nsdae_solid_corner(polygon, e), above);
+    double s = lowest(two->solid[1 - side], above);
     if (s <= met->value[side]) continue;
     met->value[side] = s;
     met->edge[side] = e;
@@ -79,15 +75,15 @@ static void separate(placed polygon, placed other, const view *w, int side, doub
 }
 
 /* Beyond the ends of a line, along it: where two lie in one line its edges separate nothing. */
-static double separate_ends(placed line, placed other, const view *w)
+static double separate_ends(const nsdae_solid_of *line, const nsdae_solid_of *other, const view *w)
 {
   double most = -INFINITY;
   for (int e = 0; e < 2; e++) {
     double above[3];
-    const double *n = edge_normal(line.solid, e);
+    const double *n = edge_normal(line, e);
     const double along[2] = {-n[1], n[0]}; /* from corner e to the other */
-    heights(w, along, nsdae_solid_corner(line.solid, 1 - e), above);
-    most = nsdae_more_of(most, lowest(other.solid, above));
+    heights(w, along, nsdae_solid_corner(line, 1 - e), above);
+    most = nsdae_more_of(most, lowest(other, above));
   }
   return most;
 }
@@ -95,13 +91,13 @@ static double separate_ends(placed line, placed other, const view *w)
 /* ---- edges */
 
 /* The line of an edge, r_0 above it. */
-static nsdae_touch on_edge(placed polygon, int edge, nsdae_jet3 x1, double r1)
+static nsdae_touch on_edge(const nsdae_solid_of *polygon, const nsdae_pose *pose, int edge,
+                           nsdae_jet3 x1, double r1)
 {
-  const double *n = edge_normal(polygon.solid, edge);
-  nsdae_jet3 normal = nsdae_pose_direction(polygon.pose, n);
-  nsdae_jet3 x0 = nsdae_pose_point(polygon.pose, nsdae_solid_corner(polygon.solid, edge));
-  return nsdae_touch_plane_point(
-      nsdae_jet3_add(x0, nsdae_jet3_scale(polygon.solid->radius, normal)), normal, x1, r1);
+  nsdae_jet3 normal = nsdae_pose_direction(pose, edge_normal(polygon, edge));
+  nsdae_jet3 x0 = nsdae_pose_point(pose, nsdae_solid_corner(polygon, edge));
+  x0 = nsdae_jet3_add(x0, nsdae_jet3_scale(polygon->radius, normal));
+  return nsdae_touch_plane_point(x0, normal, x1, r1);
 }
 
 /* Where a point is along an edge and how high above it. */
@@ -135,16 +131,15 @@ int nsdae_has_edges(const nsdae_solid_of *s)
          (s->shape == NSDAE_SHAPE_SEGMENT && s->points > 1 && s->radius > 0);
 }
 
-nsdae_meeting nsdae_find_meeting(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
-                                 const nsdae_pose *pose0, const nsdae_pose *pose1, double enough)
+nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough)
 {
-  const placed solid[2] = {{s0, pose0}, {s1, pose1}};
   nsdae_meeting met = {.value = {-INFINITY, -INFINITY}, .ends = {-INFINITY, -INFINITY}};
   for (int i = 0; i < 2 && met.value[0] <= enough; i++) {
-    if (!nsdae_has_edges(solid[i].solid) || solid[1 - i].solid->points == 0) continue;
-    view w = view_of(solid[i], solid[1 - i]);
-    separate(solid[i], solid[1 - i], &w, i, enough, &met);
-    if (solid[i].solid->points == 2) met.ends[i] = separate_ends(solid[i], solid[1 - i], &w);
+    const nsdae_solid_of *solid = two->solid[i], *other = two->solid[1 - i];
+    if (!nsdae_has_edges(solid) || other->points == 0) continue;
+    view w = view_of(two, i);
+    separate(two, i, &w, enough, &met);
+    if (solid->points == 2) met.ends[i] = separate_ends(solid, other, &w);
   }
   return met;
 }
@@ -219,16 +214,17 @@ static int touched_by_point(const nsdae_solid_of *s, const double *x, place *at)
 
 /* Where the corner at p of the other's frame is: in space x_1 and on the polygon at; and what it
  * touches. */
-static int touched(placed polygon, placed other, const double *p, const nsdae_meeting *met,
-                   double *x1, place *at)
+static int touched(const nsdae_couple *two, const double *p, const nsdae_meeting *met, double *x1,
+                   place *at)
 {
-  const double *Q = other.pose->R, *R = polygon.pose->R;
-  x1[0] = other.pose->r[0] + Q[0] * p[0] + Q[3] * p[1];
-  x1[1] = other.pose->r[1] + Q[1] * p[0] + Q[4] * p[1];
-  const double from[2] = {x1[0] - polygon.pose->r[0], x1[1] - polygon.pose->r[1]};
+  const nsdae_pose *polygon = two->pose[0], *other = two->pose[1];
+  const double *Q = other->R, *R = polygon->R;
+  x1[0] = other->r[0] + Q[0] * p[0] + Q[3] * p[1];
+  x1[1] = other->r[1] + Q[1] * p[0] + Q[4] * p[1];
+  const double from[2] = {x1[0] - polygon->r[0], x1[1] - polygon->r[1]};
   const double x[2] = {R[0] * from[0] + R[1] * from[1], R[3] * from[0] + R[4] * from[1]};
-  return other.solid->points > 1 ? touched_by_corner(polygon.solid, met, x, at)
-                                 : touched_by_point(polygon.solid, x, at);
+  return two->solid[1]->points > 1 ? touched_by_corner(two->solid[0], met, x, at)
+                                   : touched_by_point(two->solid[0], x, at);
 }
 
 /* ---- interface */
@@ -238,32 +234,28 @@ static int near_end(const nsdae_solid_of *s, place at)
   return (at.edge + (at.along > 0)) % s->points;
 }
 
-nsdae_touch nsdae_polygon_touch(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                                const nsdae_pose *pose0, const nsdae_pose *pose1,
-                                const nsdae_meeting *met)
+nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae_meeting *met)
 {
-  const placed polygon = {s0, pose0}, other = {s1, pose1};
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
   const double *p = nsdae_solid_corner(s1, corner);
   double now[2];
   place at;
-  int edge = touched(polygon, other, p, met, now, &at);
-  if (edge == FAR) return nsdae_touch_far(s0, s1);
-  nsdae_jet3 x1 = nsdae_pose_point(pose1, p);
-  if (edge != NONE) return on_edge(polygon, edge, x1, s1->radius);
-  nsdae_jet3 end = nsdae_pose_point(pose0, nsdae_solid_corner(s0, near_end(s0, at)));
+  int edge = touched(two, p, met, now, &at);
+  if (edge == FAR) return nsdae_touch_far(two);
+  nsdae_jet3 x1 = nsdae_pose_point(two->pose[1], p);
+  if (edge != NONE) return on_edge(s0, two->pose[0], edge, x1, s1->radius);
+  nsdae_jet3 end = nsdae_pose_point(two->pose[0], nsdae_solid_corner(s0, near_end(s0, at)));
   return nsdae_touch_point_point(end, s0->radius, 1, x1, s1->radius);
 }
 
-nsdae_still nsdae_polygon_still(const nsdae_solid_of *s0, const nsdae_solid_of *s1, int corner,
-                                const nsdae_pose *pose0, const nsdae_pose *pose1,
-                                const nsdae_meeting *met)
+nsdae_still nsdae_polygon_still(const nsdae_couple *two, int corner, const nsdae_meeting *met)
 {
-  const placed polygon = {s0, pose0}, other = {s1, pose1};
-  const double *R = pose0->R;
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
+  const double *R = two->pose[0]->R, *r0 = two->pose[0]->r;
   nsdae_still still = {.far = 0};
   double x1[3] = {0, 0, 0}, d[3] = {0, 0, 0};
   place at;
-  int edge = touched(polygon, other, nsdae_solid_corner(s1, corner), met, x1, &at);
+  int edge = touched(two, nsdae_solid_corner(s1, corner), met, x1, &at);
   still.far = edge == FAR;
   if (still.far) return still;
   if (edge != NONE) {
@@ -271,7 +263,7 @@ nsdae_still nsdae_polygon_still(const nsdae_solid_of *s0, const nsdae_solid_of *
     for (int i = 0; i < 2; i++) still.normal[i] = R[i] * n[0] + R[3 + i] * n[1];
   } else {
     const double *end = nsdae_solid_corner(s0, near_end(s0, at));
-    for (int i = 0; i < 2; i++) d[i] = x1[i] - pose0->r[i] - (R[i] * end[0] + R[3 + i] * end[1]);
+    for (int i = 0; i < 2; i++) d[i] = x1[i] - r0[i] - (R[i] * end[0] + R[3 + i] * end[1]);
     at.height = nsdae_still_direct(&still, d);
   }
   nsdae_still_place(&still, x1, at.height, s0->radius, s1->radius);

@@ -60,17 +60,16 @@ nsdae_jet3 nsdae_pose_point(const nsdae_pose *pose, const double *s)
   return jet;
 }
 
-nsdae_velocity_row nsdae_relative_row(const nsdae_pose *pose0, const nsdae_pose *pose1,
-                                      const double *x0, const double *x1, const double *n)
+nsdae_velocity_row nsdae_relative_row(const nsdae_pose pose[2], nsdae_jet3 x0, nsdae_jet3 x1,
+                                      nsdae_jet3 n)
 {
-  const nsdae_pose *pose[2] = {pose0, pose1};
-  const double *x[2] = {x0, x1};
+  const nsdae_jet3 x[2] = {x0, x1};
   nsdae_velocity_row row;
   for (int i = 0; i < 2; i++) {
     double arm[3], sign = i ? 1 : -1;
     for (int j = 0; j < 3; j++) {
-      arm[j] = x[i][j] - pose[i]->r[j];
-      row.linear[i][j] = sign * n[j];
+      arm[j] = x[i].at[j].x - pose[i].r[j];
+      row.linear[i][j] = sign * n.at[j].x;
     }
     nsdae_cross3(arm, row.linear[i], row.angular[i]); /* n . (w x arm) = w . (arm x n) */
   }

@@ -30,7 +30,7 @@ typedef struct nsdae_velocity_row {
 } nsdae_velocity_row;
 
 /* The row of n . (x'_1 - x'_0) for the points x_i that are fixed to the bodies at this moment. */
-nsdae_velocity_row nsdae_relative_row(const nsdae_pose *pose0, const nsdae_pose *pose1,
-                                      const double *x0, const double *x1, const double *n);
+nsdae_velocity_row nsdae_relative_row(const nsdae_pose pose[2], nsdae_jet3 x0, nsdae_jet3 x1,
+                                      nsdae_jet3 n);
 
 #endif

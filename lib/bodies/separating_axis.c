@@ -58,19 +58,18 @@ static double separate_edges(const core *c, const core *other, const double *apa
   return most;
 }
 
-nsdae_separating_axis nsdae_separating_axis_find(const nsdae_solid_of *s0, const nsdae_solid_of *s1,
-                                                 const nsdae_pose *pose0, const nsdae_pose *pose1)
+nsdae_separating_axis nsdae_separating_axis_find(const nsdae_couple *two)
 {
-  core c0 = core_of(s0, pose0), c1 = core_of(s1, pose1);
-  double apart[3], back[3];
+  core c0 = core_of(two->solid[0], two->pose[0]), c1 = core_of(two->solid[1], two->pose[1]);
+  double apart[3], back[3], size = two->solid[0]->size + two->solid[1]->size;
   nsdae_separating_axis o, there;
   for (int i = 0; i < 3; i++) {
     apart[i] = c1.centre[i] - c0.centre[i];
     back[i] = -apart[i];
   }
   separate_faces(&c0, &c1, apart, &o);
-  o.slack = NSDAE_SLACK * (s0->size + s1->size);
-  o.beside = NSDAE_BESIDE * (s0->size + s1->size);
+  o.slack = NSDAE_SLACK * size;
+  o.beside = NSDAE_BESIDE * size;
   o.most = o.face;
   if (o.face > o.slack) return o;
   separate_faces(&c1, &c0, back, &there);

@@ -23,8 +23,6 @@ typedef struct nsdae_separating_axis {
 
 /* Of boxes and capsules. most is that of the faces of solid 0 alone where these are apart by more
  * than slack. */
-nsdae_separating_axis nsdae_separating_axis_find(const nsdae_solid_of *solid0,
-                                                 const nsdae_solid_of *solid1,
-                                                 const nsdae_pose *pose0, const nsdae_pose *pose1);
+nsdae_separating_axis nsdae_separating_axis_find(const nsdae_couple *two);
 
 #endif

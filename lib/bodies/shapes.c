@@ -285,7 +285,7 @@ static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j,
   int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
   nsdae_facing facing = {{0}};
   if (pose && first > 0 && second > 0)
-    nsdae_find_facing(&solids[i], &solids[j], pose[0], pose[1], &facing);
+    nsdae_find_facing(&(nsdae_couple){{&solids[i], &solids[j]}, {pose[0], pose[1]}}, &facing);
   for (int k = 0; k < first; k++)
     for (int l = 0; l < second; l++) {
       if (!pose || facing.of[k] >> l & 1)

@@ -56,7 +56,7 @@ static int set_widths_of_contacts(const nsdae_bodies *b, nsdae_system *system)
   const nsdae_solid_of *s = b->solid.at;
   int status = NSDAE_OK;
   for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
-    const nsdae_feature *f = (const nsdae_feature *)b->feature.at + i;
+    const nsdae_feature *f = nsdae_feature_at(b, i);
     double least =
         fmin(width_of(&s[f->solid[0]], b->dimension), width_of(&s[f->solid[1]], b->dimension));
     status = set_size(system, NSDAE_NAME_CONTACT, i, least);
@@ -78,7 +78,6 @@ int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
   int status =
       b->pair.count > 0 ? set_widths_of_bodies(b, system) : set_widths_of_contacts(b, system);
   for (int i = 0; i < b->element.count && status == NSDAE_OK; i++)
-    status = set_size(system, NSDAE_NAME_CONSTRAINT, i,
-                      arm_of((const nsdae_primitive *)b->element.at + i));
+    status = set_size(system, NSDAE_NAME_CONSTRAINT, i, arm_of(nsdae_element_at(b, i)));
   return status;
 }

@@ -28,6 +28,12 @@ typedef struct nsdae_feature {
   double mu, e_n, e_t;
 } nsdae_feature;
 
+/* Two solids with the poses of their bodies; features of the first touch corners of the second. */
+typedef struct nsdae_couple {
+  const nsdae_solid_of *solid[2];
+  const nsdae_pose *pose[2];
+} nsdae_couple;
+
 /* A contact at a moment. */
 typedef struct nsdae_touch {
   nsdae_jet gap;

@@ -335,6 +335,5 @@ int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
                   "the kinetic energy changed by %.3g without work up to t = %.17g, above the "
                   "bound for rtol = %g (%.3g): make rtol smaller, or use method = implicit",
                   off, nsdae_terms_time(&r->end), sim->options.rtol, bound);
-  r->end.error->time = nsdae_terms_time(&r->end);
-  return NSDAE_E_CONVERGENCE;
+  return nsdae_error_at(r->end.error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(&r->end));
 }

@@ -25,14 +25,13 @@ static int refuse_nonfinite(const nsdae_result *result, const char *name, int in
                   "%s%s is %g at t = %.17g: overflow, the step was discarded", name, place, value,
                   nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
-  end->error->index = index;
-  end->error->time = nsdae_terms_time(end);
-  return NSDAE_E_NONFINITE;
+  return nsdae_error_at(end->error, NSDAE_E_NONFINITE, index, nsdae_terms_time(end));
 }
 
-static int refuse_part(const nsdae_result *result, const part *p, int index)
+static double sum_of(const nsdae_impact *p)
 {
-  return refuse_nonfinite(result, p->name, index, p->value[index], p->kind, index / p->each);
+  return p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
+         p->velocity_before + p->velocity_after + p->peak_force;
 }
 
 /* Which of the values is not finite; NSDAE_OK where none is. */
@@ -64,19 +63,16 @@ static int find_not_finite(const nsdae_point *point)
       {"certificate.complementarity", &r->certificate.complementarity, 1, OF_ONE, 1},
       {"lcp_residual", &r->lcp_residual, 1, OF_ONE, 1},
       {"constraint_drift", &r->constraint_drift, 1, OF_ONE, 1}};
-  for (size_t p = 0; p < sizeof parts / sizeof *parts; p++)
-    for (int i = 0; i < parts[p].count; i++)
-      if (!isfinite(parts[p].value[i])) return refuse_part(result, &parts[p], i);
+  for (const part *p = parts; p < parts + sizeof parts / sizeof *parts; p++)
+    for (int i = 0; i < p->count; i++)
+      if (!isfinite(p->value[i]))
+        return refuse_nonfinite(result, p->name, i, p->value[i], p->kind, i / p->each);
   double energy = r->kinetic + r->potential + r->dissipated;
   if (!isfinite(energy)) return refuse_nonfinite(result, "energy", 0, energy, OF_ONE, 0);
-  for (int i = 0; i < r->impacts; i++) {
-    const nsdae_impact *p = &r->impact[i];
-    double sum = p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
-                 p->velocity_before + p->velocity_after + p->peak_force;
-    if (!isfinite(sum))
-      return refuse_nonfinite(result, "impact", i, sum, d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE,
-                              p->contact);
-  }
+  for (int i = 0; i < r->impacts; i++)
+    if (!isfinite(sum_of(&r->impact[i])))
+      return refuse_nonfinite(result, "impact", i, sum_of(&r->impact[i]),
+                              d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE, r->impact[i].contact);
   return NSDAE_OK;
 }
 
@@ -84,15 +80,6 @@ static double sum(const double *a, int n)
 {
   double s = 0;
   for (int i = 0; i < n; i++) s += a[i];
-  return s;
-}
-
-static double sum_of_impacts(const nsdae_record *r)
-{
-  double s = 0;
-  for (const nsdae_impact *p = r->impact, *end = p + r->impacts; p < end; p++)
-    s += p->normal_impulse + p->tangential_impulse[0] + p->tangential_impulse[1] +
-         p->velocity_before + p->velocity_after + p->peak_force;
   return s;
 }
 
@@ -112,6 +99,6 @@ int nsdae_point_finite(const nsdae_point *point)
   if (listed > 0)
     all += sum(r->contacts.gap, listed) + sum(r->contacts.normal_impulse, listed) +
            sum(r->contacts.tangential_impulse, listed * d->nt);
-  if (r->impacts > 0) all += sum_of_impacts(r);
+  for (int i = 0; i < r->impacts; i++) all += sum_of(&r->impact[i]);
   return isfinite(all) ? NSDAE_OK : find_not_finite(point);
 }

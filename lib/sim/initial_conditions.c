@@ -32,9 +32,7 @@ static int refuse_start(const nsdae_terms *T, const char *argument, int kind, in
                   "%s %s %.6g at the start: it must be at most %.3g (see start_tol); "
                   "nsdae_sim_project corrects it",
                   nsdae_system_called(T->system, kind, i, called), what, value, bound);
-  T->error->index = i;
-  T->error->time = nsdae_terms_time(T);
-  return NSDAE_E_ARGUMENT;
+  return nsdae_error_at(T->error, NSDAE_E_ARGUMENT, i, nsdae_terms_time(T));
 }
 
 static int check_constraints(const nsdae_terms *T, double tol)
@@ -94,9 +92,7 @@ static int check_gaps(const nsdae_terms *T, int method, double tol)
                         : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
                           "the method keeps this overlap; nsdae_sim_project corrects it",
                   contact_called(T, i, called), -T->gap[i], bound);
-  T->error->index = i;
-  T->error->time = nsdae_terms_time(T);
-  return status;
+  return nsdae_error_at(T->error, status, i, nsdae_terms_time(T));
 }
 
 /* A quaternion has length one; two coordinates may as well be a point on a circle. The group
@@ -169,19 +165,16 @@ static double given_rate(const relation *r, const nsdae_blocks *blocks, int i, c
   return rate;
 }
 
-static int wrong_rate(const nsdae_terms *T, const relation *r, int i, int number, double given,
-                      double difference)
+static int wrong_rate(const nsdae_terms *T, const char *callback, int kind, int i, int number,
+                      double given, double difference)
 {
   char called[NSDAE_CALLED_SIZE];
-  const char *callback = number == STILL ? r->moving : r->derivative;
   nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", callback,
                   "%s: %s has the rate %.6g %s, differences give %.6g; nsdae_system_check names "
                   "the entry (start_check = no accepts it)",
-                  callback, nsdae_system_called(T->system, r->kind, i, called), given,
+                  callback, nsdae_system_called(T->system, kind, i, called), given,
                   number == STILL ? "with v = 0" : "along a trial velocity", difference);
-  T->error->index = i;
-  T->error->time = nsdae_terms_time(T);
-  return NSDAE_E_DERIVATIVE;
+  return nsdae_error_at(T->error, NSDAE_E_DERIVATIVE, i, nsdae_terms_time(T));
 }
 
 /* Formulas of the kit are not differenced: they are tested once for all, and have kinks where
@@ -203,7 +196,8 @@ static int judge_rates(const nsdae_terms *T, const relation *r, int number, cons
     double tol = 1e-3 * (size + fabs(middle)) + 1e-9 * (1 + fabs(r->value[i]));
     if (fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol)
       continue;
-    return wrong_rate(T, r, i, number, given, middle);
+    return wrong_rate(T, number == STILL ? r->moving : r->derivative, r->kind, i, number, given,
+                      middle);
   }
   return NSDAE_OK;
 }
@@ -261,68 +255,60 @@ static int agree(double given, double second, double rounding)
   return !isfinite(second) || fabs(given - second) <= 1e-3 * size + rounding * (1 + size);
 }
 
-/* The items of a kind that were compared, with `each` entries. */
-typedef struct compared {
-  const nsdae_system *system;
-  int kind, each, count;
-} compared;
-
-/* The first acceleration of the user's that neither differences have, or -1. What is fast is right
- * in finer steps; where those say something else again, as of a pin in the very middle of its hole,
- * nothing is known. */
-static int first_wrong(const compared *c, const double *given, const double *second,
-                       const double *finer)
+/* Second rates along p->v by differences: of constraints, or of contacts and frictional joints, one
+ * behind the other. */
+static int second_rates(nsdae_projector *p, const nsdae_terms *T, int kind, int shorter,
+                        double *out)
 {
-  for (int i = 0; i < c->count * c->each; i++) {
-    if (nsdae_system_exact(c->system, c->kind, i / c->each)) continue;
+  const nsdae_system *s = T->system;
+  nsdae_differences *d = T->differences;
+  double t = nsdae_terms_time(T), *tangential = out + s->dims.k;
+  int constraints = kind == NSDAE_NAME_CONSTRAINT, code;
+  d->finer[1] = shorter;
+  if (constraints)
+    code = nsdae_differences_second(d, s->call.constraint, s->dims.m, t, T->q, p->v, out);
+  else
+    code = nsdae_differences_contacts(d, t, T->q, p->v, out, tangential,
+                                      tangential + s->dims.k * s->dims.nt);
+  d->finer[1] = 0;
+  const char *callback = constraints ? "constraint" : "contact_bias";
+  return nsdae_system_callback_status(code, code && d->failed ? d->failed : callback, t, T->error);
+}
+
+/* The first acceleration of the user's that neither differences have, of `count` entries, each of
+ * one item. What is fast is right in finer steps; where those say something else again, as of a pin
+ * in the very middle of its hole, nothing is known. */
+static int judge_accelerations(const nsdae_terms *T, const char *callback, int kind, int each,
+                               int count, const double *given, const double *second,
+                               const double *finer)
+{
+  for (int i = 0; i < count; i++) {
+    if (nsdae_system_exact(T->system, kind, i / each)) continue;
     double off = fabs(given[i] - finer[i]); /* NaN: wrong */
     if (agree(given[i], second[i], 1e-6) || agree(given[i], finer[i], 1e-3)) continue;
-    if (!(fabs(second[i] - finer[i]) > 0.1 * off)) return i;
+    if (!(fabs(second[i] - finer[i]) > 0.1 * off))
+      return wrong_rate(T, callback, kind, i / each, 0, given[i], second[i]);
   }
-  return -1;
+  return NSDAE_OK;
 }
 
 /* omega, which the rates do not have: Phi'' with v constant. */
 static int check_omega(nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  nsdae_differences *d = T->differences;
-  int m = s->dims.m, i;
+  int m = s->dims.m;
   double *finer = p->start, *omega = p->start + m, *second = p->start + 2 * m;
+  double t = nsdae_terms_time(T);
   if (!s->call.constraint_bias) return NSDAE_OK;
   trial_velocity(s->dims.nv, 0, p->v);
   memset(p->start, 0, 3 * (size_t)m * sizeof *p->start);
-  int code = s->call.constraint_bias(nsdae_terms_time(T), T->q, p->v, finer, omega,
-                                     s->user); /* and Phi_t */
-  int status = nsdae_system_callback_status(code, "constraint_bias", nsdae_terms_time(T), T->error);
+  int code = s->call.constraint_bias(t, T->q, p->v, finer, omega, s->user); /* and Phi_t */
+  int status = nsdae_system_callback_status(code, "constraint_bias", t, T->error);
+  if (status == NSDAE_OK) status = second_rates(p, T, NSDAE_NAME_CONSTRAINT, 0, second);
+  if (status == NSDAE_OK) status = second_rates(p, T, NSDAE_NAME_CONSTRAINT, FINER, finer);
   if (status < 0) return status;
-  code =
-      nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, second);
-  d->finer[1] = FINER;
-  if (!code)
-    code =
-        nsdae_differences_second(d, s->call.constraint, m, nsdae_terms_time(T), T->q, p->v, finer);
-  d->finer[1] = 0;
-  status = nsdae_system_callback_status(code, code && d->failed ? d->failed : "constraint",
-                                        nsdae_terms_time(T), T->error);
-  const compared rows = {s, NSDAE_NAME_CONSTRAINT, 1, m};
-  if (status < 0 || (i = first_wrong(&rows, omega, second, finer)) < 0) return status;
-  const relation accelerations = {.derivative = "constraint_bias", .kind = NSDAE_NAME_CONSTRAINT};
-  return wrong_rate(T, &accelerations, i, 0, omega[i], second[i]);
-}
-
-/* Of contacts and frictional joints, one behind the other, along p->v. */
-static int contact_differences(nsdae_projector *p, const nsdae_terms *T, int shorter, double *out)
-{
-  const nsdae_dims *dims = &T->system->dims;
-  nsdae_differences *d = T->differences;
-  double *tangential = out + dims->k, *sliding = tangential + dims->k * dims->nt;
-  d->finer[1] = shorter;
-  int code =
-      nsdae_differences_contacts(d, nsdae_terms_time(T), T->q, p->v, out, tangential, sliding);
-  d->finer[1] = 0;
-  return nsdae_system_callback_status(code, code && d->failed ? d->failed : "contact_bias",
-                                      nsdae_terms_time(T), T->error);
+  return judge_accelerations(T, "constraint_bias", NSDAE_NAME_CONSTRAINT, 1, m, omega, second,
+                             finer);
 }
 
 /* The same of contacts and frictional joints, which only event uses. */
@@ -330,29 +316,23 @@ static int check_acceleration(nsdae_projector *p, const nsdae_terms *T, double *
 {
   const nsdae_system *s = T->system;
   const nsdae_dims *dims = &s->dims;
-  int k = dims->k, kt = k * dims->nt, n = k + kt + dims->f, i;
-  double *given = work, *second = work + n, *finer = second + n;
+  int k = dims->k, kt = k * dims->nt, n = k + kt + dims->f;
+  double *given = work, *second = work + n, *finer = second + n, t = nsdae_terms_time(T);
   if (!s->call.contact_acceleration || p->tools->options->method != NSDAE_METHOD_EVENT)
     return NSDAE_OK;
   trial_velocity(dims->nv, 0, p->v);
   memset(given, 0, (size_t)n * sizeof *given);
-  int code =
-      s->call.contact_acceleration(nsdae_terms_time(T), T->q, p->v, k ? given : NULL,
-                                   kt ? given + k : NULL, dims->f ? given + k + kt : NULL, s->user);
-  int status =
-      nsdae_system_callback_status(code, "contact_acceleration", nsdae_terms_time(T), T->error);
-  if (status == NSDAE_OK) status = contact_differences(p, T, 0, second);
-  if (status == NSDAE_OK) status = contact_differences(p, T, FINER, finer);
-  const compared parts[] = {{s, NSDAE_NAME_CONTACT, 1, k},
-                            {s, NSDAE_NAME_CONTACT, dims->nt, k},
-                            {s, NSDAE_NAME_FRICTIONAL_JOINT, 1, dims->f}};
-  for (int part = 0; part < 3 && status == NSDAE_OK; part++) {
-    const compared *c = &parts[part];
-    const relation of = {.derivative = "contact_acceleration", .kind = c->kind};
-    if ((i = first_wrong(c, given, second, finer)) >= 0)
-      status = wrong_rate(T, &of, i / c->each, 0, given[i], second[i]);
-    given += c->count * c->each, second += c->count * c->each, finer += c->count * c->each;
-  }
+  int code = s->call.contact_acceleration(t, T->q, p->v, k ? given : NULL, kt ? given + k : NULL,
+                                          dims->f ? given + k + kt : NULL, s->user);
+  int status = nsdae_system_callback_status(code, "contact_acceleration", t, T->error);
+  if (status == NSDAE_OK) status = second_rates(p, T, NSDAE_NAME_CONTACT, 0, second);
+  if (status == NSDAE_OK) status = second_rates(p, T, NSDAE_NAME_CONTACT, FINER, finer);
+  const int parts[][3] = {{NSDAE_NAME_CONTACT, 1, k},
+                          {NSDAE_NAME_CONTACT, dims->nt, kt},
+                          {NSDAE_NAME_FRICTIONAL_JOINT, 1, dims->f}};
+  for (int part = 0, at = 0; part < 3 && status == NSDAE_OK; at += parts[part++][2])
+    status = judge_accelerations(T, "contact_acceleration", parts[part][0], parts[part][1],
+                                 parts[part][2], given + at, second + at, finer + at);
   return status;
 }
 
@@ -563,6 +543,5 @@ int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, nsdae_e
                   "kelvin-voigt, flores, or the e_N that gives the restitution wanted",
                   nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called),
                   s->contact[contact].e_n, given);
-  error->index = contact;
-  return NSDAE_WARN_RESTITUTION;
+  return nsdae_error_at(error, NSDAE_WARN_RESTITUTION, contact, NAN);
 }

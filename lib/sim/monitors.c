@@ -198,9 +198,7 @@ static int report_twofold(nsdae_point *point)
       "%.6g is used; a smaller mu makes it unique",
       nsdae_system_called(end->system, NSDAE_NAME_FRICTIONAL_JOINT, of->frictional_joint, called),
       of->t, of->lambda);
-  end->error->time = of->t;
-  end->error->index = of->frictional_joint;
-  return NSDAE_WARN_PAINLEVE;
+  return nsdae_error_at(end->error, NSDAE_WARN_PAINLEVE, of->frictional_joint, of->t);
 }
 
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)

@@ -51,8 +51,7 @@ static int observer_failed(nsdae_sim *sim, int status, double t)
                   "an observer returned %d (%s) at t = %.17g", status, nsdae_status_message(status),
                   t);
   sim->error.code = status;
-  sim->error.time = t;
-  return status;
+  return nsdae_error_at(&sim->error, status, -1, t);
 }
 
 static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *record)

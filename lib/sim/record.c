@@ -12,50 +12,30 @@ enum {
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
-static void show_numbers(nsdae_record *to, const nsdae_record *from)
-{
-  to->step = from->step;
-  to->time = from->time;
-  to->duration = from->duration;
-  to->contacts.count = from->contacts.count;
-  to->kinetic = from->kinetic;
-  to->potential = from->potential;
-  to->dissipated = from->dissipated;
-  to->lcp_residual = from->lcp_residual;
-  to->constraint_drift = from->constraint_drift;
-  to->penetration = from->penetration;
-  to->impacts = from->impacts;
-  to->changes = from->changes;
-  to->certificate = from->certificate;
-}
-
 /* Where the arrays are: made anew when lists grew. */
 void nsdae_point_show_arrays(nsdae_point *p)
 {
-  const nsdae_record was = p->record;
   const nsdae_result *r = &p->result;
-  p->record = (nsdae_record){.q = r->end.q,
-                             .v = r->end.v,
-                             .acceleration = p->acceleration,
-                             .multiplier = r->multiplier,
-                             .gap = r->end.gap,
-                             .normal_impulse = r->impulses.normal,
-                             .tangential_impulse = r->impulses.tangential,
-                             .normal_force = p->normal_force,
-                             .tangential_force = p->tangential_force,
-                             .mode = r->impulses.mode,
-                             .frictional_joint_impulse = r->impulses.frictional_joint_impulse,
-                             .frictional_joint_force = p->frictional_joint_force,
-                             .frictional_joint_mode = r->impulses.frictional_joint_mode,
-                             .contacts = {.id = r->closed.id,
-                                          .block = r->closed.block,
-                                          .gap = r->closed.gap,
-                                          .normal_impulse = r->impulses.normal,
-                                          .tangential_impulse = r->impulses.tangential,
-                                          .mode = r->impulses.mode},
-                             .impact = r->impact,
-                             .change = r->change};
-  show_numbers(&p->record, &was);
+  const nsdae_impulses *impulses = &r->impulses;
+  nsdae_record *to = &p->record;
+  to->q = r->end.q;
+  to->v = r->end.v;
+  to->acceleration = p->acceleration;
+  to->multiplier = r->multiplier;
+  to->gap = r->end.gap;
+  to->normal_impulse = to->contacts.normal_impulse = impulses->normal;
+  to->tangential_impulse = to->contacts.tangential_impulse = impulses->tangential;
+  to->normal_force = p->normal_force;
+  to->tangential_force = p->tangential_force;
+  to->mode = to->contacts.mode = impulses->mode;
+  to->frictional_joint_impulse = impulses->frictional_joint_impulse;
+  to->frictional_joint_force = p->frictional_joint_force;
+  to->frictional_joint_mode = impulses->frictional_joint_mode;
+  to->contacts.id = r->closed.id;
+  to->contacts.block = r->closed.block;
+  to->contacts.gap = r->closed.gap;
+  to->impact = r->impact;
+  to->change = r->change;
 }
 
 void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)

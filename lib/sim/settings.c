@@ -47,6 +47,22 @@ static int prepare_method(nsdae_sim *sim)
   return sim->method->prepare ? sim->method->prepare(sim->own) : NSDAE_OK;
 }
 
+/* A setting of this size becomes another one, if the method takes it. */
+static int change(nsdae_sim *sim, void *setting, const void *to, void *before, size_t size)
+{
+  int status = check_change(sim);
+  if (status < 0) return status;
+  memcpy(before, setting, size);
+  memcpy(setting, to, size);
+  status = prepare_method(sim);
+  if (status == NSDAE_OK) return status;
+  const nsdae_error why = sim->error;
+  memcpy(setting, before, size);
+  prepare_method(sim);
+  sim->error = why;
+  return status;
+}
+
 static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
 {
   static const char *const fixed[] = {"method", "polygon", "projection", "threads"};
@@ -63,30 +79,20 @@ static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
 
 static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
 {
+  nsdae_sim_options before;
   nsdae_error_clear(&sim->error);
   if (!options)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", "options",
                            "options is NULL");
   int status = nsdae_sim_options_check(options, &sim->error);
   if (status == NSDAE_OK) status = check_fixed(sim, options);
-  if (status == NSDAE_OK) status = check_change(sim);
-  if (status < 0) return status;
-  const nsdae_sim_options before = sim->options;
-  sim->options = *options;
-  status = prepare_method(sim);
-  if (status < 0) {
-    const nsdae_error why = sim->error;
-    sim->options = before;
-    prepare_method(sim);
-    sim->error = why;
-    return status;
-  }
-  if (sim->stage.started && before.dt != options->dt) {
+  if (status == NSDAE_OK) status = change(sim, &sim->options, options, &before, sizeof before);
+  if (status == NSDAE_OK && sim->stage.started && before.dt != options->dt) {
     /* A new dt starts a new grid of steps where the run is. */
     sim->now->accounts.grid_start = sim->now->result.end.t;
     sim->now->accounts.grid_count = 0;
   }
-  return NSDAE_OK;
+  return status;
 }
 
 int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
@@ -108,8 +114,7 @@ static int bad_index(nsdae_sim *sim, const char *where, const char *name, int i,
 {
   nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, name,
                   "%s = %d is outside its range: there are %d", name, i, n);
-  sim->error.index = i;
-  return NSDAE_E_ARGUMENT;
+  return nsdae_error_at(&sim->error, NSDAE_E_ARGUMENT, i, NAN);
 }
 
 /* mu sizes the problem where it is zero in the system: those stay without friction. */
@@ -133,17 +138,9 @@ static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
     return bad_coefficient(sim, where, "e_n", NSDAE_NAME_CONTACT, i, e_n, "0 to 1");
   if (!(e_t >= 0 && e_t <= 1))
     return bad_coefficient(sim, where, "e_t", NSDAE_NAME_CONTACT, i, e_t, "0 to 1");
-  status = check_change(sim);
-  if (status < 0) return status;
-  const nsdae_coefficients before = sim->model.contact[i];
-  sim->model.contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
-  status = prepare_method(sim);
-  if (status == NSDAE_OK) return status;
-  const nsdae_error why = sim->error;
-  sim->model.contact[i] = before;
-  prepare_method(sim);
-  sim->error = why;
-  return status;
+  const nsdae_coefficients to = {mu, e_n, e_t, 1};
+  nsdae_coefficients before;
+  return change(sim, &sim->model.contact[i], &to, &before, sizeof to);
 }
 
 int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)

@@ -219,8 +219,7 @@ static int check_vector(nsdae_sim *sim, const char *where, const char *name, int
     nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, where, name,
                     "%s[%d] = %g is not a finite number (%s)", name, i, a[i],
                     nsdae_system_called(sim->system, kind, i, called));
-    sim->error.index = i;
-    return NSDAE_E_NONFINITE;
+    return nsdae_error_at(&sim->error, NSDAE_E_NONFINITE, i, NAN);
   }
   return NSDAE_OK;
 }

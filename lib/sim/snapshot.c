@@ -217,8 +217,7 @@ static int check_settings(nsdae_sim *sim, cursor *c)
     nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", s.name,
                     "%s%s is %.17g here and %.17g in the block: a state requires the same settings",
                     s.name, of, s.value, theirs);
-    sim->error.index = s.index;
-    return NSDAE_E_ARGUMENT;
+    return nsdae_error_at(&sim->error, NSDAE_E_ARGUMENT, s.index, NAN);
   }
   return NSDAE_OK;
 }

@@ -321,9 +321,7 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
                   "by %.3g; check for contradictory constraints",
                   nsdae_terms_time(T), nsdae_system_called(T->system, kind, i, called),
                   contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
-  T->error->index = i;
-  T->error->time = nsdae_terms_time(T);
-  return NSDAE_E_CONVERGENCE;
+  return nsdae_error_at(T->error, NSDAE_E_CONVERGENCE, i, nsdae_terms_time(T));
 }
 
 /* Whether the rows are satisfied: to their rounding, a few eps of their terms; where constants that

@@ -106,9 +106,7 @@ static int found(probe *p, int output, long i, int status, const char *what)
                     p->callback->name, o->name, i, a->size,
                     o->column < 0 ? "" : " by columns: entry (i, j) is at i + j ld");
   if (inside) nsdae_output_name_entry(p->of->system, o, row, column, error);
-  error->index = (int)i;
-  error->time = p->of->t;
-  return status;
+  return nsdae_error_at(error, status, (int)i, p->of->t);
 }
 
 static int check_guards(probe *p)
@@ -123,15 +121,21 @@ static int check_guards(probe *p)
   return NSDAE_OK;
 }
 
+static int is_among(const char *callback, const char *const names[], size_t count)
+{
+  size_t i = 0;
+  while (i < count && strcmp(callback, names[i]) != 0) i++;
+  return i < count;
+}
+
 /* Derivatives that are compared with differences afterwards are judged there. */
 static int compared(const char *callback, int output)
 {
   static const char *const names[] = {"mass",           "constraint_jacobian",  "constraint_bias",
                                       "gap_normal",     "contact_acceleration", "force_damping",
                                       "force_stiffness"};
-  for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-    if (strcmp(callback, names[i]) == 0) return 1;
-  return strcmp(callback, "contact_bias") == 0 && output == 0;
+  return is_among(callback, names, sizeof names / sizeof *names) ||
+         (strcmp(callback, "contact_bias") == 0 && output == 0);
 }
 
 static int check_finite(probe *p)
@@ -154,9 +158,7 @@ static int check_finite(probe *p)
 static int needs_all(const char *callback)
 {
   static const char *const names[] = {"constraint", "gap", "kinematics", "potential"};
-  for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-    if (strcmp(callback, names[i]) == 0) return 1;
-  return 0;
+  return is_among(callback, names, sizeof names / sizeof *names);
 }
 
 static int check_written(probe *p)

@@ -1,6 +1,7 @@
 #include "callbacks.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #define CALL(name, ...)                                                                    \
   static int has_##name(const nsdae_system *s)                                             \
@@ -77,6 +78,13 @@ const nsdae_callback nsdae_callbacks[] = {
 };
 
 const int nsdae_callbacks_count = (int)(sizeof nsdae_callbacks / sizeof *nsdae_callbacks);
+
+const nsdae_callback *nsdae_callback_of(const char *name)
+{
+  for (int c = 0; c < nsdae_callbacks_count; c++)
+    if (strcmp(nsdae_callbacks[c].name, name) == 0) return &nsdae_callbacks[c];
+  return NULL;
+}
 
 int nsdae_output_extent(const nsdae_system *system, const nsdae_output *output, int kind)
 {

@@ -30,6 +30,9 @@ typedef struct nsdae_callback {
 extern const nsdae_callback nsdae_callbacks[];
 extern const int nsdae_callbacks_count;
 
+/* That of the name, or NULL. */
+const nsdae_callback *nsdae_callback_of(const char *name);
+
 /* How many rows or columns an output has; 1 where kind is -1. */
 int nsdae_output_extent(const nsdae_system *system, const nsdae_output *output, int kind);
 

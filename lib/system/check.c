@@ -4,37 +4,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "arena.h"
-#include "check_blocks.h"
-#include "check_forces.h"
-#include "differences.h"
-#include "contact_directions.h"
-#include "errors.h"
 #include "callback_guard.h"
+#include "callbacks.h"
+#include "derivative_check.h"
+#include "errors.h"
 #include "refusal.h"
-#include "system_impl.h"
 
-typedef struct check {
-  nsdae_system *system;
-  nsdae_differences differences;
-  double t, tol;
-  const double *q, *v;
-  double *given, *differenced, *spare; /* one matrix each */
-  nsdae_directions directions;         /* where there is friction */
-  int code;                            /* of a callback that failed, and its name */
-  const char *callback;
-  nsdae_check worst;
-  int worst_rows; /* of its matrix */
-} check;
+typedef nsdae_derivative_check check;
 
 static long largest(const nsdae_system *system)
 {
   const nsdae_dims *dims = &system->dims;
-  long n = dims->nv, m = dims->m, k = (long)dims->k * (1 + dims->nt) + dims->f;
-  long size = m > k ? m : k;
-  if (system->call.mass && n * n > size) size = n * n;
-  if (system->call.constraint_jacobian && n * m > size) size = n * m;
-  return n * dims->k > size ? n * dims->k : size;
+  long n = dims->nv, m = 2L * dims->m, k = (long)dims->k * (1 + dims->nt) + dims->f;
+  const long sizes[] = {m, k, (long)system->blocks.square[system->blocks.count],
+                        system->call.constraint_jacobian ? n * dims->m : 0, n * dims->k};
+  long size = n;
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+    if (sizes[i] > size) size = sizes[i];
+  return size;
 }
 
 static void layout_check(void *object, nsdae_arena *arena)
@@ -45,127 +32,125 @@ static void layout_check(void *object, nsdae_arena *arena)
   c->given = NSDAE_ARENA_DOUBLES(arena, size);
   c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
   c->spare = NSDAE_ARENA_DOUBLES(arena, size);
+  c->trial = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
+  c->first = NSDAE_ARENA_INTS(arena, c->system->dims.m + 1L);
   c->directions.differences = &c->differences;
   if (c->system->call.gap_tangent) nsdae_directions_layout(&c->directions, arena);
 }
 
-static int check_failed(check *c, int code, const char *callback)
+int nsdae_check_callback(check *c, int code, const char *callback)
 {
-  c->code = code;
-  c->callback = callback;
-  return code != 0;
+  return nsdae_system_callback_status(code, callback, c->t, &c->system->error);
 }
 
-/* The same of differences of a callback. */
-static int difference_failed(check *c, int code, const char *callback)
+int nsdae_check_difference(check *c, int code, const char *callback)
 {
-  return check_failed(c, code, code && c->differences.failed ? c->differences.failed : callback);
+  return nsdae_check_callback(c, code,
+                              code && c->differences.failed ? c->differences.failed : callback);
 }
 
-/* Keeps the worst entry of given - differenced, [rows x columns]. */
-static void compare_term(check *c, const char *term, int rows, int columns)
+void nsdae_check_keep(check *c, const char *term, int row, int column, double given,
+                      double difference)
 {
-  double before = c->worst.error;
-  for (long i = 0; i < (long)rows * columns; i++)
-    nsdae_check_keep(&c->worst, term, (int)(i % rows), (int)(i / rows), c->given[i],
+  double error = fabs(given - difference) / (1 + fabs(difference));
+  if (error <= c->worst.error) return; /* so that NaN is kept as the worst */
+  c->worst = (nsdae_check){.row = row,
+                           .column = column,
+                           .given = given,
+                           .difference = difference,
+                           .error = isnan(error) ? INFINITY : error};
+  snprintf(c->worst.term, sizeof c->worst.term, "%s", term);
+}
+
+/* ---- terms of dense callbacks */
+
+enum { MASS, JACOBIAN, PHI_T, OMEGA, NORMAL, W_N, ACCELERATIONS, TERMS };
+
+/* Outputs of callbacks, and of what they are derivatives. */
+static const struct {
+  const char *callback, *name, *of;
+  int output;
+} terms[TERMS] = {
+    [MASS] = {"mass", "mass", "", 0},
+    [JACOBIAN] = {"constraint_jacobian", "constraint_jacobian", "constraint", 0},
+    [PHI_T] = {"constraint_bias", "constraint_bias phi_t", "constraint", 0},
+    [OMEGA] = {"constraint_bias", "constraint_bias omega", "constraint", 1},
+    [NORMAL] = {"gap_normal", "gap_normal", "gap", 0},
+    [W_N] = {"contact_bias", "contact_bias w_n", "gap", 0},
+    [ACCELERATIONS] = {"contact_acceleration", "contact_acceleration", "contact_bias", 0},
+};
+
+/* A term by differences, into differenced; M is compared with its transpose. */
+static int find_difference(check *c, int term)
+{
+  nsdae_differences *d = &c->differences;
+  const nsdae_calls *call = &c->system->call;
+  int n = c->system->dims.nv, m = c->system->dims.m, k = c->system->dims.k;
+  double *out = c->differenced;
+  switch (term) {
+  case MASS:
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++)
+        out[(size_t)j * (size_t)n + (size_t)i] = c->given[(size_t)i * (size_t)n + (size_t)j];
+    return 0;
+  case JACOBIAN:
+    return nsdae_differences_velocity(d, call->constraint, m, c->t, c->q, out, m, 0);
+  case PHI_T:
+    return nsdae_differences_time(d, call->constraint, m, c->t, c->q, out);
+  case OMEGA:
+    return nsdae_differences_second(d, call->constraint, m, c->t, c->q, c->v, out);
+  case NORMAL:
+    return nsdae_differences_velocity(d, call->gap, k, c->t, c->q, out, n, 1);
+  case W_N:
+    return nsdae_differences_time(d, call->gap, k, c->t, c->q, out);
+  default:
+    return nsdae_differences_contacts(d, c->t, c->q, c->v, out, out + k,
+                                      out + k + k * c->system->dims.nt);
+  }
+}
+
+/* All outputs of a callback, one behind the other, into given. */
+static int call_given(check *c, const nsdae_callback *of)
+{
+  const nsdae_place at = {c->t, c->q, c->v};
+  double *out[NSDAE_OUTPUTS_MAX] = {NULL};
+  int ld[NSDAE_OUTPUTS_MAX] = {0};
+  size_t used = 0;
+  for (int i = 0; i < of->outputs; i++) {
+    const nsdae_output *o = &of->output[i];
+    ld[i] = nsdae_output_extent(c->system, o, o->row);
+    size_t size = (size_t)ld[i] * (size_t)nsdae_output_extent(c->system, o, o->column);
+    out[i] = size > 0 ? c->given + used : NULL;
+    used += size;
+  }
+  memset(c->given, 0, used * sizeof *c->given);
+  return of->call(c->system, &at, out, ld);
+}
+
+/* Keeps the worst entry of given - differenced. The second output of a callback is there with its
+ * first; accelerations rest on the other terms, and have all outputs as rows. */
+static int check_term(check *c, int term)
+{
+  const nsdae_dims *d = &c->system->dims;
+  const nsdae_callback *of = nsdae_callback_of(terms[term].callback);
+  const nsdae_output *o = &of->output[terms[term].output];
+  int rows = nsdae_output_extent(c->system, o, o->row), status = NSDAE_OK;
+  double before = c->worst.error, *given = c->given + terms[term].output * rows;
+  if (!of->given(c->system) || (term == ACCELERATIONS && before > c->tol)) return NSDAE_OK;
+  if (given == c->given) status = nsdae_check_callback(c, call_given(c, of), of->name);
+  if (status == NSDAE_OK)
+    status = nsdae_check_difference(c, find_difference(c, term), terms[term].of);
+  if (status < 0) return status;
+  if (term == ACCELERATIONS) rows = d->k * (1 + d->nt) + d->f;
+  long entries = (long)rows * nsdae_output_extent(c->system, o, o->column);
+  for (long i = 0; i < entries; i++)
+    nsdae_check_keep(c, terms[term].name, (int)(i % rows), (int)(i / rows), given[i],
                      c->differenced[i]);
   if (c->worst.error > before) c->worst_rows = rows;
+  return NSDAE_OK;
 }
 
-static void zero(double *a, int rows, int columns)
-{
-  memset(a, 0, (size_t)rows * (size_t)columns * sizeof *a);
-}
-
-static void check_mass(check *c)
-{
-  nsdae_system *s = c->system;
-  int n = s->dims.nv;
-  if (s->by_blocks) return; /* see check_blocks.h */
-  zero(c->given, n, n);
-  if (check_failed(c, s->call.mass(c->t, c->q, c->given, n, s->user), "mass")) return;
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++)
-      c->differenced[(size_t)j * (size_t)n + (size_t)i] =
-          c->given[(size_t)i * (size_t)n + (size_t)j];
-  compare_term(c, "mass", n, n);
-}
-
-static void check_jacobian(check *c)
-{
-  nsdae_system *s = c->system;
-  int m = s->dims.m, n = s->dims.nv;
-  if (!s->call.constraint_jacobian) return;
-  zero(c->given, m, n);
-  if (check_failed(c, s->call.constraint_jacobian(c->t, c->q, c->given, m, s->user),
-                   "constraint_jacobian"))
-    return;
-  int code = nsdae_differences_velocity(&c->differences, s->call.constraint, m, c->t, c->q,
-                                        c->differenced, m, 0);
-  if (!difference_failed(c, code, "constraint")) compare_term(c, "constraint_jacobian", m, n);
-}
-
-static void check_bias(check *c)
-{
-  nsdae_system *s = c->system;
-  nsdae_differences *d = &c->differences;
-  int m = s->dims.m;
-  if (!s->call.constraint_bias) return;
-  zero(c->given, m, 1);
-  zero(c->spare, m, 1);
-  if (check_failed(c, s->call.constraint_bias(c->t, c->q, c->v, c->given, c->spare, s->user),
-                   "constraint_bias"))
-    return;
-  int code = nsdae_differences_time(d, s->call.constraint, m, c->t, c->q, c->differenced);
-  if (difference_failed(c, code, "constraint")) return;
-  compare_term(c, "constraint_bias phi_t", m, 1);
-  memcpy(c->given, c->spare, (size_t)m * sizeof *c->given);
-  code = nsdae_differences_second(d, s->call.constraint, m, c->t, c->q, c->v, c->differenced);
-  if (!difference_failed(c, code, "constraint")) compare_term(c, "constraint_bias omega", m, 1);
-}
-
-static void check_normal(check *c)
-{
-  nsdae_system *s = c->system;
-  int k = s->dims.k, n = s->dims.nv;
-  if (!s->call.gap_normal) return;
-  zero(c->given, n, k);
-  if (check_failed(c, s->call.gap_normal(c->t, c->q, c->given, n, s->user), "gap_normal")) return;
-  int code =
-      nsdae_differences_velocity(&c->differences, s->call.gap, k, c->t, c->q, c->differenced, n, 1);
-  if (!difference_failed(c, code, "gap")) compare_term(c, "gap_normal", n, k);
-}
-
-static void check_contact_bias(check *c)
-{
-  nsdae_system *s = c->system;
-  int k = s->dims.k;
-  if (!s->call.contact_bias) return;
-  zero(c->given, k, 1);
-  double *w_t = s->dims.nt > 0 ? c->spare : NULL;
-  if (check_failed(c, s->call.contact_bias(c->t, c->q, c->given, w_t, s->user), "contact_bias"))
-    return;
-  int code = nsdae_differences_time(&c->differences, s->call.gap, k, c->t, c->q, c->differenced);
-  if (!difference_failed(c, code, "gap")) compare_term(c, "contact_bias w_n", k, 1);
-}
-
-static void check_contact_acceleration(check *c)
-{
-  nsdae_system *s = c->system;
-  int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
-  if (!s->call.contact_acceleration || c->worst.error > c->tol) return; /* it rests on the others */
-  zero(c->given, k + kt + f, 1);
-  if (check_failed(c,
-                   s->call.contact_acceleration(c->t, c->q, c->v, k ? c->given : NULL,
-                                                kt ? c->given + k : NULL,
-                                                f ? c->given + k + kt : NULL, s->user),
-                   "contact_acceleration"))
-    return;
-  int code = nsdae_differences_contacts(&c->differences, c->t, c->q, c->v, c->differenced,
-                                        c->differenced + k, c->differenced + k + kt);
-  if (!difference_failed(c, code, "contact_bias"))
-    compare_term(c, "contact_acceleration", k + kt + f, 1);
-}
+/* ---- directions of friction */
 
 static int bad_tangent(check *c, int contact, int column, const char *why)
 {
@@ -183,15 +168,15 @@ static int check_tangents(check *c)
   nsdae_system *s = c->system;
   nsdae_directions *d = &c->directions;
   char why[NSDAE_TANGENT_TEXT];
-  if (!s->call.gap_tangent || c->code) return NSDAE_OK;
+  if (!s->call.gap_tangent) return NSDAE_OK;
   int code = nsdae_directions_at(d, c->t, c->q), column = -1;
   if (!code) column = nsdae_directions_wrong(d, c->tol, why);
   if (column >= 0) return bad_tangent(c, column / s->dims.nt, column, why);
   if (!code) code = nsdae_directions_doubt(d, c->tol, s->doubt, sizeof s->doubt);
-  if (check_failed(c, code, d->callback))
-    return nsdae_system_callback_status(code, c->callback, c->t, &s->error);
-  return NSDAE_OK;
+  return nsdae_check_callback(c, code, d->callback);
 }
+
+/* ---- all of it */
 
 /* What the worst entry belongs to. The rows of contact_acceleration are those of all its outputs,
  * one behind the other; those of a list are its places. */
@@ -215,11 +200,11 @@ static void name_worst(const check *c, nsdae_error *error)
     nsdae_system_name_item(c->system, NSDAE_NAME_FRICTIONAL_JOINT, row - d->k - kt, error);
 }
 
-static int verdict(check *c, double tol)
+static int verdict(check *c)
 {
+  double tol = c->tol;
   nsdae_error *error = &c->system->error;
   const nsdae_check *w = &c->worst;
-  if (c->code) return nsdae_system_callback_status(c->code, c->callback, c->t, error);
   if (w->error <= tol) return check_tangents(c);
   nsdae_error_set(error, NSDAE_E_DERIVATIVE, "nsdae_system_check", w->term,
                   "%s: entry (%d, %d) is %.10g, differences give %.10g (error %.3g, tol %.3g)",
@@ -254,9 +239,6 @@ static int check_alone(nsdae_system *system, double t, const double *q, const do
 int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v, double tol,
                        nsdae_check *worst)
 {
-  static void (*const all[])(check *) = {check_mass,         check_jacobian,
-                                         check_bias,         check_normal,
-                                         check_contact_bias, check_contact_acceleration};
   if (!system) return NSDAE_E_ARGUMENT;
   nsdae_refusal_forget(system);
   nsdae_error_clear(&system->error);
@@ -270,12 +252,10 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   nsdae_arena arena;
   if (nsdae_arena_build(&arena, layout_check, &c) < 0)
     return nsdae_error_memory(&system->error, "nsdae_system_check");
-  for (size_t i = 0; i < sizeof all / sizeof *all && !c.code; i++) all[i](&c);
-  if (system->by_blocks && !c.code)
-    status = nsdae_system_check_lists(system, &c.differences, t, q, v, &c.worst);
-  if (status == NSDAE_OK && !c.code)
-    status = nsdae_system_check_forces(system, &c.differences, t, q, v, &c.worst);
-  if (status == NSDAE_OK) status = verdict(&c, tol);
+  for (int i = 0; i < TERMS && status == NSDAE_OK; i++) status = check_term(&c, i);
+  if (status == NSDAE_OK && system->by_blocks) status = nsdae_check_lists(&c);
+  if (status == NSDAE_OK) status = nsdae_check_forces(&c);
+  if (status == NSDAE_OK) status = verdict(&c);
   nsdae_arena_release(&arena);
   if (worst) *worst = c.worst;
   return status;

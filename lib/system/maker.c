@@ -22,7 +22,6 @@ int nsdae_system_explain(const nsdae_system *system, double t, const double *q, 
   const nsdae_error as = *error;
   nsdae_error_set(error, as.status, as.where, reason.element, "%s, at t = %.17g", reason.text, t);
   error->code = as.code;
-  error->index = reason.index;
-  error->time = t;
+  nsdae_error_at(error, as.status, reason.index, t);
   return 1;
 }

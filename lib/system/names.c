@@ -29,26 +29,23 @@ static const char *unfit(const char *text, size_t size)
 static int refuse_name(nsdae_system *system, const char *argument, const char *text,
                        const char *why)
 {
-  char line[200];
-  snprintf(line, sizeof line, "%s '%.48s' %s: it must be of %s%d bytes, of one line", argument,
-           text, why, strcmp(argument, "name") == 0 ? "1 .. " : "at most ",
-           (strcmp(argument, "name") == 0 ? NSDAE_NAME_SIZE : NSDAE_UNIT_SIZE) - 1);
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", argument, line);
+  int name = strcmp(argument, "name") == 0;
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "name", argument,
+                             "%s '%.48s' %s: it must be of %s%d bytes, of one line", argument, text,
+                             why, name ? "1 .. " : "at most ",
+                             (name ? NSDAE_NAME_SIZE : NSDAE_UNIT_SIZE) - 1);
 }
 
 static int check_place(nsdae_system *system, const char *setter, int kind, int i, int count)
 {
-  char line[120];
-  if (kind < 0 || kind >= NSDAE_NAME_KINDS) {
-    snprintf(line, sizeof line, "kind = %d is none of enum nsdae_name_kind", kind);
-    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, "kind", line);
-  }
+  if (kind < 0 || kind >= NSDAE_NAME_KINDS)
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, "kind",
+                               "kind = %d is none of enum nsdae_name_kind", kind);
   if (i >= 0 && i < count) return NSDAE_OK;
-  snprintf(line, sizeof line,
-           count > 0 ? "i = %d is outside its range for a %s: it must be 0 .. %d"
-                     : "i = %d: the system has no %s",
-           i, kinds[kind], count - 1);
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, "i", line);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, "i",
+                             count > 0 ? "i = %d is outside its range for a %s: it must be 0 .. %d"
+                                       : "i = %d: the system has no %s",
+                             i, kinds[kind], count - 1);
 }
 
 static int check_texts(nsdae_system *system, const char *name, const char *unit)
@@ -89,18 +86,16 @@ static int sizes_of(const nsdae_system *s, int kind)
 
 int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size)
 {
-  char line[120];
   if (!system) return NSDAE_E_ARGUMENT;
   int count = sizes_of(system, kind), status = check_place(system, "size", kind, i, count);
   if (status < 0) return status;
   if (kind != NSDAE_NAME_CONTACT && kind != NSDAE_NAME_CONSTRAINT)
     return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "size", "kind",
                                "only contacts and constraints have a size");
-  if (!(size >= 0) || isinf(size)) {
-    snprintf(line, sizeof line, "size = %g is outside its range: it must be at least 0, finite",
-             size);
-    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "size", "size", line);
-  }
+  if (!(size >= 0) || isinf(size))
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "size", "size",
+                               "size = %g is outside its range: it must be at least 0, finite",
+                               size);
   status = nsdae_system_open(system, "size");
   if (status < 0) return status;
   double **sizes = &system->size[kind];
@@ -239,10 +234,8 @@ static const nsdae_output *find_output(const nsdae_system *system, const nsdae_c
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
-  const nsdae_callback *c = nsdae_callbacks, *end = c + nsdae_callbacks_count;
-  while (c < end && strcmp(c->name, callback) != 0) c++;
-  if (!error || c == end) return;
-  const nsdae_output *output = find_output(system, c, rows);
+  const nsdae_callback *c = nsdae_callback_of(callback);
+  const nsdae_output *output = error && c ? find_output(system, c, rows) : NULL;
   if (output) nsdae_output_name_entry(system, output, row, column, error);
 }
 

@@ -33,35 +33,33 @@ void nsdae_blocks_release(nsdae_blocks *blocks)
   *blocks = (nsdae_blocks){0};
 }
 
-static int refuse_blocks(nsdae_system *s, const char *argument, const char *why)
-{
-  return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "blocks", argument, why);
-}
-
 static int check_sizes(nsdae_system *s, int count, const int *nq, const int *nv)
 {
-  char why[160];
   long sum_q = 0, sum_v = 0;
   for (int b = 0; b < count; b++) {
-    if (nv[b] < 1 || nv[b] > nq[b]) {
-      snprintf(why, sizeof why, "block %d has nq = %d, nv = %d: it must be 1 <= nv <= nq", b, nq[b],
-               nv[b]);
-      return refuse_blocks(s, "nv", why);
-    }
+    if (nv[b] < 1 || nv[b] > nq[b])
+      return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "blocks", "nv",
+                                 "block %d has nq = %d, nv = %d: it must be 1 <= nv <= nq", b,
+                                 nq[b], nv[b]);
     sum_q += nq[b];
     sum_v += nv[b];
   }
   if (sum_q == s->dims.nq && sum_v == s->dims.nv) return NSDAE_OK;
-  snprintf(why, sizeof why, "the blocks have %ld coordinates and %ld velocities, the system %d, %d",
-           sum_q, sum_v, s->dims.nq, s->dims.nv);
-  return refuse_blocks(s, sum_q == s->dims.nq ? "nv" : "nq", why);
+  return nsdae_system_refuse(
+      s, NSDAE_E_ARGUMENT, "blocks", sum_q == s->dims.nq ? "nv" : "nq",
+      "the blocks have %ld coordinates and %ld velocities, the system %d, %d", sum_q, sum_v,
+      s->dims.nq, s->dims.nv);
 }
 
 int nsdae_system_set_blocks(nsdae_system *s, int count, const int *nq, const int *nv)
 {
   if (!s) return NSDAE_E_ARGUMENT;
-  if (!nq || !nv) return refuse_blocks(s, nq ? "nv" : "nq", nq ? "nv is NULL" : "nq is NULL");
-  if (count < 1) return refuse_blocks(s, "count", "there must be at least one block");
+  const char *missing = nq ? "nv" : "nq";
+  if (!nq || !nv)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "blocks", missing, "%s is NULL", missing);
+  if (count < 1)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "blocks", "count",
+                               "there must be at least one block");
   int status = check_sizes(s, count, nq, nv);
   if (status == NSDAE_OK) status = nsdae_system_open(s, "blocks");
   if (status < 0) return status;
@@ -87,6 +85,9 @@ int nsdae_system_get_blocks(const nsdae_system *s)
 
 static int may_set(nsdae_system *s, const char *name, int given)
 {
+  if (strcmp(name, "constraint_rows") == 0 && s->dims.m == 0)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, name, name,
+                               "the system has no constraints (m = 0)");
   if (!given) return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, name, name, "it is NULL");
   return nsdae_system_open(s, name);
 }
@@ -100,19 +101,9 @@ static int may_set(nsdae_system *s, const char *name, int given)
   }
 
 SETTER(mass_blocks, nsdae_mass_blocks_fn)
+SETTER(constraint_rows, nsdae_constraint_rows_fn)
 SETTER(force_damping_blocks, nsdae_force_blocks_fn)
 SETTER(force_stiffness_blocks, nsdae_force_blocks_fn)
-
-int nsdae_system_set_constraint_rows(nsdae_system *s, nsdae_constraint_rows_fn callback)
-{
-  if (!s) return NSDAE_E_ARGUMENT;
-  if (s->dims.m == 0)
-    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "constraint_rows", "constraint_rows",
-                               "the system has no constraints (m = 0)");
-  int status = may_set(s, "constraint_rows", callback != NULL);
-  if (status == NSDAE_OK) s->call.constraint_rows = callback;
-  return status;
-}
 
 int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
 {

@@ -3,6 +3,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,12 +109,16 @@ static void name_setter(const char *setter, char where[WHERE_SIZE])
 /* Simulations may read the system in other threads: of it, nothing but the name of the first such
  * setter is changed then. */
 int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
-                        const char *why)
+                        const char *format, ...)
 {
-  char where[WHERE_SIZE];
+  char where[WHERE_SIZE], why[sizeof system->error.text];
   const char *none = NULL;
   int late = nsdae_system_simulations(system) > 0;
   nsdae_error *error = late ? nsdae_refusal_on(system) : &system->error;
+  va_list values;
+  va_start(values, format);
+  vsnprintf(why, sizeof why, format, values);
+  va_end(values);
   name_setter(setter, where);
   nsdae_error_set(error, status, where, argument, "%s", why);
   if (late) {
@@ -128,18 +133,18 @@ int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, co
 int nsdae_system_open(nsdae_system *system, const char *setter)
 {
   int simulations = nsdae_system_simulations(system);
-  char why[300];
   if (simulations == 0) {
     nsdae_refusal_forget(system);
     nsdae_error_clear(&system->error);
     return NSDAE_OK;
   }
-  snprintf(why, sizeof why,
-           "the system is constant while it has simulations (%d now): destroy them before you "
-           "change it, make another system, or change it in one of them (nsdae_sim_set_user, "
-           "nsdae_sim_set_contact, nsdae_sim_set_frictional_joint)",
-           simulations);
-  return nsdae_system_refuse(system, NSDAE_E_STATE, setter, "system", why);
+  return nsdae_system_refuse(
+      system, NSDAE_E_STATE, setter, "system",
+      "the system is constant while it has simulations (%d now): destroy them before you change "
+      "it, "
+      "make another system, or change it in one of them (nsdae_sim_set_user, "
+      "nsdae_sim_set_contact, nsdae_sim_set_frictional_joint)",
+      simulations);
 }
 
 void nsdae_system_clear_error(nsdae_system *system)
@@ -161,9 +166,7 @@ int nsdae_system_set_user(nsdae_system *system, void *user)
 
 static int refuse_callback(nsdae_system *system, const char *callback, const char *why)
 {
-  char text[200];
-  snprintf(text, sizeof text, "%s: %s", callback, why);
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, callback, callback, text);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, callback, callback, "%s: %s", callback, why);
 }
 
 /* One setter per callback: has says, by the sizes d, whether the system has such a term at all. */
@@ -205,41 +208,32 @@ SETTER(potential, nsdae_potential_fn, 1, "")
 static int bad_coefficient(nsdae_system *system, const char *setter, const char *name, double value,
                            const char *range)
 {
-  char why[120];
-  snprintf(why, sizeof why, "%s = %g is outside its range: it must be %s", name, value, range);
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, name, why);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, name,
+                             "%s = %g is outside its range: it must be %s", name, value, range);
 }
 
 static int bad_index(nsdae_system *system, const char *setter, const char *name, int index,
                      int count)
 {
-  char why[120];
-  snprintf(why, sizeof why,
-           count > 0 ? "%s = %d is outside its range: it must be 0 .. %d"
-                     : "%s = %d: the system has none of these",
-           name, index, count - 1);
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, name, why);
-}
-
-/* Friction that no direction could carry. */
-static int no_direction(nsdae_system *system, int i, double mu)
-{
-  char why[200], called[NSDAE_CALLED_SIZE];
-  snprintf(why, sizeof why,
-           "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) "
-           "or 2 (space) (%s)",
-           mu, nsdae_system_called(system, NSDAE_NAME_CONTACT, i, called));
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "contact", "mu", why);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, setter, name,
+                             count > 0 ? "%s = %d is outside its range: it must be 0 .. %d"
+                                       : "%s = %d: the system has none of these",
+                             name, index, count - 1);
 }
 
 /* Conditions are written so that NaN fails. */
 static int check_coefficients(nsdae_system *s, int i, double mu, double e_n, double e_t)
 {
+  char called[NSDAE_CALLED_SIZE];
   if (!(mu >= 0) || isinf(mu)) return bad_coefficient(s, "contact", "mu", mu, "at least 0, finite");
   if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(s, "contact", "e_n", e_n, "0 .. 1");
   if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(s, "contact", "e_t", e_t, "0 .. 1");
-  if (s->dims.nt == 0 && mu > 0) return no_direction(s, i, mu);
-  return NSDAE_OK;
+  if (s->dims.nt > 0 || mu == 0) return NSDAE_OK;
+  return nsdae_system_refuse(
+      s, NSDAE_E_ARGUMENT, "contact", "mu",
+      "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) or 2 "
+      "(space) (%s)",
+      mu, nsdae_system_called(s, NSDAE_NAME_CONTACT, i, called));
 }
 
 int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)
@@ -432,11 +426,8 @@ int nsdae_system_callback_failed(int code, const char *callback, double t, nsdae
   nsdae_error_set(error, NSDAE_E_CALLBACK, callback, callback,
                   "callback %s returned %d (%s) at t = %.17g", callback, code,
                   code > 0 ? "recoverable: a smaller step may help" : "fatal", t);
-  if (error) {
-    error->code = code;
-    error->time = t;
-  }
-  return NSDAE_E_CALLBACK;
+  if (error) error->code = code;
+  return nsdae_error_at(error, NSDAE_E_CALLBACK, -1, t);
 }
 
 int nsdae_system_not_finite(const nsdae_system *system, const double *a, int rows,
@@ -448,9 +439,5 @@ int nsdae_system_not_finite(const nsdae_system *system, const double *a, int row
                   "callback %s gave %g in entry (%zu, %zu) at t = %.17g", callback,
                   isnan(a[i]) ? fabs(a[i]) : a[i], i % n, i / n, t);
   nsdae_system_name_entry(system, callback, rows, (int)(i % n), (int)(i / n), error);
-  if (error) {
-    error->index = i > INT_MAX ? INT_MAX : (int)i;
-    error->time = t;
-  }
-  return NSDAE_E_NONFINITE;
+  return nsdae_error_at(error, NSDAE_E_NONFINITE, i > INT_MAX ? INT_MAX : (int)i, t);
 }

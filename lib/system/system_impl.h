@@ -7,6 +7,7 @@
 #include <nsdae/system.h>
 
 #include "blocks.h"
+#include "errors.h"
 #include "maker.h"
 #include "vector.h"
 
@@ -111,7 +112,7 @@ void nsdae_system_let_go(const nsdae_system *system);
  * text, and kept for nsdae_sim_create. setter: its name after "nsdae_system_set_", or "add_body".
  */
 int nsdae_system_refuse(nsdae_system *system, int status, const char *setter, const char *argument,
-                        const char *why);
+                        const char *format, ...) NSDAE_PRINTF(5, 6);
 /* Whether the setter may change the system: NSDAE_OK, or NSDAE_E_STATE while it has simulations. */
 int nsdae_system_open(nsdae_system *system, const char *setter);
 

@@ -94,8 +94,8 @@ static int look(void *to, const nsdae_feature *f)
   kit *k = to;
   const nsdae_solid_of *s = k->bodies->solid.at;
   const int *of = f->solid;
-  nsdae_touch touch =
-      nsdae_feature_touch(f, s + of[0], s + of[1], &k->pose[of[0]], &k->pose[of[1]], NULL);
+  const nsdae_couple two = {{s + of[0], s + of[1]}, {&k->pose[of[0]], &k->pose[of[1]]}};
+  nsdae_touch touch = nsdae_feature_touch(f, &two);
   if (touch.far || touch.gap.x > 0) return 0;
   k->answer.contacts++;
   if (-touch.gap.x <= k->answer.depth) return 0;

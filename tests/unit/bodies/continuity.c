@@ -73,21 +73,19 @@ static void expect_still(const nsdae_still *still, const nsdae_touch *touch, dou
 
 /* What lists take of planes and what is round, and of polygons and rounded segments, is the same
  * contact, but for rounding. */
-static void expect_same(const nsdae_feature *f, const nsdae_solid_of *s, const nsdae_pose *pose,
-                        const nsdae_touch *touch)
+static void expect_same(const nsdae_feature *f, const nsdae_couple *two, const nsdae_touch *touch)
 {
-  const nsdae_solid_of *s0 = s + f->solid[0], *s1 = s + f->solid[1];
-  const nsdae_pose *pose0 = pose + f->solid[0], *pose1 = pose + f->solid[1];
+  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
   if (!f->edges && s0->points <= 1) {
-    nsdae_still still = nsdae_round_still(s0, s1, f->part[1], pose0, pose1);
+    nsdae_still still = nsdae_round_still(two, f->part[1]);
     expect_still(&still, touch, s0->points == 0 ? 1 : fabs(still.gap + s0->radius + s1->radius));
     return;
   }
   if (s0->shape != NSDAE_SHAPE_POLYGON && (s0->shape != NSDAE_SHAPE_SEGMENT || s0->radius == 0))
     return;
   if (s0->shape == NSDAE_SHAPE_SEGMENT && s1->points == 1) return; /* by its line: see feature.c */
-  nsdae_meeting met = nsdae_find_meeting(s0, s1, pose0, pose1, INFINITY);
-  nsdae_still still = nsdae_polygon_still(s0, s1, f->part[1], pose0, pose1, &met);
+  nsdae_meeting met = nsdae_find_meeting(two, INFINITY);
+  nsdae_still still = nsdae_polygon_still(two, f->part[1], &met);
   double length = fabs(still.gap + s0->radius + s1->radius);
   expect_still(&still, touch, length);
   if (still.far) return;
@@ -104,9 +102,9 @@ static double least_gap(const couple *c, const double *q)
   for (int i = 0; i < c->bodies->feature.count; i++) {
     const nsdae_feature *f = (const nsdae_feature *)c->bodies->feature.at + i;
     const int *of = f->solid;
-    nsdae_touch touch =
-        nsdae_feature_touch(f, s + of[0], s + of[1], &pose[of[0]], &pose[of[1]], NULL);
-    expect_same(f, s, pose, &touch);
+    const nsdae_couple two = {{s + of[0], s + of[1]}, {&pose[of[0]], &pose[of[1]]}};
+    nsdae_touch touch = nsdae_feature_touch(f, &two);
+    expect_same(f, &two, &touch);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }
   return least;

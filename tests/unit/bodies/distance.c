@@ -140,8 +140,8 @@ static double least_gap(const couple *c, const double *q)
     nsdae_pose pose[2];
     for (int j = 0; j < 2; j++)
       pose[j] = nsdae_bodies_pose(c->bodies, s[f->solid[j]].body, q, NULL);
-    nsdae_touch touch =
-        nsdae_feature_touch(f, s + f->solid[0], s + f->solid[1], &pose[0], &pose[1], NULL);
+    const nsdae_couple two = {{s + f->solid[0], s + f->solid[1]}, {&pose[0], &pose[1]}};
+    nsdae_touch touch = nsdae_feature_touch(f, &two);
     assert_true(!touch.far || touch.gap.x > 0);
     if (!touch.far) least = fmin(least, touch.gap.x);
   }

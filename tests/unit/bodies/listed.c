@@ -77,8 +77,8 @@ static int look(void *to, const nsdae_feature *f)
   nsdae_pose pose[2];
   for (int i = 0; i < 2; i++)
     pose[i] = nsdae_bodies_pose(n->bodies, s[f->solid[i]].body, n->q, NULL);
-  nsdae_touch touch =
-      nsdae_feature_touch(f, &s[f->solid[0]], &s[f->solid[1]], &pose[0], &pose[1], NULL);
+  const nsdae_couple two = {{s + f->solid[0], s + f->solid[1]}, {&pose[0], &pose[1]}};
+  nsdae_touch touch = nsdae_feature_touch(f, &two);
   if (!touch.far) n->least = fmin(n->least, touch.gap.x);
   return 0;
 }
