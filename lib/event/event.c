@@ -161,10 +161,12 @@ static int goes_by_ida(const event *e)
   return e->setting.options->integrator == NSDAE_INTEGRATOR_IDA;
 }
 
-/* The integrator of the option, as a phase begins. */
+/* The integrator as a phase begins. */
 static void set_integrator(event *e)
 {
-  *e->phase.modes.is_stiff = goes_by_ida(e);
+  int integrator = e->setting.options->integrator;
+  *e->phase.modes.integrator =
+      integrator == NSDAE_INTEGRATOR_AUTO ? NSDAE_INTEGRATOR_DOPRI5 : integrator;
 }
 
 /* The integrator starts at t, which is the base from now on. */
@@ -409,7 +411,7 @@ static int integrate(event *e)
     if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
-  *e->phase.modes.is_stiff = 0; /* a pair may solve what IDA does not */
+  *e->phase.modes.integrator = NSDAE_INTEGRATOR_DOPRI5; /* a pair may solve what IDA does not */
   return start(e, from);
 }
 
@@ -461,16 +463,31 @@ static int too_many(const event *e)
          *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
-/* Whether an integrator starts anew: IDA after steps that stability bounds; the pair, which may be
- * enough again, after STIFF_STEPS of IDA. */
+/* With auto, the integrator that does better from here on. DOP853 takes 12 evaluations a step, and
+ * three more if it is read inside, DOPRI5 takes six: it is of use if that one's steps are shorter
+ * than 0.4 of the longest, at a small rtol (measured: equal at 1e-6) and while nothing is closed,
+ * whose forces may turn or jump within a step. */
+static int better_integrator(const event *e)
+{
+  const nsdae_smooth *g = &e->integrator.smooth;
+  const double rtol_most = 3e-7, part = 0.4;
+  enum { SETTLED = 10 }; /* steps by which the first ones have found their length */
+  int now = *e->phase.modes.integrator, steps = *e->base.steps;
+  int closed = (e->phase.terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
+  if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO) return now;
+  if (g->is_stiff) return steps < STIFF_STEPS ? now : NSDAE_INTEGRATOR_DOPRI5;
+  if (nsdae_smooth_stiff(g)) return NSDAE_INTEGRATOR_IDA;
+  int fine = !closed && g->steps.rtol <= rtol_most && g->steps.last < part * g->steps.max_step;
+  return fine && steps >= SETTLED ? NSDAE_INTEGRATOR_DOP853 : now;
+}
+
+/* Whether an integrator starts anew here. */
 static int change_integrator(event *e)
 {
-  int *is_stiff = e->phase.modes.is_stiff, steps = *e->base.steps;
-  const nsdae_smooth *g = &e->integrator.smooth;
-  int is_auto = e->setting.options->integrator == NSDAE_INTEGRATOR_AUTO;
-  int found = is_auto && nsdae_smooth_stiff(g);
-  if (!found && steps < (g->is_stiff ? STIFF_STEPS : STEPS_MAX)) return 0;
-  if (is_auto) *is_stiff = found;
+  int better = better_integrator(e), *now = e->phase.modes.integrator;
+  int most = e->integrator.smooth.is_stiff ? STIFF_STEPS : STEPS_MAX;
+  if (better == *now && *e->base.steps < most) return 0;
+  *now = better;
   return 1;
 }
 

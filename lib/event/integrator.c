@@ -137,12 +137,7 @@ static double force_of(const nsdae_event_integrator *e)
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
 {
   nsdae_event_phase *p = e->roots->phase;
-  const nsdae_sim_options *o = p->setting->options;
   nsdae_event_begin_phase(p);
-  /* forces of what is closed may turn or jump within a long step: auto takes the shorter ones */
-  int closed = o->integrator == NSDAE_INTEGRATOR_AUTO &&
-               (p->terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
-  e->smooth.steps.pair = closed ? &nsdae_dopri5 : nsdae_runge_kutta_pair(o->integrator, o->rtol);
   nsdae_error_clear(p->setting->error);
   nsdae_power_start(&e->account->power); /* a phase begins */
   memset(e->end, 0, (size_t)e->smooth.steps.n * sizeof *e->end);
@@ -151,7 +146,7 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   nsdae_dip_start(&e->dip);
   e->pending = e->roots->short_steps = 0;
   int status = nsdae_event_forces(p, t, e->y);
-  e->smooth.is_stiff = *p->modes.is_stiff;
+  nsdae_smooth_set(&e->smooth, *p->modes.integrator);
   if (status == NSDAE_OK) {
     e->smooth.steps.force = force_of(e);
     status = nsdae_smooth_start(&e->smooth, t, e->end);
@@ -159,46 +154,22 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 
-/* The end of the step at work. */
-static double step_end(const nsdae_event_integrator *e)
-{
-  return e->smooth.is_stiff ? e->smooth.to : e->smooth.steps.t;
-}
-
-/* The end of the next window, in which roots are looked for: dt at most. */
-static double window_end(const nsdae_event_integrator *e)
-{
-  double left = step_end(e) - e->ahead, dt = e->roots->phase->setting->options->dt;
-  double count = ceil(left / dt * (1 - 1e-9));
-  return count > 1 ? e->ahead + left / count : step_end(e);
-}
-
-/* In how many pieces dips are looked for from there: a polynomial of DOP853 has two extrema more
- * than one of DOPRI5, for whose steps the two halves do. */
-static int pieces_of(const nsdae_event_integrator *e, double from)
-{
-  const nsdae_runge_kutta *s = &e->smooth.steps;
-  if (e->smooth.is_stiff || s->pair != &nsdae_dop853) return 2;
-  return 2 * (int)fmax(1, fmin(3, ceil(3 * (e->ahead - from) / s->last)));
-}
-
-/* A window of the integrator at work, of a new step if the last one is searched; its end is in
- * `end`. */
+/* A step of the integrator at work; its end is in `end`. */
 static int step(nsdae_event_integrator *e)
 {
-  int status = e->ahead < step_end(e) ? NSDAE_OK : nsdae_smooth_advance(&e->smooth);
+  int status = nsdae_smooth_advance(&e->smooth);
   if (status < 0) return status;
-  e->ahead = window_end(e);
+  e->ahead = e->smooth.to;
   return nsdae_smooth_read(&e->smooth, e->ahead, e->smooth.steps.controlled, e->end);
 }
 
 /* Whether a step in which the forces have no solution may be tried again, shorter: as where a gap
  * has a kink in it. */
-static int can_retreat(const nsdae_event_integrator *e, double from)
+static int can_retreat(const nsdae_event_integrator *e)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
   return s->error->status == NSDAE_OK && !e->smooth.is_stiff &&
-         e->ahead - from > SHORT * s->options->dt;
+         e->smooth.steps.last > SHORT * s->options->dt;
 }
 
 /* A force that falls may have jumped, as where a ball rolls from a face to an edge: beyond, the
@@ -217,36 +188,23 @@ static int land(nsdae_event_integrator *e)
   return nsdae_runge_kutta_land(&e->smooth.steps, e->ahead) == 0;
 }
 
-/* Back to the start of the window, with a shorter step. 0 where f is not defined up to there. */
-static int retreat(nsdae_event_integrator *e, double from)
-{
-  nsdae_runge_kutta *s = &e->smooth.steps;
-  double length = SHORTER * (e->ahead - from);
-  int whole = from == s->from;
-  e->ahead = from;
-  if (!whole && nsdae_runge_kutta_land(s, from) != 0) return 0;
-  if (whole) nsdae_runge_kutta_retreat(s);
-  s->h = length;
-  return 1;
-}
-
-/* A window that ends at the first fall of a root; returns how many fell, or a status. */
+/* A step that ends at the first fall of a root; returns how many fell, or a status. */
 static int step_to_fall(nsdae_event_integrator *e)
 {
+  nsdae_runge_kutta *s = &e->smooth.steps;
   double from = e->ahead;
-  memcpy(e->y, e->end, (size_t)e->smooth.steps.controlled * sizeof *e->y);
+  memcpy(e->y, e->end, (size_t)s->controlled * sizeof *e->y);
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
-    const nsdae_runge_kutta *s = &e->smooth.steps;
     int status = step(e), fell = 0;
-    if (status < 0) return status;
-    if (!nsdae_runge_kutta_is_rough(s) && e->fall.count > 0)
-      fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
-    int rough = nsdae_runge_kutta_is_rough(s) && can_retreat(e, from);
+    if (status < 0 || e->fall.count == 0) return status;
+    fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
+    int rough = nsdae_runge_kutta_is_rough(s) && can_retreat(e);
     if (!rough && (fell == 0 || (fell > 0 && land(e)))) return fell;
-    if (!can_retreat(e, from) || !retreat(e, from)) return NSDAE_E_CONVERGENCE;
-    if (e->fall.count > 0 && values(from, e->fall.low, e) < 0) return NSDAE_E_CONVERGENCE;
+    e->ahead = from;
+    if (!can_retreat(e)) return NSDAE_E_CONVERGENCE;
+    nsdae_runge_kutta_retreat(s, SHORTER);
   }
 }
 
@@ -259,9 +217,9 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
   int fell = step_to_fall(e);
   if (fell < 0) return fell;
   /* a contact that closes and opens again between two steps is none of the roots */
-  int found =
-      nsdae_dip_find(&e->dip, from, e->ahead, pieces_of(e, from), e->roots->phase->modes.contact,
-                     DEEP * nsdae_event_position_size(s), &hidden, &contact);
+  int found = nsdae_dip_find(&e->dip, from, e->ahead, nsdae_smooth_pieces(&e->smooth),
+                             e->roots->phase->modes.contact, DEEP * nsdae_event_position_size(s),
+                             &hidden, &contact);
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
   int status = nsdae_event_integrator_read(e, e->ahead, e->y);

@@ -19,7 +19,7 @@ typedef struct nsdae_event_integrator {
   double *y, *z, *later; /* n, n + 2: where it was last read */
   double *end;           /* n + 2: where the last step ended */
   int *fallen;           /* roots: in the last step */
-  double ahead;          /* integrated and searched up to here, within the last step */
+  double ahead;          /* integrated and searched up to here */
   int pending;           /* an instant waits there */
 } nsdae_event_integrator;
 
@@ -33,7 +33,7 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *integrator);
  * roots. NSDAE_E_CONVERGENCE, or a callback's status. */
 int nsdae_event_integrator_start(nsdae_event_integrator *integrator, double t);
 
-/* One window of a step, from `ahead` to where it goes then; y is there. */
+/* One step, from `ahead` to where it goes then; y is there. */
 int nsdae_event_integrator_advance(nsdae_event_integrator *integrator);
 
 /* q and v of y at t in the last step. */

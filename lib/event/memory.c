@@ -9,7 +9,7 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   const nsdae_dims *d = &s->system->dims;
   size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f;
   int **of_slide[] = {&m->frictional_joint, &m->slide_sense, &m->normal_sense, &m->slide_row};
-  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->is_stiff};
+  int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->integrator};
   nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
   for (int i = 0; i < 2; i++)
     b->basis[i] = nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));

@@ -420,10 +420,8 @@ static int one_step(penalty *p)
     double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
     found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
     if (found < 0) return found;
-    /* polynomials of DOP853 have two extrema more than those of DOPRI5 and IDA */
-    int pieces = !g->is_stiff && g->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2;
-    status = nsdae_dip_find(&p->dip, from, p->ahead, pieces, p->equations.base.closed, deep,
-                            &hidden, &contact);
+    status = nsdae_dip_find(&p->dip, from, p->ahead, nsdae_smooth_pieces(g),
+                            p->equations.base.closed, deep, &hidden, &contact);
     if (status < 0) return status;
   }
   if (contact >= 0) {

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include <nsdae/sim.h>
-
 #include "vector.h"
 
 enum { REFUSALS = 100 };
@@ -18,16 +16,6 @@ static const double SAFETY = 0.9, LEAST = 0.2, MOST = 10;
  * fewer. */
 static const double BORDER = 0.6;
 enum { STIFF = 150 };
-
-/* auto takes DOP853 from this rtol on. */
-static const double AUTO = 3e-7;
-
-const nsdae_tableau *nsdae_runge_kutta_pair(int integrator, double rtol)
-{
-  int eight = integrator == NSDAE_INTEGRATOR_DOP853 ||
-              (integrator != NSDAE_INTEGRATOR_DOPRI5 && rtol <= AUTO);
-  return eight ? &nsdae_dop853 : &nsdae_dopri5;
-}
 
 void nsdae_runge_kutta_layout(nsdae_runge_kutta *rk, nsdae_arena *arena)
 {
@@ -264,11 +252,11 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)
   return rk->progress.failed || rk->progress.refused ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
 }
 
-void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk)
+void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double part)
 {
   memcpy(rk->y, rk->dense[0], (size_t)rk->n * sizeof *rk->y);
   memcpy(rate_here(rk), rk->k[0], (size_t)rk->n * sizeof *rk->sum);
-  rk->h = rk->last;
+  rk->h = part * rk->last;
   rk->t = rk->from;
   rk->last = 0;
   measure_way(rk);
@@ -277,7 +265,7 @@ void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk)
 int nsdae_runge_kutta_land(nsdae_runge_kutta *rk, double t)
 {
   double from = rk->from, next = rk->h;
-  nsdae_runge_kutta_retreat(rk);
+  nsdae_runge_kutta_retreat(rk, 1);
   rk->h = next;
   int code = stages(rk, t - from);
   if (code != 0) return code;

@@ -37,9 +37,6 @@ typedef struct nsdae_runge_kutta {
   nsdae_progress progress;
 } nsdae_runge_kutta;
 
-/* The pair of an option `integrator` and rtol: see AUTO in runge_kutta.c. */
-const nsdae_tableau *nsdae_runge_kutta_pair(int integrator, double rtol);
-
 /* Takes the arrays; n and controlled are set before. */
 void nsdae_runge_kutta_layout(nsdae_runge_kutta *rk, nsdae_arena *arena);
 
@@ -51,8 +48,8 @@ int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y);
  * NSDAE_E_CALLBACK. */
 int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk);
 
-/* Back to the start of the last step. */
-void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk);
+/* Back to the start of the last step; the next one is that part of it. */
+void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double part);
 
 /* The last step again, from its start to a t within it: no stage is evaluated beyond. 0, or a code
  * of f, after which there is no last step. */

@@ -11,6 +11,9 @@
 #ifndef NSDAE_SMOOTH_H
 #define NSDAE_SMOOTH_H
 
+#include <nsdae/sim.h>
+
+#include "dip.h"
 #include "ida.h"
 #include "runge_kutta.h"
 
@@ -21,7 +24,7 @@ typedef struct nsdae_smooth {
   /* rates of the further integrals at y, y', with the forces of y; 0, > 0, < 0 as f */
   int (*powers)(double t, const double *y, const double *ydot, double *rate, void *user);
   nsdae_ida *ida;    /* NULL: not made */
-  int is_stiff;      /* IDA is at work; set before a start */
+  int is_stiff;      /* IDA is at work */
   double first;      /* length of IDA's first step, or 0; set before a start */
   double *sum[2];    /* integrals: at the start and at the end of the last step */
   double *power;     /* 3 x further: their rates at the nodes of the last step */
@@ -34,6 +37,20 @@ typedef struct nsdae_smooth {
 void nsdae_smooth_layout(nsdae_smooth *smooth, nsdae_arena *arena);
 int nsdae_smooth_make(nsdae_smooth *smooth);
 void nsdae_smooth_destroy(nsdae_smooth *smooth);
+
+/* The integrator from the next start on: an option `integrator` but auto. */
+static inline void nsdae_smooth_set(nsdae_smooth *smooth, int integrator)
+{
+  smooth->is_stiff = integrator == NSDAE_INTEGRATOR_IDA;
+  smooth->steps.pair = integrator == NSDAE_INTEGRATOR_DOP853 ? &nsdae_dop853 : &nsdae_dopri5;
+}
+
+/* In how many pieces dip.h searches a step: a polynomial of DOP853 has two extrema more than one of
+ * DOPRI5 or a smooth one of IDA, for which the two halves do. */
+static inline int nsdae_smooth_pieces(const nsdae_smooth *smooth)
+{
+  return !smooth->is_stiff && smooth->steps.pair == &nsdae_dop853 ? NSDAE_DIP_PIECES : 2;
+}
 
 /* Starts (anew) at t from q and v; the integrals are zero there. NSDAE_OK; NSDAE_E_CALLBACK if f
  * fails. */

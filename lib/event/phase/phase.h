@@ -42,7 +42,7 @@ typedef struct nsdae_event_modes {
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
   double *blur;       /* k: 1, or more: the factor on the tolerances of friction */
-  int *is_stiff;      /* 1: which of its integrators goes through it */
+  int *integrator;    /* 1: enum nsdae_integrator, which goes through it */
 } nsdae_event_modes;
 
 /* The row of a force. */
