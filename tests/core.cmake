@@ -32,6 +32,7 @@ foreach(name graph law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
 
+nsdae_unit_test(smooth runge_kutta)
 nsdae_unit_test(smooth ida)
 target_link_libraries(test_unit_smooth_ida PRIVATE test_process_allocator)
 
