@@ -68,7 +68,7 @@ void nsdae_cones_close(nsdae_cones *s)
 int nsdae_cones_any(const nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
-    if (c->law[c->active[a]].kind == NSDAE_CONE) return 1;
+    if (c->law[a].kind == NSDAE_CONE) return 1;
   return 0;
 }
 
@@ -91,8 +91,8 @@ static void set_values(nsdae_contacts *c)
   nsdae_cones *s = &c->cones;
   double *W = s->W;
   for (int a = 0; a < c->active_count; a++) {
-    s->rows[a] = c->law[c->active[a]].columns;
-    s->mu[a] = c->law[c->active[a]].mu;
+    s->rows[a] = c->law[a].columns;
+    s->mu[a] = c->law[a].mu;
     for (int b = 0; b < c->active_count; b++)
       for (int j = c->first_column[a]; j < c->first_column[a + 1]; j++)
         for (int i = c->first_column[b]; i < c->first_column[b + 1]; i++)
@@ -107,7 +107,7 @@ static double *warm_of(const nsdae_contacts *c, int a)
 
 static size_t bytes_of(const nsdae_contacts *c, int a)
 {
-  return (size_t)c->law[c->active[a]].columns * sizeof *c->warm.impulse;
+  return (size_t)c->law[a].columns * sizeof *c->warm.impulse;
 }
 
 /* ---- warm starts */
@@ -236,7 +236,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   size_t bytes = (size_t)contact_columns(c) * sizeof *impulse;
   if (!s->solver || c->slides.count > 0) return 0;
   for (int a = 0; a < c->active_count; a++)
-    if (c->law[c->active[a]].kind == NSDAE_SLIDING) return 0;
+    if (c->law[a].kind == NSDAE_SLIDING) return 0;
   set_pattern(s, c->active_count);
   set_values(c);
   for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
@@ -257,7 +257,7 @@ int nsdae_cones_describe(nsdae_contacts *c)
   if (nsdae_cones_any(c)) return NSDAE_OK;
   if (c->slides.count > 0 || c->active_count > s->room) return NSDAE_E_STATE;
   for (int a = 0; a < c->active_count; a++)
-    if (c->law[c->active[a]].kind == NSDAE_SLIDING) return NSDAE_E_STATE;
+    if (c->law[a].kind == NSDAE_SLIDING) return NSDAE_E_STATE;
   size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
   set_pattern(s, c->active_count);
   set_values(c);
@@ -276,7 +276,7 @@ int nsdae_cones_describe(nsdae_contacts *c)
 int nsdae_cones_mode(const nsdae_contacts *c, int a)
 {
   const nsdae_cones *s = &c->cones;
-  int first = c->first_column[a], columns = c->law[c->active[a]].columns;
+  int first = c->first_column[a], columns = c->law[a].columns;
   const double *r = s->r + first, *u = s->u + first;
   double size = 0, d = 0;
   if (!(r[0] > 0)) return NSDAE_MODE_OPEN;

@@ -22,23 +22,23 @@ void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_err
   nsdae_contacts_laws(c, polygon_edges);
 }
 
-void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges)
+void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
 {
-  const nsdae_system *s = contacts->system;
-  if (contacts->rows_most < 1) contacts->rows_most = 1; /* never less: memory is laid by it */
-  contacts->slides.count = 0;
-  contacts->rows_in_all = 0;
-  contacts->cones.most = contacts->cones.most > 0 ? s->dims.k : 0;
-  nsdae_law_edges(polygon_edges, contacts->lcp.edge);
-  for (int j = 0; j < s->dims.f; j++) contacts->slides.count += s->frictional_joint[j].mu > 0;
+  const nsdae_system *s = c->system;
+  c->part.coefficient = s->contact;
+  c->part.place = s->blocks.first;
+  c->edges = polygon_edges;
+  nsdae_law_edges(polygon_edges, c->lcp.edge);
+  if (c->rows_most < 1) c->rows_most = 1; /* never less: memory is laid by it */
+  c->slides.count = 0;
+  c->cones.most = c->cones.most > 0 ? s->dims.k : 0;
+  for (int j = 0; j < s->dims.f; j++) c->slides.count += s->frictional_joint[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
-    nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges, contacts->lcp.edge);
-    if (law.rows > contacts->rows_most) contacts->rows_most = law.rows;
-    if (law.kind == NSDAE_CONE) contacts->cones.most = s->dims.k;
-    contacts->rows_in_all += law.rows;
-    if (contacts->law) contacts->law[i] = law;
+    nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges, NULL);
+    if (law.rows > c->rows_most) c->rows_most = law.rows;
+    if (law.kind == NSDAE_CONE) c->cones.most = s->dims.k;
   }
-  contacts->rows_in_all += 3 * contacts->slides.count;
+  c->rows_in_all = nsdae_contacts_rows(s, polygon_edges);
 }
 
 long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
@@ -64,14 +64,15 @@ int nsdae_contacts_rows_limit(void)
   return low;
 }
 
-void nsdae_contacts_layout(nsdae_contacts *c, nsdae_arena *arena)
+void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_arena *arena)
 {
-  const nsdae_dims *dims = &c->system->dims;
   long k = dims->k, n = dims->nv, f = c->slides.count;
   long columns = k * (1 + dims->nt) + f, rows = c->rows_in_all;
   if (rows > INT_MAX || nsdae_lcp_workspace((int)rows, &c->lcp.lwork, &c->lcp.liwork) < 0)
     arena->overflow = 1;
   c->active = NSDAE_ARENA_INTS(arena, k);
+  c->law = nsdae_arena_take(arena, k, sizeof *c->law);
+  c->part.reaction = NSDAE_ARENA_DOUBLES(arena, n);
   c->first_column = NSDAE_ARENA_INTS(arena, k + 1);
   c->first_row = NSDAE_ARENA_INTS(arena, k + 1);
   c->delassus.W = NSDAE_ARENA_DOUBLES(arena, n * columns);
@@ -129,49 +130,74 @@ void nsdae_contacts_place_slides(nsdae_contacts *c, int first)
   }
 }
 
-static void close_contacts(nsdae_contacts *c, const double *gap, double touch, const int *closed,
-                           nsdae_impulses *results)
+static void begin(nsdae_contacts *c, nsdae_impulses *results)
 {
-  int count = 0, columns = 0, rows = 0;
-  nsdae_impulses_clear(results, &c->system->dims);
   c->results = results;
   c->lcp.info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
-  for (int i = 0; i < c->system->dims.k; i++) {
-    if (gap ? gap[i] > touch : !closed[i]) continue;
-    c->active[count] = i;
-    c->first_column[count] = columns;
-    c->first_row[count] = rows;
-    columns += c->law[i].columns;
-    rows += c->law[i].rows;
-    count++;
-  }
-  c->first_column[count] = columns;
-  c->first_row[count] = rows;
-  c->active_count = count;
-  c->columns = columns + c->slides.count; /* those of the frictional joints come last */
-  nsdae_contacts_place_slides(c, rows);
+  c->active_count = c->columns = c->rows = 0;
+}
+
+static void add_contact(nsdae_contacts *c, int i)
+{
+  int a = c->active_count++;
+  c->law[a] = c->given ? c->given[i]
+                       : nsdae_law_make(c->system->dims.nt, c->part.coefficient[i].mu, c->edges,
+                                        c->lcp.edge);
+  c->active[a] = i;
+  c->first_column[a] = c->columns;
+  c->first_row[a] = c->rows;
+  c->columns += c->law[a].columns;
+  c->rows += c->law[a].rows;
+}
+
+/* Those of the frictional joints come last. */
+static void end(nsdae_contacts *c)
+{
+  c->first_column[c->active_count] = c->columns;
+  c->first_row[c->active_count] = c->rows;
+  c->columns += c->slides.count;
+  nsdae_contacts_place_slides(c, c->rows);
 }
 
 void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
 {
   double touch = c->system->dims.k > 0 ? nsdae_terms_touch(terms) : 0;
-  close_contacts(c, terms->gap, touch, NULL, results);
+  nsdae_impulses_clear(results, &c->system->dims);
+  begin(c, results);
+  for (int i = 0; i < c->system->dims.k; i++)
+    if (!(terms->gap[i] > touch)) add_contact(c, i);
+  end(c);
 }
 
 void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_impulses *results)
 {
-  close_contacts(c, NULL, 0, closed, results);
+  nsdae_impulses_clear(results, &c->system->dims);
+  begin(c, results);
+  for (int i = 0; i < c->system->dims.k; i++)
+    if (closed[i]) add_contact(c, i);
+  end(c);
 }
 
-/* Velocity W^T v + w of contact i; W is dense here. */
-static void contact_velocity(const nsdae_contacts *c, int i, const nsdae_terms *T, const double *v,
-                             double *v_n, double *v_t)
+void nsdae_contacts_close_these(nsdae_contacts *c, int count, const int *contact,
+                                nsdae_impulses *results)
 {
-  int n = c->system->dims.nv, nt = c->system->dims.nt;
-  size_t size = (size_t)n;
-  v_n[i] = nsdae_dot_from(T->w_N[i], n, T->by.normal.value + (size_t)i * size, v);
-  for (int j = i * nt; j < (i + 1) * nt; j++)
-    v_t[j] = nsdae_dot_from(T->w_T[j], n, T->by.tangent.value + (size_t)j * size, v);
+  begin(c, results);
+  for (int i = 0; i < count; i++) add_contact(c, contact[i]);
+  end(c);
+}
+
+/* w_i + W_i^T v */
+static inline double rate(const nsdae_contacts *c, const nsdae_rows *rows, const double *w, int i,
+                          const double *v)
+{
+  const int *first = c->system->blocks.first;
+  double sum = w[i];
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int b = rows->block[p];
+    sum = nsdae_dot_from(sum, first[b + 1] - first[b], rows->value + rows->at[p],
+                         v + c->part.place[b]);
+  }
+  return sum;
 }
 
 static void frictional_joint_velocities(const nsdae_contacts *c, const nsdae_terms *T,
@@ -183,20 +209,35 @@ static void frictional_joint_velocities(const nsdae_contacts *c, const nsdae_ter
   }
 }
 
-static void velocities_after(nsdae_contacts *c, const nsdae_terms *terms, const double *v)
+/* v(+) by the columns of W, and by the rows of tangents without friction. */
+static void velocities_after(nsdae_contacts *c, const nsdae_terms *T, int n, const double *v)
 {
-  for (int a = 0; a < c->active_count; a++)
-    contact_velocity(c, c->active[a], terms, v, c->results->after, c->results->after_t);
-  frictional_joint_velocities(c, terms, v, c->results->slide_after);
+  nsdae_impulses *r = c->results;
+  int nt = c->system->dims.nt;
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    const double *W = c->delassus.W + (size_t)c->first_column[a] * (size_t)n;
+    r->after[i] = nsdae_dot_from(T->w_N[i], n, W, v);
+    for (int l = 1, j = i * nt; l <= nt; l++, j++)
+      r->after_t[j] = l < c->law[a].columns
+                          ? nsdae_dot_from(T->w_T[j], n, W + (size_t)l * (size_t)n, v)
+                          : rate(c, &T->by.tangent, T->w_T, j, v);
+  }
+  frictional_joint_velocities(c, T, v, r->slide_after);
 }
 
-void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *terms, const double *v,
+void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *T, const double *v,
                            int impacts_only)
 {
-  for (int a = 0; a < c->active_count; a++)
-    if (!impacts_only || c->results->impact[c->active[a]])
-      contact_velocity(c, c->active[a], terms, v, c->results->before, c->results->before_t);
-  if (!impacts_only) frictional_joint_velocities(c, terms, v, c->results->slide_before);
+  nsdae_impulses *r = c->results;
+  int nt = c->system->dims.nt;
+  for (int a = 0; a < c->active_count; a++) {
+    int i = c->active[a];
+    if (impacts_only && !r->impact[i]) continue;
+    r->before[i] = nsdae_terms_normal_rate(T, i, v);
+    for (int j = i * nt; j < (i + 1) * nt; j++) r->before_t[j] = nsdae_terms_tangent_rate(T, j, v);
+  }
+  if (!impacts_only) frictional_joint_velocities(c, T, v, r->slide_before);
 }
 
 void nsdae_contacts_come(nsdae_contacts *c, const double *before)
@@ -209,15 +250,31 @@ void nsdae_contacts_turn_to(nsdae_contacts *c, nsdae_impulses *results)
   c->results = results;
 }
 
-/* W, one block of columns per closed contact: normal, then tangential where it has friction. */
-static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
+/* Row i as a column of W. */
+static void gather_column(const nsdae_contacts *c, const nsdae_rows *rows, int i, int n, double *to)
 {
-  size_t n = (size_t)c->system->dims.nv, nt = (size_t)c->system->dims.nt;
+  const nsdae_blocks *blocks = &c->system->blocks;
+  int p = rows->first[i];
+  size_t bytes = (size_t)n * sizeof *to;
+  if (rows->first[i + 1] == p + 1 && nsdae_blocks_size(blocks, rows->block[p]) == n) {
+    memcpy(to, rows->value + rows->at[p], bytes);
+    return;
+  }
+  memset(to, 0, bytes);
+  nsdae_rows_gather(blocks, rows, i, c->part.place, to, 1);
+}
+
+/* W, one block of columns per closed contact: normal, then tangential where it has friction. */
+static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms, int columns_n)
+{
+  size_t n = (size_t)columns_n;
+  int nt = c->system->dims.nt;
   for (int a = 0; a < c->active_count; a++) {
-    size_t i = (size_t)c->active[a], tangents = (size_t)c->law[i].columns - 1;
+    int i = c->active[a];
     double *at = c->delassus.W + (size_t)c->first_column[a] * n;
-    memcpy(at, terms->by.normal.value + i * n, n * sizeof *at);
-    memcpy(at + n, terms->by.tangent.value + i * nt * n, tangents * n * sizeof *at);
+    gather_column(c, &terms->by.normal, i, columns_n, at);
+    for (int l = 1; l < c->law[a].columns; l++)
+      gather_column(c, &terms->by.tangent, i * nt + l - 1, columns_n, at + (size_t)l * n);
   }
   double *slides = c->delassus.W + (size_t)(c->columns - c->slides.count) * n;
   for (int j = 0; j < c->slides.count; j++)
@@ -227,18 +284,19 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms)
 
 /* Where the constraints leave a column no motion, W_j = Phi_q^T D_j, its U_j = P W_j is rounding
  * and must not be taken for a mass of 1e17. */
-static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, int n, int m)
+static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
-  const nsdae_blocks *blocks = &c->system->blocks;
-  double *reaction = terms->by.work;
+  const int n = kkt->n, m = kkt->m;
+  const nsdae_rows *J = c->part.J ? c->part.J : &terms->by.jacobian;
+  double *reaction = c->part.reaction;
   for (int j = 0; j < c->columns; j++) {
     const double *W = c->delassus.W + (size_t)j * (size_t)n,
                  *D = c->delassus.D + (size_t)j * (size_t)m;
     double largest = 0, left = 0;
     memset(reaction, 0, (size_t)n * sizeof *reaction);
     for (int i = 0; i < m; i++) {
-      nsdae_rows_add(blocks, &terms->by.jacobian, i, D[i], reaction);
-      largest = fmax(largest, fabs(D[i]) * nsdae_rows_largest(blocks, &terms->by.jacobian, i));
+      nsdae_rows_add(kkt->blocks, J, i, D[i], reaction);
+      largest = fmax(largest, fabs(D[i]) * nsdae_rows_largest(kkt->blocks, J, i));
     }
     for (int i = 0; i < n; i++) {
       largest = fmax(largest, fabs(W[i]));
@@ -256,23 +314,23 @@ static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt
   memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
   int status = nsdae_terms_solve(terms, kkt, c->columns, c->delassus.U, c->delassus.D);
   if (status < 0) return status;
-  if (m > 0) clear_jammed(c, terms, n, m);
+  if (m > 0) clear_jammed(c, terms, kkt);
   nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
                                c->delassus.G, c->columns);
   return NSDAE_OK;
 }
 
 /* W^T v_free + w(+) + e v(-), in the order of the columns. */
-static void offsets(nsdae_contacts *c, const nsdae_terms *terms, const double *v_free)
+static void offsets(nsdae_contacts *c, const nsdae_terms *terms, int n, const double *v_free)
 {
   int nt = c->system->dims.nt;
-  velocities_after(c, terms, v_free);
+  velocities_after(c, terms, n, v_free);
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    const nsdae_coefficients *e = &c->system->contact[i];
+    const nsdae_coefficients *e = &c->part.coefficient[i];
     double *at = c->delassus.offset + c->first_column[a];
     at[0] = c->results->after[i] + e->e_n * c->results->before[i];
-    for (int j = 1; j < c->law[i].columns; j++)
+    for (int j = 1; j < c->law[a].columns; j++)
       at[j] = c->results->after_t[i * nt + j - 1] + e->e_t * c->results->before_t[i * nt + j - 1];
   }
   for (int j = 0; j < c->slides.count; j++)
@@ -283,7 +341,7 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, const double *v
 /* E_P^T G E_Q of two contacts into their block of A. */
 static void assemble_block(nsdae_contacts *c, int row, int column)
 {
-  const nsdae_law *p = &c->law[c->active[row]], *q = &c->law[c->active[column]];
+  const nsdae_law *p = &c->law[row], *q = &c->law[column];
   const double *G =
       c->delassus.G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
   double *A = c->lcp.A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
@@ -307,7 +365,7 @@ static void assemble(nsdae_contacts *c)
   int plain = c->columns == c->active_count && c->active_count > 3;
   if (plain) memcpy(c->lcp.A, c->delassus.G, n * n * sizeof *c->lcp.A);
   for (int a = 0; a < c->active_count; a++) {
-    const nsdae_law *law = &c->law[c->active[a]];
+    const nsdae_law *law = &c->law[a];
     for (int other = plain ? c->active_count : 0; other < c->active_count; other++)
       assemble_block(c, other, a);
     size_t first = (size_t)c->first_row[a];
@@ -326,7 +384,7 @@ static void recall_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
     memcpy(c->lcp.basis + c->first_row[a], memory_of(c, a),
-           (size_t)c->law[c->active[a]].rows * sizeof *c->warm.basis);
+           (size_t)c->law[a].rows * sizeof *c->warm.basis);
   for (int j = 0; j < c->slides.count; j++)
     memcpy(c->lcp.basis + c->slides.row[j], c->warm.slide_basis + 3 * (size_t)j,
            (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
@@ -336,7 +394,7 @@ static void keep_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
     memcpy(memory_of(c, a), c->lcp.basis + c->first_row[a],
-           (size_t)c->law[c->active[a]].rows * sizeof *c->warm.basis);
+           (size_t)c->law[a].rows * sizeof *c->warm.basis);
   for (int j = 0; j < c->slides.count; j++)
     memcpy(c->warm.slide_basis + 3 * (size_t)j, c->lcp.basis + c->slides.row[j],
            (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
@@ -346,8 +404,11 @@ static int unsolved(nsdae_contacts *c, double t, int status)
 {
   char first[NSDAE_CALLED_SIZE];
   int contact = c->active_count > 0;
-  nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT,
-                      contact ? c->active[0] : 0, first);
+  if (c->part.id)
+    nsdae_system_called_id(c->system, c->part.id[c->active[0]], first);
+  else
+    nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT,
+                        contact ? c->active[0] : 0, first);
   nsdae_error_set(
       c->error, status, "nsdae_contacts", "",
       "contact problem of %d rows (first %s) at t = %.17g: %s, residual %.3g above %.3g; a "
@@ -372,7 +433,7 @@ int nsdae_contacts_solve_lcp(nsdae_contacts *c)
 /* A polygon's gamma is the slip speed; one of rounding size is none. */
 static int mode_of(const nsdae_contacts *c, int a)
 {
-  const nsdae_law *law = &c->law[c->active[a]];
+  const nsdae_law *law = &c->law[a];
   const double *x = c->lcp.x + c->first_row[a], *offset = c->delassus.offset + c->first_column[a];
   if (law->kind == NSDAE_CONE) return nsdae_cones_mode(c, a);
   int mode = nsdae_law_mode(law, x);
@@ -388,14 +449,15 @@ static void scatter(nsdae_contacts *c)
   int nt = c->system->dims.nt;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    const nsdae_law *law = &c->law[i];
+    const nsdae_law *law = &c->law[a];
     const double *x = c->lcp.x + c->first_row[a];
     double *impulse = c->delassus.impulse + c->first_column[a];
     /* of the contact as a whole: so good is the solution of the LCP */
     double size = nsdae_law_impulse(law, x, impulse);
     for (int l = 0; l < law->columns; l++) c->delassus.impulse_size[c->first_column[a] + l] = size;
     c->results->normal[i] = impulse[0];
-    for (int l = 1; l < law->columns; l++) c->results->tangential[i * nt + l - 1] = impulse[l];
+    for (int l = 1; l <= nt; l++)
+      c->results->tangential[i * nt + l - 1] = l < law->columns ? impulse[l] : 0;
     c->results->mode[i] = mode_of(c, a);
   }
 }
@@ -438,15 +500,15 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
                          double *size, double *v, double *lambda)
 {
   if (!nsdae_contacts_any(c)) return NSDAE_OK;
-  gather_columns(c, terms);
+  gather_columns(c, terms, kkt->n);
   int status = delassus(c, terms, kkt);
   if (status < 0) return status;
-  offsets(c, terms, v);
+  offsets(c, terms, kkt->n, v);
   status = solve_impulses(c, lambda);
   if (status < 0) return unsolved(c, nsdae_terms_time(terms), status);
   add_velocity(c, kkt->n, size, v);
   nsdae_add_product(kkt->m, c->columns, c->delassus.D, c->delassus.impulse, lambda);
-  velocities_after(c, terms, v);
+  velocities_after(c, terms, kkt->n, v);
   return NSDAE_OK;
 }
 
@@ -461,23 +523,20 @@ void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *term
                                 int skip_impacts, double *r)
 {
   const nsdae_dims *dims = &c->system->dims;
-  size_t n = (size_t)dims->nv;
+  const nsdae_blocks *blocks = &c->system->blocks;
+  const nsdae_impulses *of = c->results;
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (skip_impacts && c->results->impact[i]) continue;
-    double normal = scale * c->results->normal[i];
-    nsdae_add_product(dims->nv, 1, terms->by.normal.value + (size_t)i * n, &normal, r);
-    for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++) {
-      double tangential = scale * c->results->tangential[j];
-      nsdae_add_product(dims->nv, 1, terms->by.tangent.value + (size_t)j * n, &tangential, r);
-    }
+    if (skip_impacts && of->impact[i]) continue;
+    nsdae_rows_add(blocks, &terms->by.normal, i, scale * of->normal[i], r);
+    for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++)
+      nsdae_rows_add(blocks, &terms->by.tangent, j, scale * of->tangential[j], r);
   }
   if (skip_impacts && any_impact(c)) return;
-  for (int j = 0; j < c->slides.count; j++) {
-    double friction = scale * c->results->frictional_joint_impulse[c->slides.number[j]];
-    nsdae_add_product(dims->nv, 1,
-                      terms->by.frictional_joint.value + (size_t)c->slides.number[j] * n, &friction,
-                      r);
+  for (int i = 0; i < c->slides.count; i++) {
+    int j = c->slides.number[i];
+    nsdae_rows_add(blocks, &terms->by.frictional_joint, j, scale * of->frictional_joint_impulse[j],
+                   r);
   }
 }
 

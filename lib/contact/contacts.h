@@ -65,13 +65,24 @@ typedef struct nsdae_contact_warm {
   double *impulse;          /* with cones, k (1 + nt): the last impulses of each */
 } nsdae_contact_warm;
 
+/* The system of the problem, or an island of it. */
+typedef struct nsdae_contact_part {
+  const nsdae_coefficients *coefficient; /* of the contacts, by number */
+  const int *place;                      /* of a block: where its velocities begin in v */
+  const long *id;                        /* of the contacts; NULL: numbers are all they have */
+  const nsdae_rows *J; /* Phi_q of an island, over the blocks of kkt; NULL: the terms' */
+  double *reaction;    /* nv */
+} nsdae_contact_part;
+
 typedef struct nsdae_contacts {
   const nsdae_system *system;
   nsdae_error *error;
-  nsdae_law *law;            /* k: fixed with the system's coefficients */
-  int rows_most;             /* of any contact */
+  nsdae_contact_part part;
+  const nsdae_law *given;    /* laws by number of the contact; NULL: those of its coefficients */
+  int edges, rows_most;      /* of a polygon; of any contact */
   long rows_in_all;          /* of all of them, and of the frictional joints */
   int active_count, *active; /* the closed contacts */
+  nsdae_law *law;            /* per closed contact */
   int columns, rows; /* of the problem, over the closed contacts and the frictional joints */
   int *first_column, *first_row; /* per closed contact, with one past the last */
   nsdae_contact_slides slides;
@@ -83,11 +94,11 @@ typedef struct nsdae_contacts {
   nsdae_contact_warm warm;
 } nsdae_contacts;
 
-/* Takes the arrays; system, error, rows_most and rows_in_all are set before: nsdae_contacts_set. */
-void nsdae_contacts_layout(nsdae_contacts *contacts, nsdae_arena *arena);
+/* Takes the arrays for these sizes; system, error and rows_in_all are set before. */
+void nsdae_contacts_layout(nsdae_contacts *contacts, const nsdae_dims *most, nsdae_arena *arena);
 
-/* Fills the laws [k], where there are any yet, and rows_most from the system's coefficients, and
- * counts the frictional joints. */
+/* The coefficients of the whole system, the rows that they lead to with polygons of this number of
+ * edges, and the frictional joints. */
 void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 
 /* Settings of a problem of the system; then as above. */
@@ -119,6 +130,10 @@ void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms,
 /* The same with the contacts [k] that are marked. */
 void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed,
                                  nsdae_impulses *results);
+
+/* The same with these contacts; results has room for every one of the whole. */
+void nsdae_contacts_close_these(nsdae_contacts *contacts, int count, const int *contact,
+                                nsdae_impulses *results);
 
 /* Stores v(-) of the closed contacts and the frictional joints: W^T v + w with the terms' W and w;
  * with impacts_only, of the contacts that are marked as impacts. */

@@ -94,7 +94,7 @@ int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_
     double coefficient = c->lcp.A[(size_t)row * (size_t)c->rows + (size_t)row];
     double least =
         margins[margin] * c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
-    if (c->law[c->active[a]].kind != NSDAE_SLIDING || (coefficient > least && !unsolved)) continue;
+    if (c->law[a].kind != NSDAE_SLIDING || (coefficient > least && !unsolved)) continue;
     if (status == NSDAE_OK && by_rows && yield_of(c, row) > least) continue;
     return tell(c, NSDAE_NAME_CONTACT, c->active[a], t,
                 margin == NSDAE_JAM_NEAR ? without_bound

@@ -19,25 +19,6 @@ void nsdae_law_edges(int edges, double *edge)
   }
 }
 
-int nsdae_law_rows(int nt, double mu, int edges)
-{
-  if (nt == 0 || mu == 0) return 1;
-  return nt == 1 || edges == 0 ? 3 : edges + 2;
-}
-
-nsdae_law nsdae_law_make(int nt, double mu, int edges, const double *edge)
-{
-  nsdae_law_kind kind = nt == 0 || mu == 0 ? NSDAE_FRICTIONLESS
-                        : nt == 1          ? NSDAE_PLANAR
-                        : edges == 0       ? NSDAE_CONE
-                                           : NSDAE_POLYGON;
-  return (nsdae_law){.kind = kind,
-                     .columns = kind == NSDAE_FRICTIONLESS ? 1 : 1 + nt,
-                     .rows = nsdae_law_rows(nt, mu, edges),
-                     .mu = mu,
-                     .edge = edge};
-}
-
 nsdae_law nsdae_law_sliding(int nt, double mu, const double *d)
 {
   nsdae_law law = {.kind = NSDAE_SLIDING, .columns = 1 + nt, .rows = 1, .mu = mu};
@@ -58,8 +39,13 @@ static inline double entry(const nsdae_law *law, double mu, int l, int row)
 
 double nsdae_law_impulse(const nsdae_law *law, const double *x, double *impulse)
 {
-  double size = 0;
-  for (int l = 0; l < law->columns; l++) {
+  double size = fabs(x[0]);
+  impulse[0] = x[0];
+  if (law->kind == NSDAE_PLANAR) { /* the most of many */
+    impulse[1] = x[1] - law->mu * x[0];
+    return fmax(size, fabs(law->mu * x[0]) + fabs(x[1]));
+  }
+  for (int l = 1; l < law->columns; l++) {
     double terms = 0;
     impulse[l] = 0;
     for (int i = 0; i < law->rows; i++) {

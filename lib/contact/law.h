@@ -46,18 +46,29 @@ typedef struct nsdae_law {
 /* The columns of D of that number of edges, at most NSDAE_POLYGON_MAX. */
 void nsdae_law_edges(int edges, double *edge);
 
-/* Law of a contact with nt tangential directions: frictionless where nt = 0 or mu = 0; where nt = 2
- * a polygon of edges directions, which must outlive it, or with edges = 0 the cone. */
-nsdae_law nsdae_law_make(int nt, double mu, int edges, const double *edge);
+/* Rows of a contact with nt tangential directions and a polygon of edges directions or, with edges
+ * = 0, the cone if nt = 2; frictionless if nt = 0 or mu = 0. */
+static inline int nsdae_law_rows(int nt, double mu, int edges)
+{
+  if (nt == 0 || mu == 0) return 1;
+  return nt == 1 || edges == 0 ? 3 : edges + 2;
+}
+
+/* Its law; the columns of D must outlive it. */
+static inline nsdae_law nsdae_law_make(int nt, double mu, int edges, const double *edge)
+{
+  nsdae_law law = {NSDAE_FRICTIONLESS, 1, nsdae_law_rows(nt, mu, edges), mu, {0}, edge};
+  if (nt == 0 || mu == 0) return law;
+  law.kind = nt == 1 ? NSDAE_PLANAR : edges == 0 ? NSDAE_CONE : NSDAE_POLYGON;
+  law.columns = 1 + nt;
+  return law;
+}
 
 /* Edges of the polygon that is the start alone. */
 static inline int nsdae_law_edges_to_start(int edges)
 {
   return edges > 0 ? edges : NSDAE_POLYGON_START;
 }
-
-/* Its rows. */
-int nsdae_law_rows(int nt, double mu, int edges);
 
 /* Law of a contact that slides along the unit vector d [nt]. */
 nsdae_law nsdae_law_sliding(int nt, double mu, const double *d);

@@ -9,69 +9,35 @@
 void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error *error,
                          const nsdae_lcp_options *options, double rank_tol)
 {
-  l->model.dims.nt = system->dims.nt;
-  l->model.blocks = (nsdae_blocks){1, l->ends, l->squares};
-  l->blocks = system->blocks.count;
-  l->terms.system = l->contacts.system = &l->model;
-  l->terms.error = l->contacts.error = error;
+  l->blocks = (nsdae_blocks){1, l->ends, l->squares};
+  l->contacts.system = system;
+  l->contacts.error = error;
   l->contacts.lcp.options = *options;
   l->contacts.rows_most = NSDAE_CLOSED_BASIS;
+  l->contacts.part.J = &l->J;
   l->kkt.rank_tol = rank_tol;
-  l->kkt.blocks = &l->model.blocks;
-}
-
-static void most_dims(nsdae_local *l)
-{
-  int planar = l->model.dims.nt == 1 ? 3 : 1;
-  l->model.dims.nv = l->kkt.n = l->ends[1] = NSDAE_LOCAL_V;
-  l->model.dims.m = l->kkt.m = NSDAE_LOCAL_M;
-  l->model.dims.k = NSDAE_LOCAL_ROWS / planar;
-}
-
-/* The arrays that a gathered island fills. */
-static void lay_out_terms(nsdae_terms *T, nsdae_arena *arena)
-{
-  const nsdae_dims *d = &T->system->dims;
-  const nsdae_blocks *blocks = &T->system->blocks;
-  long n = d->nv, k = d->k, nt = d->nt;
-  T->M = NSDAE_ARENA_DOUBLES(arena, n * n);
-  T->by.work = NSDAE_ARENA_DOUBLES(arena, n);
-  nsdae_terms_layout_rows(&T->by.jacobian, blocks, d->m, 1, d->m, arena);
-  T->w_N = NSDAE_ARENA_DOUBLES(arena, k);
-  T->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  nsdae_terms_layout_rows(&T->by.normal, blocks, k, n, 1, arena);
-  nsdae_terms_layout_rows(&T->by.tangent, blocks, k * nt, n, 1, arena);
+  l->kkt.blocks = &l->blocks;
 }
 
 void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
 {
-  most_dims(l);
-  const nsdae_dims *d = &l->model.dims;
-  long k = d->k;
-  lay_out_terms(&l->terms, arena);
-  l->coefficient = nsdae_arena_take(arena, k, sizeof *l->coefficient);
-  l->memory = NSDAE_ARENA_INTS(arena, k * NSDAE_CLOSED_BASIS);
-  l->all = NSDAE_ARENA_INTS(arena, k);
-  l->r = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  l->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  l->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  l->free = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  l->column = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  l->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
-  l->asked = NSDAE_ARENA_DOUBLES(arena, d->m);
-  l->place = NSDAE_ARENA_INTS(arena, l->blocks);
-  l->real_part = NSDAE_ARENA_DOUBLES(arena, 3 * k * (1 + d->nt));
-  l->whole_part = NSDAE_ARENA_INTS(arena, 2 * k);
+  const nsdae_system *s = l->contacts.system;
+  int planar = s->dims.nt == 1 ? 3 : 1;
+  const nsdae_dims most = {
+      .nv = NSDAE_LOCAL_V, .m = NSDAE_LOCAL_M, .k = NSDAE_LOCAL_ROWS / planar, .nt = s->dims.nt};
+  l->kkt.n = l->ends[1] = most.nv;
+  l->kkt.m = most.m;
+  l->contacts.rows_in_all = NSDAE_LOCAL_ROWS;
+  double **vector[] = {&l->r, &l->v, &l->size, &l->free, &l->column};
+  for (int i = 0; i < 5; i++) *vector[i] = NSDAE_ARENA_DOUBLES(arena, most.nv);
+  l->gathered = NSDAE_ARENA_DOUBLES(arena, most.nv * most.nv);
+  l->lambda = NSDAE_ARENA_DOUBLES(arena, most.m);
+  l->asked = NSDAE_ARENA_DOUBLES(arena, most.m);
+  l->place = NSDAE_ARENA_INTS(arena, s->blocks.count);
+  l->contacts.part.place = l->place;
+  nsdae_terms_layout_rows(&l->J, &l->blocks, most.m, 1, most.m, arena);
   nsdae_kkt_layout(&l->kkt, arena);
-  l->model.contact = l->coefficient;
-  l->contacts.law = l->law;
-  l->contacts.rows_in_all = 0;
-  for (int i = 0; i < d->k; i++) {
-    l->law[i] = nsdae_law_make(d->nt == 1, d->nt == 1, 0, NULL);
-    l->contacts.rows_in_all += l->law[i].rows;
-  }
-  for (int i = 0; l->all && i < d->k; i++) l->all[i] = 1;
-  nsdae_contacts_layout(&l->contacts, arena);
+  nsdae_contacts_layout(&l->contacts, &most, arena);
 }
 
 int nsdae_local_fits(const nsdae_whole *w, int island)
@@ -90,40 +56,30 @@ int nsdae_local_fits(const nsdae_whole *w, int island)
 
 /* ---- gathering */
 
-static void place_impulses(nsdae_local *l)
-{
-  const nsdae_dims *d = &l->model.dims;
-  size_t k = (size_t)d->k, kt = k * (size_t)d->nt;
-  nsdae_impulses *r = &l->impulses;
-  r->before = l->real_part;
-  r->before_t = r->before + k;
-  r->after = r->before_t + kt;
-  r->after_t = r->after + k;
-  r->normal = r->after_t + kt;
-  r->tangential = r->normal + k;
-  r->impact = l->whole_part;
-  r->mode = r->impact + k;
-}
-
-/* M and r of the island's blocks as one dense matrix and vector. */
+/* Of one block M is that of the whole. */
 static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
 {
-  const nsdae_graph *is = w->islands;
+  const nsdae_members *members = &w->islands->block;
   const nsdae_blocks *blocks = &w->system->blocks;
-  int n = 0;
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
-    l->place[is->block.of[i]] = n;
-    n += nsdae_blocks_size(blocks, is->block.of[i]);
+  const int *block = members->of + members->first[island];
+  int count = nsdae_members_count(members, island), n = 0;
+  for (int i = 0; i < count; i++) {
+    l->place[block[i]] = n;
+    memcpy(l->r + n, w->r + blocks->first[block[i]],
+           (size_t)nsdae_blocks_size(blocks, block[i]) * sizeof *w->r);
+    n += nsdae_blocks_size(blocks, block[i]);
   }
-  l->model.dims.nv = l->kkt.n = l->ends[1] = n;
+  l->kkt.n = l->ends[1] = n;
   l->squares[1] = (size_t)n * (size_t)n;
-  memset(l->terms.M, 0, (size_t)n * (size_t)n * sizeof *l->terms.M);
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
-    int b = is->block.of[i], at = l->place[b], size = nsdae_blocks_size(blocks, b);
+  l->M = count == 1 ? w->M + blocks->square[*block] : l->gathered;
+  if (count == 1) return;
+  memset(l->gathered, 0, l->squares[1] * sizeof *l->gathered);
+  for (int i = 0; i < count; i++) {
+    int at = l->place[block[i]], size = nsdae_blocks_size(blocks, block[i]);
+    const double *M = w->M + blocks->square[block[i]];
     for (int j = 0; j < size; j++)
-      memcpy(l->terms.M + (size_t)(at + j) * (size_t)n + at,
-             w->M + blocks->square[b] + (size_t)j * (size_t)size, (size_t)size * sizeof *w->M);
-    memcpy(l->r + at, w->r + blocks->first[b], (size_t)size * sizeof *w->r);
+      memcpy(l->gathered + (size_t)(at + j) * (size_t)n + at, M + (size_t)j * (size_t)size,
+             (size_t)size * sizeof *M);
   }
 }
 
@@ -131,73 +87,37 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
 {
   const nsdae_graph *is = w->islands;
   const int *row = is->row.of + is->row.first[island];
-  int m = nsdae_members_count(&is->row, island), n = l->model.dims.nv;
-  l->model.dims.m = l->kkt.m = m;
-  l->terms.by.jacobian.stride = (size_t)m;
-  memset(l->terms.by.jacobian.value, 0, (size_t)m * (size_t)n * sizeof *l->terms.by.jacobian.value);
+  int m = nsdae_members_count(&is->row, island);
+  l->kkt.m = l->J.count = m;
+  l->J.stride = (size_t)m;
+  memset(l->J.value, 0, (size_t)m * (size_t)l->kkt.n * sizeof *l->J.value);
   for (int i = 0; i < m; i++) {
-    nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place,
-                      l->terms.by.jacobian.value + i, (size_t)m);
+    nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place, l->J.value + i,
+                      (size_t)m);
     l->asked[i] = w->lambda[row[i]];
   }
 }
 
-static void gather_laws(nsdae_local *l, const nsdae_whole *w, const int *contact)
+static void close_contacts(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts)
 {
-  for (int i = 0; i < l->model.dims.k; i++) {
-    l->coefficient[i] = w->law[contact[i]];
-    l->law[i] = nsdae_law_make(l->model.dims.nt, l->coefficient[i].mu, 0, NULL);
-  }
-}
-
-/* Contact a of the step as contact i of the island: directions over its velocities, offsets, warm
- * start. */
-static void gather_contact(nsdae_local *l, const nsdae_whole *w, int i, int a)
-{
-  const nsdae_terms *T = w->terms;
-  const nsdae_blocks *blocks = &w->system->blocks;
-  int nt = l->model.dims.nt;
-  size_t n = (size_t)l->model.dims.nv;
-  l->terms.by.normal.at[i] = (size_t)i * n;
-  nsdae_rows_gather(blocks, &T->by.normal, a, l->place, l->terms.by.normal.value + (size_t)i * n,
-                    1);
-  l->terms.w_N[i] = T->w_N[a];
-  l->impulses.before[i] = w->results->before[a];
-  for (int d = 0; d < nt; d++) {
-    int to = i * nt + d, from = a * nt + d;
-    l->terms.by.tangent.at[to] = (size_t)to * n;
-    nsdae_rows_gather(blocks, &T->by.tangent, from, l->place,
-                      l->terms.by.tangent.value + (size_t)to * n, 1);
-    l->terms.w_T[to] = T->w_T[from];
-    l->impulses.before_t[to] = w->results->before_t[from];
-  }
-  memcpy(l->memory + (size_t)i * NSDAE_CLOSED_BASIS,
-         w->closed->basis + (size_t)a * NSDAE_CLOSED_BASIS, NSDAE_CLOSED_BASIS * sizeof(int));
-}
-
-static void gather_contacts(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts)
-{
-  const nsdae_graph *is = w->islands;
-  int k = with_contacts ? nsdae_members_count(&is->contact, island) : 0;
-  const int *contact = is->contact.of + is->contact.first[island];
-  size_t n = (size_t)l->model.dims.nv;
-  l->model.dims.k = k;
-  gather_laws(l, w, contact);
-  place_impulses(l);
-  nsdae_contacts_remember(&l->contacts, l->memory, NULL);
-  nsdae_contacts_close_marked(&l->contacts, l->all, &l->impulses);
-  memset(l->terms.by.normal.value, 0, n * (size_t)k * sizeof *l->terms.by.normal.value);
-  memset(l->terms.by.tangent.value, 0,
-         n * (size_t)k * (size_t)l->model.dims.nt * sizeof *l->terms.by.tangent.value);
-  for (int i = 0; i < k; i++) gather_contact(l, w, i, contact[i]);
+  const nsdae_members *members = &w->islands->contact;
+  nsdae_contacts *c = &l->contacts;
+  c->part.coefficient = w->law;
+  c->part.id = w->closed->id;
+  nsdae_contacts_remember(c, w->closed->basis, NULL);
+  nsdae_contacts_close_these(c, with_contacts ? nsdae_members_count(members, island) : 0,
+                             members->of + members->first[island], w->results);
 }
 
 /* Whether something drives the island: a velocity is asked of a row or a contact. */
-static int driven(const nsdae_local *l)
+static int driven(const nsdae_local *l, const nsdae_whole *w)
 {
-  int k = l->model.dims.k, kt = k * l->model.dims.nt;
-  return nsdae_largest(l->kkt.m, l->asked) > 0 || nsdae_largest(k, l->terms.w_N) > 0 ||
-         nsdae_largest(kt, l->terms.w_T) > 0;
+  const nsdae_contacts *c = &l->contacts;
+  const nsdae_terms *T = w->terms;
+  int nt = w->system->dims.nt, any = nsdae_largest(l->kkt.m, l->asked) > 0;
+  for (int a = 0; a < c->active_count && !any; a++)
+    any = T->w_N[c->active[a]] != 0 || nsdae_largest(nt, T->w_T + c->active[a] * nt) > 0;
+  return any;
 }
 
 /* Whether no entry moves a contact by more than the digits of the solution, in parts of the largest
@@ -216,10 +136,13 @@ static int stands(const nsdae_local *l)
 /* Exactly: it does not creep. */
 static void stand(nsdae_local *l)
 {
-  size_t k = (size_t)l->model.dims.k, kt = k * (size_t)l->model.dims.nt;
+  const nsdae_contacts *c = &l->contacts;
+  int nt = c->system->dims.nt;
   memset(l->v, 0, (size_t)l->kkt.n * sizeof *l->v);
-  memset(l->impulses.after, 0, k * sizeof *l->impulses.after);
-  memset(l->impulses.after_t, 0, kt * sizeof *l->impulses.after_t);
+  for (int a = 0; a < c->active_count; a++) {
+    c->results->after[c->active[a]] = 0;
+    for (int j = 0; j < nt; j++) c->results->after_t[c->active[a] * nt + j] = 0;
+  }
 }
 
 /* ---- residuals of the laws */
@@ -240,13 +163,14 @@ static void measure(const nsdae_local *l, int j, double u_j, double *diagonal, d
   *q = u_j + nsdae_dot(n, W, l->free);
 }
 
-/* Residual of contact i: impulses in units of velocity by the mean diagonal of G, against the law.
- */
-static void fit_contact(const nsdae_local *l, int i, nsdae_misfit *misfit)
+/* Residual of the a-th contact: impulses in units of velocity by the mean diagonal of G, against
+ * the law. */
+static void fit_contact(const nsdae_local *l, int a, nsdae_misfit *misfit)
 {
-  const nsdae_impulses *r = &l->impulses;
-  const nsdae_coefficients *law = &l->coefficient[i];
-  int nt = l->model.dims.nt, columns = l->law[i].columns, first = l->contacts.first_column[i];
+  const nsdae_contacts *c = &l->contacts;
+  const nsdae_impulses *r = c->results;
+  int i = c->active[a], nt = c->system->dims.nt, columns = c->law[a].columns;
+  const nsdae_coefficients *law = &c->part.coefficient[i];
   double x[3] = {r->normal[i]}, u[3] = {r->after[i] + law->e_n * r->before[i]}, d = 0;
   for (int j = 1, t = i * nt; j < columns; j++, t++) {
     x[j] = r->tangential[t];
@@ -254,7 +178,7 @@ static void fit_contact(const nsdae_local *l, int i, nsdae_misfit *misfit)
   }
   for (int j = 0; j < columns; j++) {
     double diagonal, q;
-    measure(l, first + j, u[j], &diagonal, &q);
+    measure(l, c->first_column[a] + j, u[j], &diagonal, &q);
     nsdae_misfit_speed(misfit, q);
     d += diagonal;
   }
@@ -265,7 +189,7 @@ static void fit_contact(const nsdae_local *l, int i, nsdae_misfit *misfit)
 
 static void fit_row(const nsdae_local *l, int i, nsdae_misfit *misfit)
 {
-  const double *J = l->terms.by.jacobian.value + i;
+  const double *J = l->J.value + i;
   double u = -l->asked[i], change = 0;
   for (int j = 0; j < l->kkt.n; j++, J += l->kkt.m) {
     u += *J * l->v[j];
@@ -284,14 +208,14 @@ static nsdae_misfit fit(const nsdae_local *l)
     nsdae_kkt_solve_mass(&l->kkt, l->free);
     for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->v[j];
   }
-  for (int i = 0; i < l->model.dims.k; i++) fit_contact(l, i, &misfit);
+  for (int a = 0; a < l->contacts.active_count; a++) fit_contact(l, a, &misfit);
   for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, &misfit);
   return misfit;
 }
 
 /* ---- and back */
 
-static void scatter_blocks(const nsdae_local *l, const nsdae_whole *w, int island)
+static void scatter(const nsdae_local *l, const nsdae_whole *w, int island)
 {
   const nsdae_graph *is = w->islands;
   const nsdae_blocks *blocks = &w->system->blocks;
@@ -301,57 +225,23 @@ static void scatter_blocks(const nsdae_local *l, const nsdae_whole *w, int islan
     memcpy(w->v + blocks->first[b], l->v + l->place[b], bytes);
     memcpy(w->size + blocks->first[b], l->size + l->place[b], bytes);
   }
-  for (int i = 0; i < l->model.dims.m; i++)
+  for (int i = 0; i < l->kkt.m; i++)
     w->lambda[is->row.of[is->row.first[island] + i]] = l->lambda[i];
 }
 
-static void scatter_contact(const nsdae_local *l, const nsdae_whole *w, int i, int a)
-{
-  const nsdae_impulses *from = &l->impulses;
-  nsdae_impulses *to = w->results;
-  size_t nt = (size_t)l->model.dims.nt, t = (size_t)i * nt, u = (size_t)a * nt;
-  to->normal[a] = from->normal[i];
-  to->after[a] = from->after[i];
-  to->mode[a] = from->mode[i];
-  memcpy(to->tangential + u, from->tangential + t, nt * sizeof *to->tangential);
-  memcpy(to->after_t + u, from->after_t + t, nt * sizeof *to->after_t);
-  memcpy(w->closed->basis + (size_t)a * NSDAE_CLOSED_BASIS,
-         l->memory + (size_t)i * NSDAE_CLOSED_BASIS, NSDAE_CLOSED_BASIS * sizeof(int));
-}
-
-/* The place goes before the text. */
-static int failed(nsdae_local *l, const nsdae_whole *w, int island, int status)
-{
-  nsdae_error *error = l->terms.error;
-  const nsdae_graph *is = w->islands;
-  nsdae_error was = *error;
-  int contacts = nsdae_members_count(&is->contact, island),
-      b = is->block.of[is->block.first[island]];
-  if (contacts > 0)
-    nsdae_error_set(error, status, was.where, was.argument,
-                    "in the island of block %d (%d contacts, first id %ld): %.150s", b, contacts,
-                    w->closed->id[is->contact.of[is->contact.first[island]]], was.text);
-  else
-    nsdae_error_set(error, status, was.where, was.argument, "in the island of block %d: %.200s", b,
-                    was.text);
-  error->time = was.time;
-  error->index = b;
-  return status;
-}
-
 /* v, lambda, the impulses and the residuals of the laws, from the bases in memory. */
-static int solve(nsdae_local *l, nsdae_misfit *misfit)
+static int solve(nsdae_local *l, const nsdae_whole *w, nsdae_misfit *misfit)
 {
   int n = l->kkt.n, m = l->kkt.m;
   memcpy(l->lambda, l->asked, (size_t)m * sizeof *l->lambda);
   memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
   memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
-  int status = nsdae_terms_solve(&l->terms, &l->kkt, 1, l->v, l->lambda);
+  int status = nsdae_terms_solve(w->terms, &l->kkt, 1, l->v, l->lambda);
   if (status < 0) return status;
   nsdae_kkt_solve_mass(&l->kkt, l->size);
-  status = nsdae_contacts_solve(&l->contacts, &l->terms, &l->kkt, l->size, l->v, l->lambda);
+  status = nsdae_contacts_solve(&l->contacts, w->terms, &l->kkt, l->size, l->v, l->lambda);
   if (status < 0 || !nsdae_contacts_any(&l->contacts)) return status;
-  if (!driven(l) && stands(l)) stand(l);
+  if (!driven(l, w) && stands(l)) stand(l);
   *misfit = fit(l);
   return status;
 }
@@ -359,52 +249,51 @@ static int solve(nsdae_local *l, nsdae_misfit *misfit)
 /* Whether the normal impulses are what they were, up to rounding. */
 static int same_impulses(const nsdae_local *l, const double *was)
 {
-  double apart = 0, most = nsdae_largest(l->model.dims.k, was);
-  for (int i = 0; i < l->model.dims.k; i++)
-    apart = fmax(apart, fabs(l->impulses.normal[i] - was[i]));
+  const nsdae_contacts *c = &l->contacts;
+  double apart = 0, most = nsdae_largest(c->active_count, was);
+  for (int a = 0; a < c->active_count; a++)
+    apart = fmax(apart, fabs(c->results->normal[c->active[a]] - was[a]));
   return apart <= 1e-3 * most;
 }
 
-/* The complementarity problem is judged by scales of its own: where it is solved and a law is not,
- * once more and by two digits more. Where that fails or finds another solution, it was one. */
-static int solve_laws(nsdae_local *l, nsdae_misfit *misfit)
+/* Bases of the closed contacts, from or to their place. */
+static void copy_bases(nsdae_contacts *c, int *basis, int back)
 {
-  int memory[NSDAE_LOCAL_ROWS * NSDAE_CLOSED_BASIS];
-  double was[NSDAE_LOCAL_ROWS];
-  const size_t bytes = (size_t)l->model.dims.k * NSDAE_CLOSED_BASIS * sizeof *memory;
-  double *tol = &l->contacts.lcp.options.tol, asked = *tol;
-  memcpy(memory, l->memory, bytes);
-  int status = solve(l, misfit);
+  const size_t bytes = NSDAE_CLOSED_BASIS * sizeof *basis;
+  for (int a = 0; a < c->active_count; a++, basis += NSDAE_CLOSED_BASIS) {
+    int *of = c->warm.basis + (size_t)c->active[a] * NSDAE_CLOSED_BASIS;
+    memcpy(back ? of : basis, back ? basis : of, bytes);
+  }
+}
+
+/* The complementarity problem is judged by scales of its own: if it is solved and a law is not,
+ * once more and by two digits more. If that fails or finds another solution, it was one. */
+static int solve_laws(nsdae_local *l, const nsdae_whole *w, nsdae_misfit *misfit)
+{
+  nsdae_contacts *c = &l->contacts;
+  int basis[NSDAE_LOCAL_ROWS * NSDAE_CLOSED_BASIS];
+  double was[NSDAE_LOCAL_ROWS], *tol = &c->lcp.options.tol, asked = *tol;
+  copy_bases(c, basis, 0);
+  int status = solve(l, w, misfit);
   if (status < 0 || nsdae_misfit_residual(misfit) <= asked) return status;
-  memcpy(was, l->impulses.normal, (size_t)l->model.dims.k * sizeof *was);
+  for (int a = 0; a < c->active_count; a++) was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
-  status = solve(l, misfit);
+  status = solve(l, w, misfit);
   *tol = asked;
   if (status == NSDAE_OK && same_impulses(l, was)) return status;
-  memcpy(l->memory, memory, bytes);
-  return solve(l, misfit);
+  copy_bases(c, basis, 1);
+  return solve(l, w, misfit);
 }
 
 int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts,
                       int least_norm, nsdae_misfit *misfit)
 {
-  const nsdae_graph *is = w->islands;
-  l->model.part = (nsdae_part_of){w->system,
-                                  is->block.of + is->block.first[island],
-                                  is->row.of + is->row.first[island],
-                                  is->contact.of + is->contact.first[island],
-                                  w->closed->id,
-                                  nsdae_members_count(&is->block, island)};
   gather_blocks(l, w, island);
   gather_rows(l, w, island);
-  gather_contacts(l, w, island, with_contacts);
-  l->terms.t = w->terms->t;
-  l->model.epoch = w->system->epoch;
-  int status = nsdae_terms_factor(&l->terms, l->terms.M, &l->kkt, least_norm);
-  if (status == NSDAE_OK) status = solve_laws(l, misfit);
-  if (status < 0) return failed(l, w, island, status);
-  scatter_blocks(l, w, island);
-  for (int i = 0; i < l->model.dims.k; i++)
-    scatter_contact(l, w, i, is->contact.of[is->contact.first[island] + i]);
-  return NSDAE_OK;
+  close_contacts(l, w, island, with_contacts);
+  int status = nsdae_kkt_factor(&l->kkt, l->M, &l->J);
+  if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;
+  if (status == NSDAE_OK) status = solve_laws(l, w, misfit);
+  if (status == NSDAE_OK) scatter(l, w, island);
+  return status;
 }

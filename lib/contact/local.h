@@ -1,5 +1,6 @@
-/* A small island as a system of its own, dense: its blocks, rows and contacts are gathered, and
- * solved by what solves a small system as a whole (kkt.h, contacts.h), with its proofs. */
+/* A small island in dense arrays: its blocks and rows are gathered, its contacts stay where they
+ * are, and are solved by what solves a small system as a whole (kkt.h, contacts.h), with its
+ * proofs. */
 #ifndef NSDAE_LOCAL_H
 #define NSDAE_LOCAL_H
 
@@ -15,22 +16,18 @@ enum { NSDAE_LOCAL_V = 48, NSDAE_LOCAL_M = 36, NSDAE_LOCAL_ROWS = 48 };
 #define NSDAE_STILL 1e-9
 
 typedef struct nsdae_local {
-  nsdae_system model; /* sizes and coefficients of the island at hand */
-  nsdae_terms terms;
-  nsdae_kkt kkt;
+  nsdae_kkt kkt; /* of the island at hand, one block */
+  nsdae_rows J;  /* its rows of Phi_q */
   nsdae_contacts contacts;
-  nsdae_impulses impulses;
-  nsdae_coefficients *coefficient;
-  nsdae_law law[NSDAE_LOCAL_ROWS];
-  int *memory, *all;      /* bases; ones */
+  const double *M;        /* of one block that of the whole, else the one that follows */
+  double *gathered;       /* NSDAE_LOCAL_V^2 */
   double *r, *v, *size;   /* NSDAE_LOCAL_V */
   double *free, *column;  /* the same: M^-1 r less v; M^-1 W of a column */
   double *lambda, *asked; /* NSDAE_LOCAL_M; asked: -Phi_t */
-  int blocks, *place;     /* of the system: where each begins in the island at hand */
+  int *place;             /* of a block of the system: where it begins in the island at hand */
   int ends[2];            /* the island is one block, from 0 */
   size_t squares[2];      /* likewise, of M */
-  double *real_part;      /* what impulses are placed in */
-  int *whole_part;
+  nsdae_blocks blocks;
 } nsdae_local;
 
 /* What an island is gathered from and scattered to. */
@@ -45,7 +42,6 @@ typedef struct nsdae_whole {
   double *v, *size, *lambda; /* nv, nv, m */
 } nsdae_whole;
 
-/* model.dims.nt, terms' error and evals, kkt.rank_tol are set before. blocks: of the system. */
 void nsdae_local_prepare(nsdae_local *local, const nsdae_system *system, nsdae_error *error,
                          const nsdae_lcp_options *options, double rank_tol);
 void nsdae_local_layout(nsdae_local *local, nsdae_arena *arena);
@@ -55,8 +51,8 @@ int nsdae_local_fits(const nsdae_whole *whole, int island);
 
 /* v and lambda of the island's blocks and rows from r and lambda = -Phi_t, without contacts or
  * with them and their impulses, modes and velocities after; misfit: of the contacts and their rows,
- * where there are contacts. NSDAE_OK, NSDAE_E_MASS, NSDAE_E_RANK, NSDAE_E_LCP, NSDAE_E_INFEASIBLE,
- * NSDAE_E_NONFINITE with the record. */
+ * if there are contacts. NSDAE_OK; NSDAE_E_MASS, and NSDAE_E_RANK unless least_norm allows it, of
+ * kkt without a record; NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with it. */
 int nsdae_local_solve(nsdae_local *local, const nsdae_whole *whole, int island, int with_contacts,
                       int least_norm, nsdae_misfit *misfit);
 

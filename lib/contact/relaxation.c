@@ -36,7 +36,7 @@ static void change_force(const relaxation *r, int l, double change)
 static double relax_normal(const relaxation *r, int a)
 {
   const nsdae_contacts *c = r->c;
-  int column = c->first_column[a], i = c->active[a], slides = c->law[i].kind == NSDAE_SLIDING;
+  int column = c->first_column[a], i = c->active[a], slides = c->law[a].kind == NSDAE_SLIDING;
   double mu = slides ? c->system->contact[i].mu : 0;
   const double *d = r->direction + 2 * i, *G = c->delassus.G + (size_t)column * (size_t)c->columns;
   double coefficient = G[column];
@@ -87,7 +87,7 @@ static int relax(const relaxation *r, int sweeps)
       double change = relax_normal(r, a);
       if (isnan(change)) return -1;
       most = fmax(most, change);
-      if (c->law[c->active[a]].kind == NSDAE_POLYGON) most = fmax(most, relax_friction(r, a));
+      if (c->law[a].kind == NSDAE_POLYGON) most = fmax(most, relax_friction(r, a));
     }
     double size = nsdae_largest(c->columns, r->force);
     if (most <= CONVERGED * size) return 1;
@@ -117,7 +117,7 @@ static double residual(const relaxation *r)
   read_xi(r);
   for (int a = 0; a < c->active_count; a++) {
     double change = relax_normal(r, a);
-    if (c->law[c->active[a]].kind == NSDAE_POLYGON) change = fmax(change, relax_friction(r, a));
+    if (c->law[a].kind == NSDAE_POLYGON) change = fmax(change, relax_friction(r, a));
     if (!(change <= most)) most = change; /* NaN, too */
   }
   return size > 0 ? most / size : most;
@@ -165,7 +165,7 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
     c->results->normal[i] = force[column];
     c->results->mode[i] = NSDAE_MODE_STICK; /* no longer what the polygons said */
     c->results->after[i] = xi[column] - e->e_n * c->results->before[i];
-    for (int l = 0; l < c->law[i].columns - 1; l++) {
+    for (int l = 0; l < c->law[a].columns - 1; l++) {
       c->results->tangential[2 * i + l] = force[column + 1 + l];
       c->results->after_t[2 * i + l] =
           xi[column + 1 + l] - e->e_t * c->results->before_t[2 * i + l];

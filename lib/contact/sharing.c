@@ -328,7 +328,7 @@ static void hold_resting(const nsdae_sharing *s)
   for (int a = 0; a < c->active_count && !any; a++) {
     int i = c->active[a];
     if (mode[i] != NSDAE_MODE_SLIP || s->of->moving[i] || !(c->results->normal[i] > 0)) continue;
-    if (c->law[i].columns == 1 || nsdae_contacts_powerless(c, c->first_column[a] + 1)) continue;
+    if (c->law[a].columns == 1 || nsdae_contacts_powerless(c, c->first_column[a] + 1)) continue;
     if (nsdae_norm(nt, c->results->after_t + i * nt) <= s->of->none) mode[i] = NSDAE_MODE_STICK;
   }
 }

@@ -52,7 +52,7 @@ static void basic_map(nsdae_contacts *c)
 {
   memset(c->map.Z, 0, (size_t)c->columns * (size_t)c->rows * sizeof *c->map.Z);
   for (int a = 0; a < c->active_count; a++) {
-    const nsdae_law *law = &c->law[c->active[a]];
+    const nsdae_law *law = &c->law[a];
     for (int l = 0; l < law->columns; l++) {
       double unit[NSDAE_LAW_COLUMNS] = {l == 0, l == 1, l == 2}, row[NSDAE_LAW_ROWS];
       nsdae_law_times_impulse(law, unit, 1, row);
@@ -122,7 +122,7 @@ static void whole_map(nsdae_contacts *c)
 
 static void contact_rows(nsdae_contacts *c, int a)
 {
-  const nsdae_law *law = &c->law[c->active[a]];
+  const nsdae_law *law = &c->law[a];
   int row = c->first_row[a], column = c->first_column[a];
   for (int j = 0; j < c->rows; j++)
     nsdae_law_velocity(law, &AT(c->map.GZ, c->columns, column, j), &AT(c->lcp.A, c->rows, row, j));

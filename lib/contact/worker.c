@@ -105,23 +105,6 @@ static int solve_stack(nsdae_worker *w, const nsdae_whole *whole, int island)
   return 1;
 }
 
-static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts)
-{
-  nsdae_local *l = &w->local;
-  nsdae_solved *s = &w->solved;
-  nsdae_misfit misfit = {0};
-  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm, &misfit);
-  const nsdae_lcp_info *info = &l->contacts.lcp.info;
-  count_rank(s, l->kkt.rank, l->kkt.kept, l->kkt.left);
-  if (nsdae_contacts_any(&l->contacts)) {
-    s->lcps++;
-    s->pivots += info->pivots;
-    nsdae_misfit_add(&s->misfit, &misfit);
-  }
-  if (status < 0 && status != NSDAE_E_MASS && status != NSDAE_E_RANK) s->problem = &l->contacts;
-  return status;
-}
-
 static int unsolved(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
 {
   const nsdae_graph *is = whole->islands;
@@ -136,7 +119,8 @@ static int unsolved(nsdae_worker *w, const nsdae_whole *whole, int island, int s
   return status;
 }
 
-static int bad_rank(nsdae_worker *w, const nsdae_whole *whole, int island)
+/* dependent: the first row that depends on others. */
+static int bad_rank(nsdae_worker *w, const nsdae_whole *whole, int island, int rank, int dependent)
 {
   const nsdae_graph *is = whole->islands;
   double t = nsdae_terms_time(whole->terms);
@@ -144,11 +128,56 @@ static int bad_rank(nsdae_worker *w, const nsdae_whole *whole, int island)
                   "in the island of block %d: Phi_q has rank %d of %d at t = %.17g: leave out the "
                   "redundant constraints or set redundant = least-norm; the first that depends on "
                   "others",
-                  is->block.of[is->block.first[island]], w->sparse.rank.count,
-                  w->sparse.part.row_count, t);
+                  is->block.of[is->block.first[island]], rank,
+                  nsdae_members_count(&is->row, island), t);
   w->error.time = t;
-  nsdae_system_name_item(whole->system, NSDAE_NAME_CONSTRAINT, w->sparse.rank.dependent, &w->error);
+  nsdae_system_name_item(whole->system, NSDAE_NAME_CONSTRAINT, dependent, &w->error);
   return NSDAE_E_RANK;
+}
+
+/* Pivot of the island's M, from 1, as one of a block. */
+static int bad_local_mass(nsdae_worker *w, const nsdae_whole *whole, int island, int pivot)
+{
+  const int *block = whole->islands->block.of + whole->islands->block.first[island];
+  for (; pivot > nsdae_blocks_size(&whole->system->blocks, *block); block++)
+    pivot -= nsdae_blocks_size(&whole->system->blocks, *block);
+  return bad_mass(w, whole->system, *block, pivot);
+}
+
+/* The record of the contact problem, with the island in front of it. */
+static int name_island(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
+{
+  const nsdae_graph *is = whole->islands;
+  const nsdae_error was = w->error;
+  int b = is->block.of[is->block.first[island]];
+  nsdae_error_set(&w->error, status, was.where, was.argument,
+                  "in the island of block %d (%d contacts): %.200s", b,
+                  nsdae_members_count(&is->contact, island), was.text);
+  w->error.time = was.time;
+  w->error.index = b;
+  return status;
+}
+
+static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts)
+{
+  nsdae_local *l = &w->local;
+  nsdae_solved *s = &w->solved;
+  const nsdae_kkt *kkt = &l->kkt;
+  nsdae_misfit misfit = {0};
+  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm, &misfit);
+  count_rank(s, kkt->rank, kkt->kept, kkt->left);
+  if (nsdae_contacts_any(&l->contacts)) {
+    s->lcps++;
+    s->pivots += l->contacts.lcp.info.pivots;
+    nsdae_misfit_add(&s->misfit, &misfit);
+  }
+  if (status == NSDAE_OK) return status;
+  if (status == NSDAE_E_MASS) return bad_local_mass(w, whole, island, kkt->pivot);
+  if (status == NSDAE_E_RANK)
+    return bad_rank(w, whole, island, kkt->rank,
+                    whole->islands->row.of[whole->islands->row.first[island] + kkt->dependent]);
+  s->problem = &l->contacts;
+  return name_island(w, whole, island, status);
 }
 
 /* The factors of the constraints of a large island, and their rank. */
@@ -167,7 +196,9 @@ static int factor_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
   if (status == NSDAE_E_MASS) return bad_mass(w, whole->system, k->bad_block, k->pivot);
   if (status < 0) return unsolved(w, whole, island, status);
   count_rank(&w->solved, k->rank.count, k->rank.kept, k->rank.left);
-  return k->rank.count < part.row_count && !w->least_norm ? bad_rank(w, whole, island) : NSDAE_OK;
+  return k->rank.count < part.row_count && !w->least_norm
+             ? bad_rank(w, whole, island, k->rank.count, k->rank.dependent)
+             : NSDAE_OK;
 }
 
 /* A large island without contacts. */

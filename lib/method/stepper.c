@@ -51,7 +51,7 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   nsdae_differences_layout(&s->differences, arena);
   nsdae_terms_layout(&s->middle, arena);
   nsdae_kkt_layout(&s->kkt, arena);
-  nsdae_contacts_layout(&s->contacts, arena);
+  nsdae_contacts_layout(&s->contacts, dims, arena);
   s->mean.M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   s->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->v = NSDAE_ARENA_DOUBLES(arena, n);

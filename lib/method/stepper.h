@@ -45,7 +45,7 @@ typedef struct nsdae_step {
 } nsdae_step;
 
 /* Sets sizes and settings, again after options or coefficients changed; then takes the arrays.
- * system, options, error and contacts.law are set before. */
+ * system, options and error are set before. */
 void nsdae_stepper_prepare(nsdae_stepper *stepper);
 void nsdae_stepper_layout(nsdae_stepper *stepper, nsdae_arena *arena);
 /* The terms of a result belong to the same description. */

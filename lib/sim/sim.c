@@ -100,8 +100,7 @@ static int copy_system(nsdae_sim *sim)
   memcpy(&sim->model, from, sizeof *from);
   sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
   sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
-  sim->law = calloc(k + 1, sizeof *sim->law);
-  if (!sim->model.contact || !sim->model.frictional_joint || !sim->law) return NSDAE_E_MEMORY;
+  if (!sim->model.contact || !sim->model.frictional_joint) return NSDAE_E_MEMORY;
   if (k > 0) memcpy(sim->model.contact, from->contact, k * sizeof *from->contact);
   if (f > 0)
     memcpy(sim->model.frictional_joint, from->frictional_joint, f * sizeof *from->frictional_joint);
@@ -135,7 +134,6 @@ static int build(nsdae_sim *sim)
   stepper->system = &sim->model;
   stepper->options = &sim->options;
   stepper->error = &sim->error;
-  stepper->contacts.law = sim->law;
   if (sim->system->by_list) {
     stepper->world = nsdae_world_make(&sim->model, sim->options.threads, &sim->error);
     if (!stepper->world) return no_threads(sim);
@@ -199,7 +197,6 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   nsdae_least_release(&(*sim)->projection.least);
   nsdae_sim_release_lists(*sim);
   nsdae_arena_release(&(*sim)->arena);
-  free((*sim)->law);
   free((*sim)->model.contact);
   free((*sim)->model.frictional_joint);
   nsdae_system_let_go((*sim)->system);

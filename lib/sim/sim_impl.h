@@ -117,7 +117,6 @@ struct nsdae_sim {
   nsdae_guard guard;
   nsdae_error error;
   nsdae_arena arena;
-  nsdae_law *law; /* k, in a block of its own: its rows size the arena */
   nsdae_stepper stepper;
   const nsdae_stepping *method;
   void *own; /* the method's */

@@ -132,18 +132,6 @@ const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i)
   return !label ? "" : rate ? label->rate : label->unit;
 }
 
-/* Velocity i of an island. */
-static int velocity_in_whole(const nsdae_part_of *part, int i)
-{
-  const nsdae_blocks *blocks = &part->whole->blocks;
-  for (int p = 0; p < part->blocks; p++) {
-    int b = part->block[p], size = nsdae_blocks_size(blocks, b);
-    if (i < size) return blocks->first[b] + i;
-    i -= size;
-  }
-  return -1;
-}
-
 /* Appends what the maker calls it, in brackets. */
 static const char *append_words(const nsdae_maker *m, int kind, long i,
                                 char text[NSDAE_CALLED_SIZE])
@@ -162,20 +150,9 @@ const char *nsdae_system_called_id(const nsdae_system *system, long id,
   return append_words(&system->maker, NSDAE_NAME_CONTACT, id, text);
 }
 
-static const char *called_in_whole(const nsdae_part_of *part, int kind, int i,
-                                   char text[NSDAE_CALLED_SIZE])
-{
-  if (kind == NSDAE_NAME_CONTACT)
-    return nsdae_system_called_id(part->whole, part->id[part->contact[i]], text);
-  return nsdae_system_called(
-      part->whole, kind, kind == NSDAE_NAME_VELOCITY ? velocity_in_whole(part, i) : part->row[i],
-      text);
-}
-
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE])
 {
-  if (system && system->part.whole) return called_in_whole(&system->part, kind, i, text);
   const char *name = nsdae_system_get_name(system, kind, i);
   snprintf(text, NSDAE_CALLED_SIZE, *name ? "%s %d \"%s\"" : "%s %d%s", kinds[kind], i, name);
   return system ? append_words(&system->maker, kind, i, text) : text;

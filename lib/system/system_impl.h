@@ -29,15 +29,6 @@ typedef struct nsdae_label {
   char rate[NSDAE_UNIT_SIZE + 2]; /* unit/s: what a velocity has that is a coordinate's rate */
 } nsdae_label;
 
-/* What a system that is an island of another has of it: its blocks, rows and contacts there, and
- * the contacts' ids. whole is NULL of one that is none. */
-typedef struct nsdae_part_of {
-  const nsdae_system *whole;
-  const int *block, *row, *contact;
-  const long *id;
-  int blocks;
-} nsdae_part_of;
-
 /* Those that are not set are NULL. */
 typedef struct nsdae_calls {
   /* callbacks.list: fields */
@@ -65,7 +56,6 @@ typedef struct nsdae_calls {
 
 struct nsdae_system {
   nsdae_dims dims;
-  nsdae_part_of part;
   nsdae_maker maker;
   void *user;
   double epoch; /* t0 of the simulation whose copy this is: see nsdae_system_time */

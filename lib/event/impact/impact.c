@@ -19,8 +19,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
   long columns = (long)d->k * (1 + d->nt) + d->f;
-  nsdae_contacts_layout(&p->problem, arena);
-  p->law = nsdae_arena_take(arena, d->k, sizeof *p->law);
+  nsdae_contacts_layout(&p->problem, d, arena);
   nsdae_impulses_layout(&p->solution, d, arena);
   nsdae_impulses_layout(&p->plastic, d, arena);
   nsdae_event_accumulation_layout(&p->accumulation, arena);
@@ -40,7 +39,6 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
-  p->problem.law = p->law;
   p->problem.cones.most = s->system->dims.nt == 2 ? s->system->dims.k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol,
                      nsdae_law_edges_to_start(s->options->polygon));

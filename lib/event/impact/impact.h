@@ -19,7 +19,6 @@ typedef struct nsdae_event_impacts {
   nsdae_event_accumulation accumulation;
   nsdae_contacts problem;
   nsdae_impulses solution, plastic; /* the second with e_N = 0 */
-  nsdae_law *law;                   /* k */
   double *momentum, *multiplier;    /* nv, m: M v-; the bilateral impulses */
   double *v, *size;                 /* nv: v+; how large its terms are */
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */

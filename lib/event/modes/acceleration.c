@@ -11,7 +11,7 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
 {
   const nsdae_dims *d = &p->phase->setting->system->dims;
   long k = d->k, columns = k * (1 + d->nt) + d->f;
-  nsdae_contacts_layout(&p->problem, arena);
+  nsdae_contacts_layout(&p->problem, d, arena);
   nsdae_sharing_layout(&p->sharing, d, arena);
   p->law = nsdae_arena_take(arena, k, sizeof *p->law);
   p->resting = nsdae_arena_take(arena, k, sizeof *p->resting);
@@ -36,12 +36,13 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
   const nsdae_event_setting *s = p->phase->setting;
   const nsdae_dims *d = &s->system->dims;
   int edges = nsdae_law_edges_to_start(s->options->polygon);
-  p->problem.law = p->law;
+  p->problem.given = p->law;
   p->problem.cones.most = d->nt == 2 ? d->k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol, edges);
+  double around = d->nt == 2 ? cos(acos(-1) / edges) : 1;
   for (int i = 0; p->law && i < d->k; i++)
-    if (p->law[i].kind == NSDAE_POLYGON) p->law[i].mu /= cos(acos(-1) / edges);
-  if (p->law) memcpy(p->resting, p->law, (size_t)d->k * sizeof *p->law);
+    p->law[i] = p->resting[i] =
+        nsdae_law_make(d->nt, s->system->contact[i].mu / around, edges, p->problem.lcp.edge);
 }
 
 /* Fills the direction of sliding of contact i; 0 where it has none. At a slip that was found at

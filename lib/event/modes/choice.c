@@ -64,7 +64,7 @@ static void read_contacts(nsdae_event_acceleration *p)
     mode[i] = NSDAE_MODE_SLIP; /* also where it touches without a force */
     if (!(c->results->normal[i] > none))
       point_along(p, i);
-    else if (c->law[i].kind != NSDAE_SLIDING && c->law[i].columns > 1)
+    else if (c->law[a].kind != NSDAE_SLIDING && c->law[a].columns > 1)
       mode[i] = resting_mode(p, a);
   }
 }
@@ -78,7 +78,7 @@ static void read_cones(nsdae_event_acceleration *p)
   read_contacts(p);
   for (int a = 0; a < c->active_count; a++) {
     int i = c->active[a];
-    if (m->contact[i] == NSDAE_MODE_OPEN || c->law[i].kind != NSDAE_POLYGON ||
+    if (m->contact[i] == NSDAE_MODE_OPEN || c->law[a].kind != NSDAE_POLYGON ||
         !(c->results->normal[i] > 0) || nsdae_contacts_powerless(c, c->first_column[a] + 1))
       continue;
     m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
