@@ -34,7 +34,8 @@ enum nsdae_method {
 
 /* Integrators of the smooth phases of penalty and event:
  *
- * - AUTO: DOPRI5 or DOP853, by rtol; IDA if stiffness limits the step for long.
+ * - AUTO: DOPRI5; DOP853 if the tolerance makes steps much shorter than dt (event); IDA if
+ *   stability limits the step for long.
  * - DOPRI5: explicit pair of Dormand and Prince, orders 5 and 4.
  * - DOP853: explicit pair of Dormand and Prince, order 8, by Hairer.
  * - IDA: backward differences of variable order (SUNDIALS). */
@@ -88,7 +89,7 @@ typedef struct nsdae_sim_options {
   double friction_velocity; /* regularisation velocity of friction in penalty [m/s] */
   int integrator;           /* enum nsdae_integrator, of penalty and event */
   double step_max;          /* largest step of the integrator of penalty and event [s]; infinite:
-                               no bound */
+                               dt is the only bound */
   double accumulation_time; /* event closes an accumulation of impacts if its remaining time is
                                shorter [s] */
   int events_max;           /* events in one dt for method event; beyond it, implicit takes the
