@@ -65,11 +65,11 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   s->rate = NSDAE_ARENA_DOUBLES(arena, dims->m);
 }
 
-int nsdae_stepper_start(nsdae_stepper *s, nsdae_bordered_kkt *newton, const nsdae_terms *at)
+int nsdae_stepper_start(nsdae_stepper *s, nsdae_newton_kkt *newton, const nsdae_terms *at)
 {
   nsdae_counters counted = *s->counters;
   nsdae_terms_at(&s->middle, at->t, at->q, at->v);
-  int status = nsdae_bordered_start(newton, &s->middle);
+  int status = nsdae_newton_kkt_start(newton, &s->middle);
   *s->counters = counted;
   return status;
 }

@@ -2,7 +2,7 @@
 #ifndef NSDAE_STEPPER_H
 #define NSDAE_STEPPER_H
 
-#include "bordered_kkt.h"
+#include "newton_kkt.h"
 #include "interrupt.h"
 #include "kkt.h"
 #include "method.h"
@@ -56,7 +56,7 @@ void nsdae_stepper_prepare_terms(nsdae_stepper *stepper, nsdae_terms *terms);
 int nsdae_stepper_made(const nsdae_stepper *stepper, int status, const char *method);
 
 /* Prepares Newton's equations of an integrator at the point of the terms, uncounted. */
-int nsdae_stepper_start(nsdae_stepper *stepper, nsdae_bordered_kkt *newton, const nsdae_terms *at);
+int nsdae_stepper_start(nsdae_stepper *stepper, nsdae_newton_kkt *newton, const nsdae_terms *at);
 
 /* Where the evaluations of the step from state into result are counted. */
 void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);

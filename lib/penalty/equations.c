@@ -175,8 +175,8 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   long k = d->k, kt = k * d->nt, f = d->f;
   p->room = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
   nsdae_power_layout(&p->power, p->stepper->system, arena);
-  nsdae_bordered_layout(&p->newton, p->stepper->system, (int)(k + kt + f),
-                        p->stepper->options->rank_tol, arena);
+  nsdae_newton_kkt_layout(&p->newton, p->stepper->system, (int)(k + kt + f),
+                          p->stepper->options->rank_tol, arena);
   p->border_force = NSDAE_ARENA_INTS(arena, k + kt + f);
   p->border_room = NSDAE_ARENA_DOUBLES(arena, k + kt + f);
   p->basis = NSDAE_ARENA_DOUBLES(arena, nsdae_kkt_basis_size(&p->stepper->kkt));

@@ -13,8 +13,8 @@
 #define NSDAE_PENALTY_EQUATIONS_H
 
 #include "base.h"
-#include "bordered_kkt.h"
 #include "penalty_law.h"
+#include "newton_kkt.h"
 #include "places.h"
 #include "power.h"
 
@@ -31,12 +31,12 @@ typedef struct nsdae_penalty_equations {
   nsdae_penalty_force law;
   nsdae_penalty_base base; /* within the memory of the step in work: how its contacts began */
   nsdae_penalty_forces at;
-  nsdae_bordered_kkt newton; /* see newton.c */
-  int *border_force;         /* of its forces: the place behind lambda in y */
-  double *border_room, cj;   /* forces; of the factors */
-  double *basis;             /* the independent constraints where IDA started, */
-  int rank;                  /* and their number */
-  double *room;              /* nq + nv */
+  nsdae_newton_kkt newton; /* see newton.c */
+  int *border_force;       /* of its forces: the place behind lambda in y */
+  double *border_room, cj; /* forces; of the factors */
+  double *basis;           /* the independent constraints where IDA started, */
+  int rank;                /* and their number */
+  double *room;            /* nq + nv */
   nsdae_power power;
 } nsdae_penalty_equations;
 

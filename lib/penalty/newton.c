@@ -13,7 +13,7 @@
  *   cj phi_T + cj mu v_T / s phi_N + mu F_N (1 / s - v_T v_T^T / s^3) W_T^T dv = r_T
  *   cj phi_S + cj mu sign(lambda) v_S / s l + mu |lambda| v_r^2 / s^3 W_S^T dv = r_S
  *
- * which bordered_kkt.h solves. */
+ * which border.h solves. */
 #include "equations.h"
 #include "stalled_steps.h"
 #include "vector.h"
@@ -106,9 +106,9 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
 
 static int add(nsdae_penalty_equations *p, const nsdae_rows *rows, int i, int force)
 {
-  int a = nsdae_bordered_add(&p->newton, &p->stepper->middle, rows, i);
+  int a = nsdae_border_add(&p->newton.border, rows, i);
   p->border_force[a] = force;
-  *nsdae_bordered_entry(&p->newton, a, a) = p->cj;
+  *nsdae_border_entry(&p->newton.border, a, a) = p->cj;
   return a;
 }
 
@@ -117,18 +117,18 @@ static void add_contact(nsdae_penalty_equations *p, int i)
   const nsdae_terms *T = &p->stepper->middle;
   const nsdae_dims *d = &T->system->dims;
   const nsdae_coefficients *c = &T->system->contact[i];
-  nsdae_bordered_kkt *b = &p->newton;
+  nsdae_border *b = &p->newton.border;
   double slope[2], s = speed(p, i), force = c->mu * p->at.normal[i];
   nsdae_penalty_slopes(&p->law, -T->gap[i], -p->at.v_n[i], p->base.start_rate[i], c->e_n,
                        p->base.mass[i], slope);
   int normal = add(p, &T->by.normal, i, i);
-  nsdae_bordered_depend(b, T, normal, &T->by.normal, i, slope[0] / p->cj + slope[1]);
+  nsdae_border_depend(b, normal, &T->by.normal, i, slope[0] / p->cj + slope[1]);
   for (int j = i * d->nt; j < (i + 1) * d->nt && c->mu > 0; j++) {
     int a = add(p, &T->by.tangent, j, d->k + j);
     for (int l = i * d->nt; l < (i + 1) * d->nt; l++)
-      nsdae_bordered_depend(b, T, a, &T->by.tangent, l,
-                            force / s * ((j == l) - p->at.v_t[j] * p->at.v_t[l] / (s * s)));
-    *nsdae_bordered_entry(b, a, normal) = p->cj * c->mu * p->at.v_t[j] / s;
+      nsdae_border_depend(b, a, &T->by.tangent, l,
+                          force / s * ((j == l) - p->at.v_t[j] * p->at.v_t[l] / (s * s)));
+    *nsdae_border_entry(b, a, normal) = p->cj * c->mu * p->at.v_t[j] / s;
   }
 }
 
@@ -140,10 +140,10 @@ static void add_joint(nsdae_penalty_equations *p, int j)
   double v = p->at.v_s[j], regular = p->stepper->options->friction_velocity, s = hypot(v, regular);
   double lambda = p->at.lambda[joint->constraint];
   int a = add(p, &T->by.frictional_joint, j, d->k * (1 + d->nt) + j);
-  nsdae_bordered_depend(&p->newton, T, a, &T->by.frictional_joint, j,
-                        joint->mu * fabs(lambda) * regular * regular / (s * s * s));
-  p->newton.row[a] = joint->constraint;
-  p->newton.h[a] = p->cj * joint->mu * copysign(1, lambda) * v / s;
+  nsdae_border_depend(&p->newton.border, a, &T->by.frictional_joint, j,
+                      joint->mu * fabs(lambda) * regular * regular / (s * s * s));
+  p->newton.border.row[a].multiplier = joint->constraint;
+  p->newton.border.row[a].h = p->cj * joint->mu * copysign(1, lambda) * v / s;
 }
 
 int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj, void *user)
@@ -157,7 +157,7 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
   int status = nsdae_penalty_evaluate(p, t, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, MOTION_TERMS);
   if (status == NSDAE_OK)
-    status = nsdae_bordered_factor(&p->newton, T, cj, p->rank < d->m ? p->basis : NULL, p->rank);
+    status = nsdae_newton_kkt_factor(&p->newton, T, cj, p->rank < d->m ? p->basis : NULL, p->rank);
   if (status < 0) return nsdae_progress_code(status, s->error);
   nsdae_penalty_take(p, y);
   for (int i = 0; i < d->k; i++)
@@ -166,7 +166,7 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
     p->at.v_s[j] = nsdae_terms_slide_rate(T, j, T->v);
     if (s->system->frictional_joint[j].mu > 0) add_joint(p, j);
   }
-  return nsdae_progress_code(nsdae_bordered_finish(&p->newton, T), s->error);
+  return nsdae_progress_code(nsdae_border_factor(&p->newton.border, T), s->error);
 }
 
 int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
@@ -181,12 +181,12 @@ int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
   for (int i = 0; i < d->nv; i++) dv[i] = r[d->nq + i] / cj;
   for (int i = 0; i < d->m; i++)
     l[i] = r[nsdae_penalty_at_lambda(d) + i] / (cj + 2 * alpha + beta * beta / cj);
-  for (int a = 0; a < p->newton.count; a++) phi[a] = r[forces + p->border_force[a]];
+  for (int a = 0; a < p->newton.border.count; a++) phi[a] = r[forces + p->border_force[a]];
   memcpy(x + forces, r + forces, (size_t)(n - forces) * sizeof *x);
-  int status = nsdae_bordered_solve(&p->newton, &s->middle, dv, l, phi);
+  int status = nsdae_border_solve(&p->newton.border, &s->middle, dv, l, phi);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(&s->middle, dv, x);
   for (int i = 0; i < d->m; i++) l[i] *= cj;
-  for (int a = 0; a < p->newton.count; a++) x[forces + p->border_force[a]] = cj * phi[a];
+  for (int a = 0; a < p->newton.border.count; a++) x[forces + p->border_force[a]] = cj * phi[a];
   for (int i = 0; i < d->nq; i++) x[i] = (x[i] + r[i]) / cj;
   return nsdae_progress_code(status, s->error);
 }

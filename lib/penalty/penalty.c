@@ -137,7 +137,7 @@ static int make(penalty *p)
   p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
   p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
-  if (status == NSDAE_OK) status = nsdae_bordered_make(&p->equations.newton);
+  if (status == NSDAE_OK) status = nsdae_newton_kkt_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
   int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
@@ -158,7 +158,7 @@ static void destroy(void *own)
   penalty *p = own;
   if (!p) return;
   nsdae_smooth_destroy(&p->integrator);
-  nsdae_bordered_release(&p->equations.newton);
+  nsdae_newton_kkt_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
 }

@@ -108,7 +108,8 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   nsdae_add_change(d->f, from + at->frictional_joint, to + at->frictional_joint,
                    sum->frictional_joint_impulse);
   r->work += to[at->n] - from[at->n];
-  r->gain += *a->phase->modes.integrator == NSDAE_INTEGRATOR_IDA ? NAN : to[at->n + 1] - from[at->n + 1];
+  r->gain +=
+      *a->phase->modes.integrator == NSDAE_INTEGRATOR_IDA ? NAN : to[at->n + 1] - from[at->n + 1];
   r->turnover += fabs(to[at->n + 1] - from[at->n + 1]);
 }
 

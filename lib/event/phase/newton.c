@@ -15,7 +15,7 @@
  *   sliding:  phi_p + mu d phi_N + mu F_N / cj d'(v_T) W_T^T dv = r_p / cj,   d' = (1 - d d^T) /
  * |v_T|
  *
- * which bordered_kkt.h solves. */
+ * which border.h solves. */
 #include <math.h>
 #include <string.h>
 
@@ -58,7 +58,7 @@ int nsdae_event_residual(double t, const double *y, const double *ydot, double c
                          nsdae_event_phase *p)
 {
   const nsdae_event_places *at = &p->setting->at;
-  const nsdae_event_border *b = &p->border;
+  const nsdae_event_rows *b = &p->rows;
   const nsdae_terms *T = p->setting->here;
   const nsdae_system *s = T->system;
   const nsdae_sim_options *o = p->setting->options;
@@ -89,66 +89,26 @@ int nsdae_event_residual(double t, const double *y, const double *ydot, double c
 
 /* ---- Newton's matrix */
 
-/* The row of the friction of a contact that slides. */
-static void add_friction(nsdae_event_phase *p, int a, int force, double normal, double cj)
-{
-  const nsdae_terms *T = p->setting->here;
-  int k = T->system->dims.k, nt = T->system->dims.nt, i = (force - k) / nt, j = (force - k) % nt;
-  double mu = T->system->contact[i].mu, d[2], turn[2];
-  nsdae_event_sliding_direction(p, i, d);
-  *nsdae_bordered_entry(&p->newton, a, p->border.place[i]) = mu * d[j];
-  for (int l = 0; l < nt && nt == 2; l++) {
-    nsdae_event_direction_slope(p, i, l, turn);
-    nsdae_bordered_depend(&p->newton, T, a, &T->by.tangent, i * nt + l, mu * normal / cj * turn[j]);
-  }
-}
-
-static void add_row(nsdae_event_phase *p, const double *y, double cj, const nsdae_event_row *row)
-{
-  const nsdae_terms *T = p->setting->here;
-  const nsdae_event_border *b = &p->border;
-  nsdae_bordered_kkt *N = &p->newton;
-  int k = T->system->dims.k, nt = T->system->dims.nt, all = k * (1 + nt);
-  int a = (int)(row - b->row), force = row->force;
-  if (row->kind == NSDAE_ROW_CLOSED) {
-    nsdae_bordered_depend(N, T, a, row->rows, row->index, 1);
-    return;
-  }
-  *nsdae_bordered_entry(N, a, a) = 1;
-  for (int c = 0; c < b->count && row->kind == NSDAE_ROW_RELATED; c++)
-    if (b->row[c].force < all)
-      *nsdae_bordered_entry(N, a, c) -= p->modes.relation[force * all + b->row[c].force];
-  if (row->kind == NSDAE_ROW_RUBS)
-    add_friction(p, a, force, y[p->setting->at.normal + (force - k) / nt], cj);
-  if (row->kind != NSDAE_ROW_SLIDE_RUBS) return;
-  N->row[a] = T->system->frictional_joint[force - all].constraint;
-  N->h[a] = nsdae_event_joint_friction(p, force - all);
-}
-
 int nsdae_event_newton_setup(double t, const double *y, const double *ydot, double cj,
                              nsdae_event_phase *p)
 {
-  const nsdae_event_border *b = &p->border;
   nsdae_event_setting *s = p->setting;
   int redundant = *p->modes.redundant;
   (void)ydot;
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, p->terms);
   if (status == NSDAE_OK)
-    status = nsdae_bordered_factor(&p->newton, s->here, cj, redundant ? p->modes.basis : NULL,
-                                   s->system->dims.m - redundant);
-  if (status < 0) return nsdae_progress_code(status, s->error);
-  for (int a = 0; a < b->count; a++)
-    nsdae_bordered_add(&p->newton, s->here, b->row[a].rows, b->row[a].index);
-  for (int a = 0; a < b->count; a++) add_row(p, y, cj, &b->row[a]);
-  return nsdae_progress_code(nsdae_bordered_finish(&p->newton, s->here), s->error);
+    status = nsdae_newton_kkt_factor(&p->newton, s->here, cj, redundant ? p->modes.basis : NULL,
+                                     s->system->dims.m - redundant);
+  if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->newton.border, y, cj);
+  return nsdae_progress_code(status, s->error);
 }
 
 int nsdae_event_newton_solve(double cj, double *r, double *x, nsdae_event_phase *p)
 {
   const nsdae_event_setting *s = p->setting;
   const nsdae_event_places *at = &s->at;
-  const nsdae_event_border *b = &p->border;
+  const nsdae_event_rows *b = &p->rows;
   const nsdae_dims *d = &s->system->dims;
   const nsdae_sim_options *o = s->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
@@ -161,7 +121,7 @@ int nsdae_event_newton_solve(double cj, double *r, double *x, nsdae_event_phase 
     b->f[a] = r[at->normal + row->force] / c;
   }
   memcpy(x + at->normal, r + at->normal, (size_t)(at->n - at->normal) * sizeof *x);
-  int status = nsdae_bordered_solve(&p->newton, s->here, dv, l, b->f);
+  int status = nsdae_border_solve(&p->newton.border, s->here, dv, l, b->f);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(s->here, dv, x);
   for (int i = 0; i < d->m; i++) l[i] *= cj;
   for (int a = 0; a < b->count; a++) x[at->normal + b->row[a].force] = cj * b->f[a];

@@ -6,8 +6,6 @@
 #include "dense.h"
 #include "direction.h"
 
-#define AT(A, n, i, j) (A)[(size_t)(j) * (size_t)(n) + (size_t)(i)]
-
 /* The forces in turn: k normal, k nt tangential, f of frictional joints. */
 static int forces_of(const nsdae_dims *d)
 {
@@ -18,18 +16,18 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->setting->system->dims;
   long forces = forces_of(d);
-  p->x = NSDAE_ARENA_DOUBLES(arena, (1 + forces) * d->nv);
-  p->l = NSDAE_ARENA_DOUBLES(arena, (1 + forces) * d->m);
-  p->border.row = nsdae_arena_take(arena, forces, sizeof *p->border.row);
-  p->border.place = NSDAE_ARENA_INTS(arena, forces);
-  p->border.A = NSDAE_ARENA_DOUBLES(arena, forces * forces);
-  p->border.pivot = NSDAE_ARENA_INTS(arena, forces);
-  p->border.f = NSDAE_ARENA_DOUBLES(arena, forces);
+  p->x = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  p->l = NSDAE_ARENA_DOUBLES(arena, d->m);
+  p->rows.row = nsdae_arena_take(arena, forces, sizeof *p->rows.row);
+  p->rows.place = NSDAE_ARENA_INTS(arena, forces);
+  p->rows.f = NSDAE_ARENA_DOUBLES(arena, forces);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->moved = NSDAE_ARENA_DOUBLES(arena, p->setting->at.lambda);
-  nsdae_bordered_layout(&p->newton, p->setting->system, (int)forces, p->setting->options->rank_tol,
-                        arena);
+  p->border.kkt = p->setting->kkt;
+  nsdae_border_layout(&p->border, d, (int)forces, arena);
+  nsdae_newton_kkt_layout(&p->newton, p->setting->system, (int)forces,
+                          p->setting->options->rank_tol, arena);
 }
 
 static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
@@ -52,7 +50,7 @@ static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
 static void list_rows(nsdae_event_phase *p)
 {
   const nsdae_terms *T = p->setting->here;
-  nsdae_event_border *b = &p->border;
+  nsdae_event_rows *b = &p->rows;
   const nsdae_event_row of[] = {
       {.rows = &T->by.normal, .w = T->w_N, .omega = T->omega.N, .gap = T->gap},
       {.rows = &T->by.tangent, .w = T->w_T, .omega = T->omega.T},
@@ -115,46 +113,10 @@ void nsdae_event_sliding_direction(const nsdae_event_phase *p, int i, double *d)
   nsdae_direction_ahead(last, p->modes.slow, v_t, d);
 }
 
-void nsdae_event_direction_slope(const nsdae_event_phase *p, int i, int l, double *slope)
-{
-  const nsdae_terms *T = p->setting->here;
-  const double *last = p->modes.direction + 2 * i;
-  double v_t[2];
-  slope[0] = slope[1] = 0;
-  if (last[0] == 0 && last[1] == 0) return;
-  for (int j = 0; j < 2; j++) v_t[j] = nsdae_terms_tangent_rate(T, 2 * i + j, T->v);
-  nsdae_direction_slope(last, p->modes.slow, v_t, l, slope);
-}
-
 double nsdae_event_joint_friction(const nsdae_event_phase *p, int j)
 {
   return p->setting->system->frictional_joint[j].mu * p->modes.normal_sense[j] *
          p->modes.slide_part[j];
-}
-
-/* x, l := K^-1 [F; c] with c from (6), and behind them K^-1 [w; 0] of every row. Of redundant
- * constraints in the combinations of the phase's start. */
-static int solve(nsdae_event_phase *p)
-{
-  const nsdae_terms *T = p->setting->here;
-  const nsdae_event_border *b = &p->border;
-  const nsdae_sim_options *o = p->setting->options;
-  double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
-  int n = T->system->dims.nv, m = T->system->dims.m, redundant = *p->modes.redundant;
-  int status = nsdae_kkt_factor_in(p->setting->kkt, T->M, &T->by.jacobian,
-                                   redundant ? p->modes.basis : NULL, m - redundant);
-  if (status < 0) return status;
-  memcpy(p->x, T->F, (size_t)n * sizeof *p->x);
-  for (int i = 0; i < m; i++)
-    p->l[i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
-              beta2 * T->constraint.phi[i];
-  for (int a = 1; a <= b->count; a++) {
-    double *x = p->x + (size_t)a * (size_t)n;
-    memset(x, 0, (size_t)n * sizeof *x);
-    memset(p->l + a * m, 0, (size_t)m * sizeof *p->l);
-    nsdae_rows_add(&T->system->blocks, b->row[a - 1].rows, b->row[a - 1].index, 1, x);
-  }
-  return nsdae_kkt_solve(p->setting->kkt, 1 + b->count, p->x, n, p->l, m);
 }
 
 /* ---- the border */
@@ -168,65 +130,82 @@ double nsdae_event_wanted(const nsdae_event_phase *p, const nsdae_event_row *r)
          o->baumgarte_beta * o->baumgarte_beta * (r->gap ? r->gap[r->index] : 0);
 }
 
-static void closed_row(nsdae_event_phase *p, int a)
+/* The row of friction of a contact that slides. Of Newton's method also with the derivative of the
+ * direction by v_T. */
+static void add_sliding(const nsdae_event_phase *p, nsdae_border *b, int a, const double *y,
+                        double cj)
 {
-  const nsdae_event_border *b = &p->border;
-  const nsdae_event_row *r = &b->row[a];
-  const nsdae_system *s = p->setting->system;
-  size_t n = (size_t)s->dims.nv;
-  b->f[a] = nsdae_event_wanted(p, r) - nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x);
-  for (int c = 0; c < b->count; c++)
-    AT(b->A, b->count, a, c) =
-        nsdae_rows_dot(&s->blocks, r->rows, r->index, p->x + (size_t)(c + 1) * n);
+  const nsdae_terms *T = p->setting->here;
+  int nt = T->system->dims.nt, j = p->rows.row[a].index, i = j / nt;
+  const double *last = p->modes.direction + i * nt;
+  double mu = T->system->contact[i].mu, d[2], v_t[2], turn[2];
+  nsdae_event_sliding_direction(p, i, d);
+  *nsdae_border_entry(b, a, p->rows.place[i]) = mu * d[j % nt];
+  if (!y || nt < 2 || (last[0] == 0 && last[1] == 0)) return;
+  for (int l = 0; l < nt; l++) v_t[l] = nsdae_terms_tangent_rate(T, 2 * i + l, T->v);
+  for (int l = 0; l < nt; l++) {
+    nsdae_direction_slope(last, p->modes.slow, v_t, l, turn);
+    nsdae_border_depend(b, a, &T->by.tangent, i * nt + l,
+                        mu * y[p->setting->at.normal + i] / cj * turn[j % nt]);
+  }
 }
 
-/* A force that follows from others, as relation or friction. */
-static void following_row(nsdae_event_phase *p, int a)
+static void add_row(const nsdae_event_phase *p, nsdae_border *b, const nsdae_event_row *row,
+                    const double *y, double cj)
 {
-  const nsdae_event_border *b = &p->border;
   const nsdae_system *s = p->setting->system;
-  nsdae_event_row_kind kind = b->row[a].kind;
-  int k = s->dims.k, nt = s->dims.nt, all = k * (1 + nt), force = b->row[a].force;
-  double d[2];
-  b->f[a] = 0;
-  for (int c = 0; c < b->count; c++) {
-    double part = kind == NSDAE_ROW_RELATED && b->row[c].force < all
-                      ? AT(p->modes.relation, all, b->row[c].force, force)
-                      : 0;
-    AT(b->A, b->count, a, c) = (a == c) - part;
+  int all = s->dims.k * (1 + s->dims.nt), a = (int)(row - p->rows.row);
+  if (row->kind == NSDAE_ROW_CLOSED) {
+    nsdae_border_depend(b, a, row->rows, row->index, 1);
+    return;
   }
-  if (kind == NSDAE_ROW_RUBS) {
-    int i = (force - k) / nt;
-    nsdae_event_sliding_direction(p, i, d);
-    AT(b->A, b->count, a, b->place[i]) = s->contact[i].mu * d[(force - k) % nt];
-  }
-  if (kind != NSDAE_ROW_SLIDE_RUBS) return;
-  int j = force - all;
-  const double *lambda = p->l + s->frictional_joint[j].constraint;
-  double factor = nsdae_event_joint_friction(p, j);
-  b->f[a] = -factor * *lambda;
-  for (int c = 0; c < b->count; c++) AT(b->A, b->count, a, c) += factor * *(lambda += s->dims.m);
+  *nsdae_border_entry(b, a, a) = 1;
+  for (int c = 0; c < p->rows.count && row->kind == NSDAE_ROW_RELATED; c++)
+    if (p->rows.row[c].force < all)
+      *nsdae_border_entry(b, a, c) -= p->modes.relation[row->force * all + p->rows.row[c].force];
+  if (row->kind == NSDAE_ROW_RUBS) add_sliding(p, b, a, y, cj);
+  if (row->kind != NSDAE_ROW_SLIDE_RUBS) return;
+  b->row[a].multiplier = s->frictional_joint[row->index].constraint;
+  b->row[a].h = nsdae_event_joint_friction(p, row->index);
 }
 
-/* f := the forces; x, l := v', lambda with them. */
-static int solve_border(nsdae_event_phase *p)
+int nsdae_event_factor_border(const nsdae_event_phase *p, nsdae_border *b, const double *y,
+                              double cj)
 {
-  const nsdae_event_border *b = &p->border;
-  int n = p->setting->system->dims.nv, m = p->setting->system->dims.m;
-  for (int a = 0; a < b->count; a++)
-    b->row[a].kind == NSDAE_ROW_CLOSED ? closed_row(p, a) : following_row(p, a);
-  if (nsdae_la_lu(b->count, b->A, b->count, b->pivot) != 0) return NSDAE_E_CONVERGENCE;
-  nsdae_la_lu_solve(b->count, b->A, b->count, b->pivot, b->f);
-  nsdae_add_product(n, b->count, p->x + n, b->f, p->x);
-  nsdae_add_product(m, b->count, p->l + m, b->f, p->l);
-  return NSDAE_OK;
+  b->count = 0;
+  for (int a = 0; a < p->rows.count; a++)
+    nsdae_border_add(b, p->rows.row[a].rows, p->rows.row[a].index);
+  for (int a = 0; a < p->rows.count; a++) add_row(p, b, &p->rows.row[a], y, cj);
+  return nsdae_border_factor(b, p->setting->here);
+}
+
+/* x, l, f := v', lambda, F of the equations (6) and the rows. Redundant constraints in the
+ * combinations of the phase's start. */
+static int solve(nsdae_event_phase *p)
+{
+  const nsdae_terms *T = p->setting->here;
+  const nsdae_sim_options *o = p->setting->options;
+  double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
+  int m = T->system->dims.m, redundant = *p->modes.redundant;
+  int status = nsdae_kkt_factor_in(p->setting->kkt, T->M, &T->by.jacobian,
+                                   redundant ? p->modes.basis : NULL, m - redundant);
+  if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->border, NULL, INFINITY);
+  if (status < 0) return status;
+  memcpy(p->x, T->F, (size_t)T->system->dims.nv * sizeof *p->x);
+  for (int i = 0; i < m; i++)
+    p->l[i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
+              beta2 * T->constraint.phi[i];
+  for (int a = 0; a < p->rows.count; a++) {
+    const nsdae_event_row *row = &p->rows.row[a];
+    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED ? nsdae_event_wanted(p, row) : 0;
+  }
+  return nsdae_border_solve(&p->border, T, p->x, p->l, p->rows.f);
 }
 
 int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
 {
   nsdae_terms *T = p->setting->here;
   const nsdae_event_places *at = &p->setting->at;
-  const nsdae_event_border *b = &p->border;
   memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(T, p->terms);
@@ -234,18 +213,18 @@ int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
   status = solve(p);
   if (status < 0 && status != NSDAE_E_CONVERGENCE)
     return nsdae_terms_unsolved(T, p->setting->kkt, status);
-  if (status == NSDAE_OK && b->count > 0) status = solve_border(p);
   if (status < 0) return status;
   memcpy(y + at->lambda, p->l, (size_t)T->system->dims.m * sizeof *y);
-  for (int a = 0; a < b->count; a++) y[at->normal + b->row[a].force] = b->f[a];
+  for (int a = 0; a < p->rows.count; a++) y[at->normal + p->rows.row[a].force] = p->rows.f[a];
   return NSDAE_OK;
 }
 
 double nsdae_event_yield(const nsdae_event_phase *p, int i)
 {
-  const nsdae_event_border *b = &p->border;
-  memset(b->f, 0, (size_t)b->count * sizeof *b->f);
-  b->f[b->place[i]] = 1;
-  nsdae_la_lu_solve(b->count, b->A, b->count, b->pivot, b->f);
-  return 1 / b->f[b->place[i]];
+  const nsdae_border *b = &p->border;
+  double *f = p->rows.f;
+  memset(f, 0, (size_t)b->count * sizeof *f);
+  f[p->rows.place[i]] = 1;
+  nsdae_la_lu_solve(b->count, b->B, b->most, b->pivot, f);
+  return 1 / f[p->rows.place[i]];
 }

@@ -24,8 +24,8 @@
 #ifndef NSDAE_EVENT_PHASE_H
 #define NSDAE_EVENT_PHASE_H
 
-#include "bordered_kkt.h"
 #include "event_context.h"
+#include "newton_kkt.h"
 
 /* The state between two events. */
 typedef struct nsdae_event_modes {
@@ -63,28 +63,27 @@ typedef struct nsdae_event_row {
 } nsdae_event_row;
 
 /* The rows of the forces that are not zero anyway, in the order of their numbers. */
-typedef struct nsdae_event_border {
+typedef struct nsdae_event_rows {
   int count;
   nsdae_event_row *row; /* count */
   int *place;           /* of every force, or -1 */
-  double *A;            /* count x count, then its LU factors */
-  int *pivot;           /* count */
   double *f;            /* count: right-hand side, then the forces */
-} nsdae_event_border;
+} nsdae_event_rows;
 
 typedef struct nsdae_event_phase {
   nsdae_event_setting *setting;
   nsdae_event_modes modes;
   unsigned terms; /* what the equations of the modes need */
-  double *x, *l;  /* nv, m: v', lambda; then those of K^-1 [w; 0] of every row */
-  nsdae_event_border border;
-  nsdae_bordered_kkt newton; /* of IDA's steps: see newton.c */
-  double *moved;             /* nq + nv */
+  double *x, *l;  /* nv, m: v', lambda */
+  nsdae_event_rows rows;
+  nsdae_border border;     /* of the rows, with the setting's kkt */
+  nsdae_newton_kkt newton; /* of IDA's steps: see newton.c */
+  double *moved;           /* nq + nv */
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
 
-/* Brings `terms` and the border to what the modes need. */
+/* Brings `terms` and the rows to what the modes need. */
 void nsdae_event_begin_phase(nsdae_event_phase *phase);
 
 /* The forces of y [n] from its q and v, at time t; v' [nv] is in x then, and the terms are there.
@@ -103,9 +102,12 @@ int nsdae_event_newton_solve(double cj, double *r, double *x, nsdae_event_phase 
  * v)
  * + omega + 2 alpha w + beta^2 g = 0. */
 double nsdae_event_wanted(const nsdae_event_phase *phase, const nsdae_event_row *row);
-/* d [nt] of contact i that slides, and its derivative by v_T along tangent l of two. */
+/* d [nt] of contact i that slides. */
 void nsdae_event_sliding_direction(const nsdae_event_phase *phase, int i, double *d);
-void nsdae_event_direction_slope(const nsdae_event_phase *phase, int i, int l, double *slope);
+/* The border of the rows at the point in work; with y not NULL that of Newton's method at y, see
+ * newton.c. NSDAE_E_CONVERGENCE: it is singular. */
+int nsdae_event_factor_border(const nsdae_event_phase *phase, nsdae_border *border, const double *y,
+                              double cj);
 /* -F_S / lambda of frictional joint j that slides. */
 double nsdae_event_joint_friction(const nsdae_event_phase *phase, int j);
 
