@@ -463,20 +463,24 @@ static int too_many(const event *e)
          *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
-/* With auto, the integrator that does better from here on. DOP853 takes 12 evaluations a step, and
- * three more if it is read inside, DOPRI5 takes six: it is of use if that one's steps are shorter
- * than 0.4 of the longest, at a small rtol (measured: equal at 1e-6) and while nothing is closed,
- * whose forces may turn or jump within a step. */
+/* With auto, the integrator that does better from here on. IDA: if stability bounds the steps, or
+ * if CRAWL of them were shorter than TINY in the mean, as where the direction of a slip of nearly
+ * zero turns in each stage, which hides the border of stability. DOP853 takes 12 evaluations a
+ * step, and three more if it is read inside, DOPRI5 takes six: it is of use if SETTLED steps, by
+ * which the first ones have found their length, end with one shorter than 0.4 of the longest, at a
+ * small rtol (measured: equal at 1e-6) and while nothing is closed, whose forces may turn or jump
+ * within a step. */
 static int better_integrator(const event *e)
 {
   const nsdae_smooth *g = &e->integrator.smooth;
   const double rtol_most = 3e-7, part = 0.4;
-  enum { SETTLED = 10 }; /* steps by which the first ones have found their length */
+  enum { SETTLED = 10, CRAWL = 150 };
   int now = *e->phase.modes.integrator, steps = *e->base.steps;
   int closed = (e->phase.terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
   if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO) return now;
   if (g->is_stiff) return steps < STIFF_STEPS ? now : NSDAE_INTEGRATOR_DOPRI5;
-  if (nsdae_smooth_stiff(g)) return NSDAE_INTEGRATOR_IDA;
+  int crawls = steps >= CRAWL && e->integrator.ahead - *e->base.t < steps * TINY * g->steps.span;
+  if (g->ida && (crawls || nsdae_smooth_stiff(g))) return NSDAE_INTEGRATOR_IDA;
   int fine = !closed && g->steps.rtol <= rtol_most && g->steps.last < part * g->steps.max_step;
   return fine && steps >= SETTLED ? NSDAE_INTEGRATOR_DOP853 : now;
 }
