@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 const char *nsdae_h5_join(char path[NSDAE_H5_PATH], const char *group, const char *name)
 {
@@ -64,9 +63,12 @@ int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value)
   return set_attribute(h5, object, name, H5T_NATIVE_INT, &value);
 }
 
-int nsdae_h5_set_real(nsdae_h5 *h5, hid_t object, const char *name, double value)
+void nsdae_h5_set_origin(nsdae_h5 *h5, double time, long step, double tol, const char *method)
 {
-  return set_attribute(h5, object, name, H5T_NATIVE_DOUBLE, &value);
+  set_attribute(h5, h5->file, "time", H5T_NATIVE_DOUBLE, &time);
+  nsdae_h5_set_int(h5, h5->file, "step", (int)step);
+  set_attribute(h5, h5->file, "tol", H5T_NATIVE_DOUBLE, &tol);
+  if (method) nsdae_h5_set_text(h5, h5->file, "method", method);
 }
 
 /* ---- datasets */
@@ -201,14 +203,7 @@ int nsdae_h5_append(nsdae_h5 *h5, hid_t set, hid_t type, hsize_t from, hsize_t c
 
 int nsdae_h5_has(nsdae_h5 *h5, const char *path)
 {
-  char part[NSDAE_H5_PATH];
-  size_t length = strlen(path);
-  for (size_t i = 1; i <= length; i++) {
-    if (path[i] != '/' && path[i] != '\0') continue;
-    snprintf(part, sizeof part, "%.*s", (int)i, path);
-    if (H5Lexists(h5->file, part, H5P_DEFAULT) <= 0) return 0;
-  }
-  return 1;
+  return H5LTpath_valid(h5->file, path, 0) > 0;
 }
 
 /* Whether it is one of numbers, of at most 16 bytes. */

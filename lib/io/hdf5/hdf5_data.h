@@ -21,7 +21,9 @@ int nsdae_h5_group(nsdae_h5 *h5, const char *name);
 /* Attribute of an object of the file, made or written anew. */
 int nsdae_h5_set_text(nsdae_h5 *h5, hid_t object, const char *name, const char *text);
 int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value);
-int nsdae_h5_set_real(nsdae_h5 *h5, hid_t object, const char *name, double value);
+
+/* Attributes of the root of a file of a problem: where it comes from. */
+void nsdae_h5_set_origin(nsdae_h5 *h5, double time, long step, double tol, const char *method);
 
 /* How a dataset lies in the file. */
 typedef struct nsdae_h5_layout {

@@ -279,20 +279,10 @@ int nsdae_friction_read(const char *path, nsdae_friction_file *file, nsdae_error
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_friction_read", path ? "file" : "path",
                            "%s is NULL", path ? "file" : "path");
   *file = (nsdae_friction_file){0};
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_read"};
-  nsdae_h5_begin(&h5, error);
-  if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
-  if (nsdae_h5_close(&h5) < 0) nsdae_friction_file_release(file);
-  return nsdae_h5_end(&h5);
-}
-
-void nsdae_friction_file_release(nsdae_friction_file *file)
-{
-  if (!file) return;
-  const nsdae_friction_problem *p = &file->problem;
-  const void *const held[] = {p->rows, p->mu,     p->w,        p->size,       p->M,
-                              p->f,    p->first,  p->block,    p->value,      p->compliance,
-                              file->r, file->low, file->guess, file->velocity};
-  for (size_t i = 0; i < sizeof held / sizeof *held; i++) free((void *)held[i]);
-  *file = (nsdae_friction_file){0};
+  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_read", .error = error};
+  H5E_BEGIN_TRY
+    if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
+    if (nsdae_h5_close(&h5) < 0) nsdae_friction_file_release(file);
+  H5E_END_TRY
+  return h5.status;
 }

@@ -3,6 +3,8 @@
 #include <limits.h>
 #include <stdlib.h>
 
+#include "dynamic_array.h"
+
 enum { COLUMNS = -1, ROWS = -2 }; /* values of nz */
 
 /* ---- reading */
@@ -89,17 +91,13 @@ void nsdae_triplets_read(nsdae_h5 *h5, const char *group, int needed, nsdae_trip
 
 int nsdae_triplets_grow(nsdae_h5 *h5, nsdae_triplets *t, int count)
 {
+  const nsdae_array arrays[] = {NSDAE_ARRAY(t->row, 1), NSDAE_ARRAY(t->column, 1),
+                                NSDAE_ARRAY(t->value, 1)};
   if (count > INT_MAX - t->count)
     nsdae_h5_refuse(h5, "read", "more than %d entries in its matrices", INT_MAX);
-  size_t room = (size_t)t->count + (size_t)count + 1;
-  if (h5->status < 0) return h5->status;
-  int *row = realloc(t->row, room * sizeof *row);
-  if (row) t->row = row;
-  int *column = realloc(t->column, room * sizeof *column);
-  if (column) t->column = column;
-  double *value = realloc(t->value, room * sizeof *value);
-  if (value) t->value = value;
-  return row && column && value ? NSDAE_OK : nsdae_h5_no_memory(h5);
+  size_t room = (size_t)t->count + (size_t)count;
+  if (h5->status == NSDAE_OK && nsdae_arrays_grow(arrays, 3, room) < 0) nsdae_h5_no_memory(h5);
+  return h5->status;
 }
 
 void nsdae_triplets_add(nsdae_triplets *t, int row, int column, double value)
