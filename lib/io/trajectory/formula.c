@@ -1,5 +1,5 @@
-/* A reader by recursive descent, one function per line of the grammar in the header. It stops at
- * the first reason and gives it on; blanks may stand between any two symbols. */
+/* A reader by recursive descent over brackets and calls. It stops at the first reason and gives it
+ * on; blanks may stand between any two symbols. */
 #include "formula.h"
 
 #include <stdarg.h>
@@ -60,9 +60,10 @@ static char next(reader *r)
   return *r->at;
 }
 
-static int take(reader *r, char symbol)
+/* Whether it is one of these, which is then read. */
+static int take(reader *r, const char *symbols)
 {
-  if (next(r) != symbol) return 0;
+  if (!next(r) || !strchr(symbols, *r->at)) return 0;
   r->at++;
   return 1;
 }
@@ -161,16 +162,16 @@ static int check_quantity(reader *r, const char *name)
   return refuse_formula(r, "unknown name '%.40s'", name);
 }
 
-/* ---- grammar: sum, product, sign, atom */
+/* ---- grammar */
 
 static int read_call(reader *r, const function *f)
 {
-  if (!take(r, '(')) return refuse_formula(r, "%s without (", f->name);
+  if (!take(r, "(")) return refuse_formula(r, "%s without (", f->name);
   int status = read_sum(r);
   for (int i = 1; i < f->arguments && status == NSDAE_OK; i++)
-    status = take(r, ',') ? read_sum(r)
+    status = take(r, ",") ? read_sum(r)
                           : refuse_formula(r, "%s takes %d values,", f->name, f->arguments);
-  if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "%s without )", f->name);
+  if (status == NSDAE_OK && !take(r, ")")) status = refuse_formula(r, "%s without )", f->name);
   return status;
 }
 
@@ -196,30 +197,21 @@ static int read_atom(reader *r)
   if (is_digit(c) || c == '.') return read_number(r);
   if (c && strchr(LETTERS, c)) return read_name(r);
   if (c == '\0') return refuse_formula(r, "the formula ends in place of a value,");
-  if (!take(r, '(')) return refuse_formula(r, "'%c' in place of a value", c < ' ' ? '?' : c);
+  if (!take(r, "(")) return refuse_formula(r, "'%c' in place of a value", c < ' ' ? '?' : c);
   int status = read_sum(r);
-  if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "( without )");
+  if (status == NSDAE_OK && !take(r, ")")) status = refuse_formula(r, "( without )");
   return status;
 }
 
-static int read_sign(reader *r)
-{
-  while (take(r, '+') || take(r, '-')) continue;
-  int status = read_atom(r);
-  return status == NSDAE_OK && take(r, '^') ? read_sign(r) : status;
-}
-
-static int read_product(reader *r)
-{
-  int status = read_sign(r);
-  while (status == NSDAE_OK && (take(r, '*') || take(r, '/'))) status = read_sign(r);
-  return status;
-}
-
+/* Which operator binds closer does not matter for what is a formula: values with signs, and an
+ * operator between two. */
 static int read_sum(reader *r)
 {
-  int status = read_product(r);
-  while (status == NSDAE_OK && (take(r, '+') || take(r, '-'))) status = read_product(r);
+  int status;
+  do {
+    while (take(r, "+-")) continue;
+    status = read_atom(r);
+  } while (status == NSDAE_OK && take(r, "+-*/^"));
   return status;
 }
 
