@@ -262,9 +262,11 @@ double nsdae_h5_get_real(nsdae_h5 *h5, hid_t object, const char *name)
 
 /* ---- vectors */
 
-int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most)
+int nsdae_h5_length(nsdae_h5 *h5, const char *group, const char *name, long most)
 {
+  char path[NSDAE_H5_PATH];
   hsize_t found = 0;
+  nsdae_h5_join(path, group, name);
   if (h5->status < 0 || !nsdae_h5_has(h5, path) || nsdae_h5_shape(h5, path, 1, &found) < 0)
     return -1;
   if (found <= (hsize_t)most) return (int)found;
@@ -273,9 +275,12 @@ int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most)
   return -1;
 }
 
-static void *take(nsdae_h5 *h5, const char *path, int needed, int *length, hid_t type, size_t size)
+static void *take(nsdae_h5 *h5, const char *group, const char *name, int needed, int *length,
+                  hid_t type, size_t size)
 {
-  int found = nsdae_h5_length(h5, path, INT_MAX);
+  char path[NSDAE_H5_PATH];
+  int found = nsdae_h5_length(h5, group, name, INT_MAX);
+  nsdae_h5_join(path, group, name);
   if (found < 0) {
     if (needed) nsdae_h5_refuse(h5, "read", "%s is missing", path);
     return NULL;
@@ -288,26 +293,28 @@ static void *take(nsdae_h5 *h5, const char *path, int needed, int *length, hid_t
   return values;
 }
 
-int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *path, int needed, int *length)
+int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *group, const char *name, int needed, int *length)
 {
-  return take(h5, path, needed, length, H5T_NATIVE_INT, sizeof(int));
+  return take(h5, group, name, needed, length, H5T_NATIVE_INT, sizeof(int));
 }
 
-double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *path, int needed, int *length)
+double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *group, const char *name, int needed,
+                            int *length)
 {
-  double *value = take(h5, path, needed, length, H5T_NATIVE_DOUBLE, sizeof *value);
+  double *value = take(h5, group, name, needed, length, H5T_NATIVE_DOUBLE, sizeof *value);
   for (int i = 0; value && i < *length && h5->status == NSDAE_OK; i++)
     if (!isfinite(value[i]))
-      nsdae_h5_refuse(h5, "read", "%s[%d] is %g, must be finite", path, i, value[i]);
+      nsdae_h5_refuse(h5, "read", "%s/%s[%d] is %g, must be finite", group, name, i, value[i]);
   return value;
 }
 
-int nsdae_h5_take_int(nsdae_h5 *h5, const char *path, int least, int most)
+int nsdae_h5_take_int(nsdae_h5 *h5, const char *group, const char *name, int least, int most)
 {
-  int one = 1, *read = nsdae_h5_take_ints(h5, path, NSDAE_H5_NEEDED, &one);
+  int one = 1, *read = nsdae_h5_take_ints(h5, group, name, NSDAE_H5_NEEDED, &one);
   int value = h5->status < 0 ? 0 : *read;
   free(read);
-  if (h5->status == NSDAE_OK && (value < least || value > most))
-    nsdae_h5_refuse(h5, "read", "%s is %d, must be in [%d, %d]", path, value, least, most);
+  if (value < least || value > most)
+    nsdae_h5_refuse(h5, "read", "%s/%s is %d, must be in [%d, %d]", group, name, value, least,
+                    most);
   return value;
 }

@@ -70,16 +70,17 @@ int nsdae_h5_read(nsdae_h5 *h5, const char *path, hid_t type, void *values);
 /* 0 if there is no such attribute. */
 double nsdae_h5_get_real(nsdae_h5 *h5, hid_t object, const char *name);
 
-/* The length of a vector, at most most; -1 if it is not there. */
-int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most);
+/* The length of the vector GROUP/NAME, at most most; -1 if it is not there. */
+int nsdae_h5_length(nsdae_h5 *h5, const char *group, const char *name, long most);
 
-/* Vectors that are read; NULL: not there and not needed. *length: what it must be, or -1, and it
- * comes back. */
+/* Such vectors, read; NULL: not there and not needed. *length: what it must be, or -1, and it comes
+ * back. */
 enum { NSDAE_H5_OPTIONAL, NSDAE_H5_NEEDED };
-int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *path, int needed, int *length);
+int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *group, const char *name, int needed, int *length);
 /* Finite ones. */
-double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *path, int needed, int *length);
+double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *group, const char *name, int needed,
+                            int *length);
 /* A vector of one number, in [least, most]. */
-int nsdae_h5_take_int(nsdae_h5 *h5, const char *path, int least, int most);
+int nsdae_h5_take_int(nsdae_h5 *h5, const char *group, const char *name, int least, int most);
 
 #endif

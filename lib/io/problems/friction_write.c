@@ -79,8 +79,7 @@ static nsdae_triplets make_triplets(writer *w, const char *name, int rows, int c
 
 static void write_triplets(writer *w, const char *name, nsdae_triplets *A)
 {
-  char path[NSDAE_H5_PATH];
-  nsdae_triplets_write(&w->h5, nsdae_h5_join(path, w->root, name), A);
+  nsdae_triplets_write(&w->h5, w->root, name, A);
   nsdae_triplets_release(A);
 }
 
