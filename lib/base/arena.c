@@ -44,14 +44,7 @@ int nsdae_arena_build(nsdae_arena *arena, void (*layout)(void *object, nsdae_are
                       void *object)
 {
   *arena = (nsdae_arena){0};
-  layout(object, arena);
-  if (arena->overflow) return NSDAE_E_MEMORY;
-  arena->base = aligned_zeros(arena->used);
-  if (!arena->base) return NSDAE_E_MEMORY;
-  arena->size = arena->used;
-  arena->used = 0;
-  layout(object, arena);
-  return NSDAE_OK;
+  return nsdae_arena_fit(arena, layout, object);
 }
 
 int nsdae_arena_fit(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
@@ -62,7 +55,9 @@ int nsdae_arena_fit(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena
   if (measured.overflow) return NSDAE_E_MEMORY;
   if (!arena->base || arena->size < measured.used) {
     nsdae_arena_release(arena);
-    return nsdae_arena_build(arena, layout, object);
+    arena->base = aligned_zeros(measured.used);
+    if (!arena->base) return NSDAE_E_MEMORY;
+    arena->size = measured.used;
   }
   arena->used = 0;
   layout(object, arena);

@@ -59,12 +59,12 @@ static int below_max(const nsdae_param *param, double value)
   return param->open & NSDAE_OPEN_MAX ? value < param->max : value <= param->max;
 }
 
-/* "a, b or c" */
-static void list_choices(const nsdae_param *param, char *text, size_t size)
+/* "a, b or c", with " or " as the last separator */
+static void list_choices(const nsdae_param *param, const char *last, char *text, size_t size)
 {
   size_t used = 0;
   for (int i = 0; param->choices[i] && used < size; i++) {
-    const char *between = i == 0 ? "" : param->choices[i + 1] ? ", " : " or ";
+    const char *between = i == 0 ? "" : param->choices[i + 1] ? ", " : last;
     used += (size_t)snprintf(text + used, size - used, "%s%s", between, param->choices[i]);
   }
 }
@@ -76,7 +76,7 @@ void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
   if (size > 0) text[0] = '\0';
   if (param->type == NSDAE_PARAM_TEXT) return;
   if (param->type == NSDAE_PARAM_CHOICE)
-    list_choices(param, text, size);
+    list_choices(param, " or ", text, size);
   else if (isinf(param->max) && isinf(param->min))
     snprintf(text, size, "a finite number");
   else if (isinf(param->max))
@@ -163,10 +163,7 @@ static int set_choice(const nsdae_param *param, void *base, const char *value, n
     return NSDAE_OK;
   }
   char all[160] = "";
-  for (int i = 0; param->choices[i]; i++) {
-    size_t used = strlen(all);
-    snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", param->choices[i]);
-  }
+  list_choices(param, ", ", all, sizeof all);
   const char *near = nsdae_suggest_name(value, param->choices);
   if (!near)
     return nsdae_error_set(error, NSDAE_E_OPTION, "nsdae_params", param->key,

@@ -214,11 +214,6 @@ int nsdae_vfd_close(nsdae_vfd *file)
 
 /* ---- the driver: what HDF5 calls ---- */
 
-/* HDF5 copies this with the access list. */
-typedef struct driver_info {
-  nsdae_vfd *file;
-} driver_info;
-
 static nsdae_vfd *file_of(H5FD_t *own)
 {
   return (nsdae_vfd *)(void *)own;
@@ -231,10 +226,10 @@ static const nsdae_vfd *look_at(const H5FD_t *own)
 
 static H5FD_t *driver_open(const char *name, unsigned flags, hid_t access, haddr_t most)
 {
-  const driver_info *info = H5Pget_driver_info(access);
-  if (!info) return NULL;
-  info->file->own = (H5FD_t){0};
-  return &info->file->own;
+  nsdae_vfd *const *file = H5Pget_driver_info(access); /* of which HDF5 has a copy */
+  if (!file) return NULL;
+  (*file)->own = (H5FD_t){0};
+  return &(*file)->own;
 }
 
 /* nsdae_vfd_close does it. */
@@ -330,7 +325,7 @@ static const H5FD_class_t driver = {
     .name = "nsdae",
     .maxaddr = (haddr_t)INT64_MAX,
     .fc_degree = H5F_CLOSE_STRONG,
-    .fapl_size = sizeof(driver_info),
+    .fapl_size = sizeof(nsdae_vfd *),
     .open = driver_open,
     .close = driver_close,
     .query = driver_query,
@@ -352,10 +347,9 @@ enum { ALIGNED_FROM = 1024, PAGE = 4096 };
 
 hid_t nsdae_vfd_access(nsdae_vfd *file)
 {
-  const driver_info info = {file};
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   file->driver = H5FDregister(&driver);
-  herr_t code = H5Pset_driver(access, file->driver, &info);
+  herr_t code = H5Pset_driver(access, file->driver, &file);
   if (code >= 0 && !file->reading) code = H5Pset_alignment(access, ALIGNED_FROM, PAGE);
   /* a file that is closed is closed, whatever was left open in it: HDF5 must not come back to us */
   if (code >= 0) code = H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);

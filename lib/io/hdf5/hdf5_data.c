@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 const char *nsdae_h5_join(char path[NSDAE_H5_PATH], const char *group, const char *name)
 {
@@ -64,9 +63,12 @@ int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value)
   return set_attribute(h5, object, name, H5T_NATIVE_INT, &value);
 }
 
-int nsdae_h5_set_real(nsdae_h5 *h5, hid_t object, const char *name, double value)
+void nsdae_h5_set_origin(nsdae_h5 *h5, double time, long step, double tol, const char *method)
 {
-  return set_attribute(h5, object, name, H5T_NATIVE_DOUBLE, &value);
+  set_attribute(h5, h5->file, "time", H5T_NATIVE_DOUBLE, &time);
+  nsdae_h5_set_int(h5, h5->file, "step", (int)step);
+  set_attribute(h5, h5->file, "tol", H5T_NATIVE_DOUBLE, &tol);
+  if (method) nsdae_h5_set_text(h5, h5->file, "method", method);
 }
 
 /* ---- datasets */
@@ -201,14 +203,7 @@ int nsdae_h5_append(nsdae_h5 *h5, hid_t set, hid_t type, hsize_t from, hsize_t c
 
 int nsdae_h5_has(nsdae_h5 *h5, const char *path)
 {
-  char part[NSDAE_H5_PATH];
-  size_t length = strlen(path);
-  for (size_t i = 1; i <= length; i++) {
-    if (path[i] != '/' && path[i] != '\0') continue;
-    snprintf(part, sizeof part, "%.*s", (int)i, path);
-    if (H5Lexists(h5->file, part, H5P_DEFAULT) <= 0) return 0;
-  }
-  return 1;
+  return H5LTpath_valid(h5->file, path, 0) > 0;
 }
 
 /* Whether it is one of numbers, of at most 16 bytes. */
@@ -267,9 +262,11 @@ double nsdae_h5_get_real(nsdae_h5 *h5, hid_t object, const char *name)
 
 /* ---- vectors */
 
-int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most)
+int nsdae_h5_length(nsdae_h5 *h5, const char *group, const char *name, long most)
 {
+  char path[NSDAE_H5_PATH];
   hsize_t found = 0;
+  nsdae_h5_join(path, group, name);
   if (h5->status < 0 || !nsdae_h5_has(h5, path) || nsdae_h5_shape(h5, path, 1, &found) < 0)
     return -1;
   if (found <= (hsize_t)most) return (int)found;
@@ -278,9 +275,12 @@ int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most)
   return -1;
 }
 
-static void *take(nsdae_h5 *h5, const char *path, int needed, int *length, hid_t type, size_t size)
+static void *take(nsdae_h5 *h5, const char *group, const char *name, int needed, int *length,
+                  hid_t type, size_t size)
 {
-  int found = nsdae_h5_length(h5, path, INT_MAX);
+  char path[NSDAE_H5_PATH];
+  int found = nsdae_h5_length(h5, group, name, INT_MAX);
+  nsdae_h5_join(path, group, name);
   if (found < 0) {
     if (needed) nsdae_h5_refuse(h5, "read", "%s is missing", path);
     return NULL;
@@ -293,26 +293,28 @@ static void *take(nsdae_h5 *h5, const char *path, int needed, int *length, hid_t
   return values;
 }
 
-int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *path, int needed, int *length)
+int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *group, const char *name, int needed, int *length)
 {
-  return take(h5, path, needed, length, H5T_NATIVE_INT, sizeof(int));
+  return take(h5, group, name, needed, length, H5T_NATIVE_INT, sizeof(int));
 }
 
-double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *path, int needed, int *length)
+double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *group, const char *name, int needed,
+                            int *length)
 {
-  double *value = take(h5, path, needed, length, H5T_NATIVE_DOUBLE, sizeof *value);
+  double *value = take(h5, group, name, needed, length, H5T_NATIVE_DOUBLE, sizeof *value);
   for (int i = 0; value && i < *length && h5->status == NSDAE_OK; i++)
     if (!isfinite(value[i]))
-      nsdae_h5_refuse(h5, "read", "%s[%d] is %g, must be finite", path, i, value[i]);
+      nsdae_h5_refuse(h5, "read", "%s/%s[%d] is %g, must be finite", group, name, i, value[i]);
   return value;
 }
 
-int nsdae_h5_take_int(nsdae_h5 *h5, const char *path, int least, int most)
+int nsdae_h5_take_int(nsdae_h5 *h5, const char *group, const char *name, int least, int most)
 {
-  int one = 1, *read = nsdae_h5_take_ints(h5, path, NSDAE_H5_NEEDED, &one);
+  int one = 1, *read = nsdae_h5_take_ints(h5, group, name, NSDAE_H5_NEEDED, &one);
   int value = h5->status < 0 ? 0 : *read;
   free(read);
-  if (h5->status == NSDAE_OK && (value < least || value > most))
-    nsdae_h5_refuse(h5, "read", "%s is %d, must be in [%d, %d]", path, value, least, most);
+  if (value < least || value > most)
+    nsdae_h5_refuse(h5, "read", "%s/%s is %d, must be in [%d, %d]", group, name, value, least,
+                    most);
   return value;
 }

@@ -21,7 +21,9 @@ int nsdae_h5_group(nsdae_h5 *h5, const char *name);
 /* Attribute of an object of the file, made or written anew. */
 int nsdae_h5_set_text(nsdae_h5 *h5, hid_t object, const char *name, const char *text);
 int nsdae_h5_set_int(nsdae_h5 *h5, hid_t object, const char *name, int value);
-int nsdae_h5_set_real(nsdae_h5 *h5, hid_t object, const char *name, double value);
+
+/* Attributes of the root of a file of a problem: where it comes from. */
+void nsdae_h5_set_origin(nsdae_h5 *h5, double time, long step, double tol, const char *method);
 
 /* How a dataset lies in the file. */
 typedef struct nsdae_h5_layout {
@@ -68,16 +70,17 @@ int nsdae_h5_read(nsdae_h5 *h5, const char *path, hid_t type, void *values);
 /* 0 if there is no such attribute. */
 double nsdae_h5_get_real(nsdae_h5 *h5, hid_t object, const char *name);
 
-/* The length of a vector, at most most; -1 if it is not there. */
-int nsdae_h5_length(nsdae_h5 *h5, const char *path, long most);
+/* The length of the vector GROUP/NAME, at most most; -1 if it is not there. */
+int nsdae_h5_length(nsdae_h5 *h5, const char *group, const char *name, long most);
 
-/* Vectors that are read; NULL: not there and not needed. *length: what it must be, or -1, and it
- * comes back. */
+/* Such vectors, read; NULL: not there and not needed. *length: what it must be, or -1, and it comes
+ * back. */
 enum { NSDAE_H5_OPTIONAL, NSDAE_H5_NEEDED };
-int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *path, int needed, int *length);
+int *nsdae_h5_take_ints(nsdae_h5 *h5, const char *group, const char *name, int needed, int *length);
 /* Finite ones. */
-double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *path, int needed, int *length);
+double *nsdae_h5_take_reals(nsdae_h5 *h5, const char *group, const char *name, int needed,
+                            int *length);
 /* A vector of one number, in [least, most]. */
-int nsdae_h5_take_int(nsdae_h5 *h5, const char *path, int least, int most);
+int nsdae_h5_take_int(nsdae_h5 *h5, const char *group, const char *name, int least, int most);
 
 #endif

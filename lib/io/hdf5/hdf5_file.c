@@ -8,30 +8,10 @@
 
 #include "hdf5_guard.h"
 
-/* A program may have asked in either way: asked in the wrong one, HDF5 fails and says so. */
-void nsdae_h5_begin(nsdae_h5 *h5, nsdae_error *error)
+void nsdae_h5_start(nsdae_h5 *h5, nsdae_error *error)
 {
-  nsdae_h5_voice *voice = &h5->voice;
   h5->error = error;
   h5->status = NSDAE_OK;
-  voice->is_new = 1;
-  H5Eauto_is_v2(H5E_DEFAULT, &voice->is_new);
-  if (voice->is_new) {
-    H5Eget_auto2(H5E_DEFAULT, &voice->print, &voice->user);
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  } else {
-    H5Eget_auto1(&voice->print_old, &voice->user);
-    H5Eset_auto1(NULL, NULL);
-  }
-}
-
-int nsdae_h5_end(nsdae_h5 *h5)
-{
-  if (h5->voice.is_new)
-    H5Eset_auto2(H5E_DEFAULT, h5->voice.print, h5->voice.user);
-  else
-    H5Eset_auto1(h5->voice.print_old, h5->voice.user);
-  return h5->status;
 }
 
 /* ---- errors */

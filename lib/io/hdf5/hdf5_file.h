@@ -1,6 +1,7 @@
 /* The calls to HDF5 that a file needs. The first failure of a public call stays in status: after it
- * nothing more is read or written, and all functions return it. HDF5's own error printing is off
- * while they run (nsdae_h5_begin); its innermost message goes to the record. */
+ * nothing more is read or written, and all functions return it. They run between
+ * H5E_BEGIN_TRY and H5E_END_TRY, which turn HDF5's own error printing off; its innermost message
+ * goes to the record. */
 #ifndef NSDAE_IO_HDF5_FILE_H
 #define NSDAE_IO_HDF5_FILE_H
 
@@ -9,28 +10,17 @@
 #include "crash_safe_vfd.h"
 #include "errors.h"
 
-/* How the program has HDF5 print its errors. */
-typedef struct nsdae_h5_voice {
-  unsigned is_new; /* set by H5Eset_auto2, else by H5Eset_auto1 */
-  H5E_auto2_t print;
-  H5E_auto1_t print_old;
-  void *user;
-} nsdae_h5_voice;
-
 typedef struct nsdae_h5 {
   hid_t file;
   nsdae_vfd disk; /* under it; must stay where it is while the file is open */
   const char *path;
-  const char *where;    /* public function at work, for errors */
-  nsdae_error *error;   /* of the call at work; may be NULL */
-  int status;           /* of the call at work: its first failure, or NSDAE_OK */
-  nsdae_h5_voice voice; /* of the program, while a call is at work */
+  const char *where;  /* public function at work, for errors */
+  nsdae_error *error; /* of the call at work; may be NULL */
+  int status;         /* of the call at work: its first failure, or NSDAE_OK */
 } nsdae_h5;
 
-/* Around all that a public call does: printing of errors off, no failure yet; printing as before,
- * returns status. */
-void nsdae_h5_begin(nsdae_h5 *h5, nsdae_error *error);
-int nsdae_h5_end(nsdae_h5 *h5);
+/* Before all that a public call does: no failure yet. */
+void nsdae_h5_start(nsdae_h5 *h5, nsdae_error *error);
 
 typedef enum nsdae_h5_kind {
   NSDAE_H5_PLAIN, /* any HDF5 from 1.8 on reads it */

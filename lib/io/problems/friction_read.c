@@ -40,22 +40,22 @@ static void read_form(reader *r)
 /* The rows of a contact in the file, and of each contact where they differ. */
 static void read_contacts(reader *r)
 {
-  char path[NSDAE_H5_PATH];
   nsdae_h5 *h5 = r->h5;
   nsdae_friction_problem *p = &r->out->problem;
-  r->dim = nsdae_h5_take_int(h5, nsdae_h5_join(path, r->root, "spacedim"), INT_MIN, INT_MAX);
+  r->dim = nsdae_h5_take_int(h5, r->root, "spacedim", INT_MIN, INT_MAX);
   if (r->dim != 2 && r->dim != 3)
-    nsdae_h5_refuse(h5, "read", "%s is %d, must be 2 or 3", path, r->dim);
-  r->contacts = nsdae_h5_length(h5, nsdae_h5_join(path, r->root, "vectors/mu"), INT_MAX / 8);
-  p->mu = nsdae_h5_take_reals(h5, path, NSDAE_H5_NEEDED, &r->contacts);
+    nsdae_h5_refuse(h5, "read", "%s/spacedim is %d, must be 2 or 3", r->root, r->dim);
+  r->contacts = nsdae_h5_length(h5, r->root, "vectors/mu", INT_MAX / 8);
+  p->mu = nsdae_h5_take_reals(h5, r->root, "vectors/mu", NSDAE_H5_NEEDED, &r->contacts);
   for (int c = 0; c < r->contacts && h5->status == NSDAE_OK; c++)
     if (p->mu[c] < 0)
-      nsdae_h5_refuse(h5, "read", "%s[%d] is %g, must not be negative", path, c, p->mu[c]);
-  int *rows = nsdae_h5_take_ints(h5, nsdae_h5_join(path, r->root, "vectors/rows"),
-                                 NSDAE_H5_OPTIONAL, &r->contacts);
+      nsdae_h5_refuse(h5, "read", "%s/vectors/mu[%d] is %g, must not be negative", r->root, c,
+                      p->mu[c]);
+  int *rows = nsdae_h5_take_ints(h5, r->root, "vectors/rows", NSDAE_H5_OPTIONAL, &r->contacts);
   for (int c = 0; rows && c < r->contacts && h5->status == NSDAE_OK; c++)
     if (rows[c] < 1 || rows[c] > r->dim)
-      nsdae_h5_refuse(h5, "read", "%s[%d] is %d, must be in [1, %d]", path, c, rows[c], r->dim);
+      nsdae_h5_refuse(h5, "read", "%s/vectors/rows[%d] is %d, must be in [1, %d]", r->root, c,
+                      rows[c], r->dim);
   if (!rows && r->dim == 2) { /* all have 3 if there are none */
     rows = nsdae_h5_allocate(h5, (size_t)r->contacts, sizeof *rows);
     for (int c = 0; rows && c < r->contacts; c++) rows[c] = 2;
@@ -79,13 +79,6 @@ static void make_items(reader *r)
 }
 
 /* ---- matrices */
-
-/* Reads a matrix; an empty one if it need not be there and is not. */
-static void read_matrix(const reader *r, const char *name, int needed, nsdae_triplets *A)
-{
-  char path[NSDAE_H5_PATH];
-  nsdae_triplets_read(r->h5, nsdae_h5_join(path, r->root, name), needed, A);
-}
 
 static void check_shape(const reader *r, const char *name, const nsdae_triplets *A, int rows,
                         int columns)
@@ -111,12 +104,11 @@ static void join(reader *r, const nsdae_triplets *B, int row, int column, int tr
  * asked for by their number. */
 static void check_bilateral(const reader *r, const char *name)
 {
-  char path[NSDAE_H5_PATH];
   if (r->bilateral == 0) return;
-  int length = nsdae_h5_length(r->h5, nsdae_h5_join(path, r->root, name), INT_MAX);
+  int length = nsdae_h5_length(r->h5, r->root, name, INT_MAX);
   if (length != r->bilateral)
-    nsdae_h5_refuse(r->h5, "read", "%s has %d numbers, must have %d", path, length < 0 ? 0 : length,
-                    r->bilateral);
+    nsdae_h5_refuse(r->h5, "read", "%s/%s has %d numbers, must have %d", r->root, name,
+                    length < 0 ? 0 : length, r->bilateral);
 }
 
 /* ---- local form */
@@ -126,10 +118,10 @@ static void read_local(reader *r)
 {
   nsdae_triplets V, R;
   int m = r->dim * r->contacts;
-  read_matrix(r, "W", NSDAE_H5_NEEDED, &r->A);
+  nsdae_triplets_read(r->h5, r->root, "W", NSDAE_H5_NEEDED, &r->A);
   check_shape(r, "W", &r->A, m, m);
-  read_matrix(r, "V", NSDAE_H5_OPTIONAL, &V);
-  read_matrix(r, "R", NSDAE_H5_OPTIONAL, &R);
+  nsdae_triplets_read(r->h5, r->root, "V", NSDAE_H5_OPTIONAL, &V);
+  nsdae_triplets_read(r->h5, r->root, "R", NSDAE_H5_OPTIONAL, &R);
   r->bilateral = V.columns > R.columns ? V.columns : R.columns;
   if (V.rows + V.columns > 0) check_shape(r, "V", &V, m, r->bilateral);
   if (R.rows + R.columns > 0) check_shape(r, "R", &R, r->bilateral, r->bilateral);
@@ -149,9 +141,8 @@ static void read_local(reader *r)
 /* The blocks of v: those that are written down, or found. */
 static void read_blocks(reader *r)
 {
-  char path[NSDAE_H5_PATH];
-  int n = r->M.rows, parts = nsdae_h5_length(r->h5, nsdae_h5_join(path, r->root, "blocks"), n);
-  int *size = nsdae_h5_take_ints(r->h5, path, NSDAE_H5_OPTIONAL, &parts);
+  int n = r->M.rows, parts = nsdae_h5_length(r->h5, r->root, "blocks", n);
+  int *size = nsdae_h5_take_ints(r->h5, r->root, "blocks", NSDAE_H5_OPTIONAL, &parts);
   if (size)
     nsdae_partition_make(r->h5, n, parts, size, &r->blocks);
   else
@@ -164,9 +155,9 @@ static void read_H(reader *r)
 {
   nsdae_triplets G;
   int m = r->dim * r->contacts, n = r->M.rows;
-  read_matrix(r, "H", NSDAE_H5_NEEDED, &r->A);
+  nsdae_triplets_read(r->h5, r->root, "H", NSDAE_H5_NEEDED, &r->A);
   check_shape(r, "H", &r->A, n, m);
-  read_matrix(r, "G", NSDAE_H5_OPTIONAL, &G);
+  nsdae_triplets_read(r->h5, r->root, "G", NSDAE_H5_OPTIONAL, &G);
   r->bilateral = G.columns;
   if (G.rows + G.columns > 0) check_shape(r, "G", &G, n, r->bilateral);
   check_bilateral(r, "vectors/b");
@@ -195,12 +186,10 @@ static void order_velocities(reader *r, const double *f)
 
 static void read_global(reader *r)
 {
-  char path[NSDAE_H5_PATH];
   nsdae_friction_problem *p = &r->out->problem;
-  read_matrix(r, "M", NSDAE_H5_NEEDED, &r->M);
+  nsdae_triplets_read(r->h5, r->root, "M", NSDAE_H5_NEEDED, &r->M);
   check_shape(r, "M", &r->M, r->M.rows, r->M.rows);
-  double *f = nsdae_h5_take_reals(r->h5, nsdae_h5_join(path, r->root, "vectors/f"), NSDAE_H5_NEEDED,
-                                  &r->M.rows);
+  double *f = nsdae_h5_take_reals(r->h5, r->root, "vectors/f", NSDAE_H5_NEEDED, &r->M.rows);
   read_H(r);
   r->out->asymmetry = nsdae_symmetrise(r->h5, &r->M);
   read_blocks(r);
@@ -221,12 +210,10 @@ static void read_global(reader *r)
 static double *read_rows(const reader *r, const char *root, const char *name, const char *behind,
                          int needed)
 {
-  char path[NSDAE_H5_PATH];
   int m = r->dim * r->contacts, p = r->bilateral, k = 0;
   double *both = NULL, *tail = NULL;
-  double *head = nsdae_h5_take_reals(r->h5, nsdae_h5_join(path, root, name), needed, &m);
-  if (head && p > 0)
-    tail = nsdae_h5_take_reals(r->h5, nsdae_h5_join(path, root, behind), needed, &p);
+  double *head = nsdae_h5_take_reals(r->h5, root, name, needed, &m);
+  if (head && p > 0) tail = nsdae_h5_take_reals(r->h5, root, behind, needed, &p);
   if (head) both = nsdae_h5_allocate(r->h5, (size_t)r->items.n, sizeof *both);
   for (int i = 0; both && i < r->items.n; i++)
     if (r->items.of[i] >= 0) both[k++] = i < m ? head[i] : tail ? tail[i - m] : 0;
@@ -279,20 +266,10 @@ int nsdae_friction_read(const char *path, nsdae_friction_file *file, nsdae_error
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_friction_read", path ? "file" : "path",
                            "%s is NULL", path ? "file" : "path");
   *file = (nsdae_friction_file){0};
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_read"};
-  nsdae_h5_begin(&h5, error);
-  if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
-  if (nsdae_h5_close(&h5) < 0) nsdae_friction_file_release(file);
-  return nsdae_h5_end(&h5);
-}
-
-void nsdae_friction_file_release(nsdae_friction_file *file)
-{
-  if (!file) return;
-  const nsdae_friction_problem *p = &file->problem;
-  const void *const held[] = {p->rows, p->mu,     p->w,        p->size,       p->M,
-                              p->f,    p->first,  p->block,    p->value,      p->compliance,
-                              file->r, file->low, file->guess, file->velocity};
-  for (size_t i = 0; i < sizeof held / sizeof *held; i++) free((void *)held[i]);
-  *file = (nsdae_friction_file){0};
+  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_friction_read", .error = error};
+  H5E_BEGIN_TRY
+    if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
+    if (nsdae_h5_close(&h5) < 0) nsdae_friction_file_release(file);
+  H5E_END_TRY
+  return h5.status;
 }

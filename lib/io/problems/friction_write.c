@@ -79,8 +79,7 @@ static nsdae_triplets make_triplets(writer *w, const char *name, int rows, int c
 
 static void write_triplets(writer *w, const char *name, nsdae_triplets *A)
 {
-  char path[NSDAE_H5_PATH];
-  nsdae_triplets_write(&w->h5, nsdae_h5_join(path, w->root, name), A);
+  nsdae_triplets_write(&w->h5, w->root, name, A);
   nsdae_triplets_release(A);
 }
 
@@ -223,17 +222,6 @@ static void write_points(writer *w, const nsdae_friction_points *points)
 
 /* ---- the file */
 
-static void write_origin(nsdae_h5 *h5, const nsdae_friction_origin *origin)
-{
-  nsdae_h5_set_text(h5, h5->file, "library_version", nsdae_version());
-  if (!origin) return;
-  nsdae_h5_set_real(h5, h5->file, "time", origin->time);
-  nsdae_h5_set_int(h5, h5->file, "step", (int)origin->step);
-  nsdae_h5_set_real(h5, h5->file, "tol", origin->tol);
-  nsdae_h5_set_int(h5, h5->file, "refine", origin->refine);
-  if (origin->method) nsdae_h5_set_text(h5, h5->file, "method", origin->method);
-}
-
 static void write_problem(writer *w, const nsdae_friction_points *points,
                           const nsdae_friction_origin *origin)
 {
@@ -247,7 +235,10 @@ static void write_problem(writer *w, const nsdae_friction_points *points,
              w->view.m > 0 ? p->w : w->spread);
   write_rows(w, w->root, "vectors/compliance", "vectors/compliance_l", p->compliance);
   if (points) write_points(w, points);
-  write_origin(&w->h5, origin);
+  nsdae_h5_set_text(&w->h5, w->h5.file, "library_version", nsdae_version());
+  if (!origin) return;
+  nsdae_h5_set_origin(&w->h5, origin->time, origin->step, origin->tol, origin->method);
+  nsdae_h5_set_int(&w->h5, w->h5.file, "refine", origin->refine);
 }
 
 /* The arrays of the writer. */
@@ -263,7 +254,7 @@ int nsdae_friction_write(const char *path, const nsdae_friction_problem *problem
                          nsdae_error *error)
 {
   nsdae_arena arena;
-  writer w = {.h5 = {.file = -1, .path = path, .where = "nsdae_friction_write"}};
+  writer w = {.h5 = {.file = -1, .path = path, .where = "nsdae_friction_write", .error = error}};
   nsdae_error_clear(error);
   if (!path) return nsdae_error_set(error, NSDAE_E_ARGUMENT, w.h5.where, "path", "path is NULL");
   int status = nsdae_friction_check(problem, error);
@@ -274,14 +265,13 @@ int nsdae_friction_write(const char *path, const nsdae_friction_problem *problem
   w.dim = 2;
   for (int c = 0; c < problem->contacts; c++)
     if (nsdae_fc_rows(problem, c) == 3) w.dim = 3;
-  nsdae_h5_begin(&w.h5, error);
-  if (nsdae_arena_build(&arena, layout, &w) == NSDAE_OK) {
-    nsdae_fc_view_fill(&w.view);
+  if (nsdae_arena_build(&arena, layout, &w) < 0) return nsdae_h5_no_memory(&w.h5);
+  nsdae_fc_view_fill(&w.view);
+  H5E_BEGIN_TRY
     if (nsdae_h5_create(&w.h5, NSDAE_H5_PLAIN) == NSDAE_OK) write_problem(&w, points, origin);
     nsdae_h5_flush(&w.h5);
     nsdae_h5_close(&w.h5);
-    nsdae_arena_release(&arena);
-  } else
-    nsdae_h5_no_memory(&w.h5);
-  return nsdae_h5_end(&w.h5);
+  H5E_END_TRY
+  nsdae_arena_release(&arena);
+  return w.h5.status;
 }

@@ -17,14 +17,6 @@ static void transpose(int n, const double *in, int ld, double *out)
 
 /* ---- writing */
 
-static void write_origin(nsdae_h5 *h5, const nsdae_lcp_origin *origin)
-{
-  nsdae_h5_set_real(h5, h5->file, "time", origin->time);
-  nsdae_h5_set_int(h5, h5->file, "step", (int)origin->step);
-  nsdae_h5_set_real(h5, h5->file, "tol", origin->tol);
-  if (origin->method) nsdae_h5_set_text(h5, h5->file, "method", origin->method);
-}
-
 /* Attributes, A by rows, b. */
 static void write_problem(nsdae_h5 *h5, int n, const double *rows, const double *b,
                           const nsdae_lcp_origin *origin)
@@ -33,7 +25,7 @@ static void write_problem(nsdae_h5 *h5, int n, const double *rows, const double 
   nsdae_h5_set_text(h5, h5->file, "format", "nsdae-lcp");
   nsdae_h5_set_int(h5, h5->file, "format_version", 1);
   nsdae_h5_set_text(h5, h5->file, "library_version", nsdae_version());
-  if (origin) write_origin(h5, origin);
+  if (origin) nsdae_h5_set_origin(h5, origin->time, origin->step, origin->tol, origin->method);
   nsdae_h5_array(h5, "/A", H5T_NATIVE_DOUBLE, 2, size, rows, "1", "y = A x + b, A(i, j) at [i, j]");
   nsdae_h5_vector(h5, "/b", H5T_NATIVE_DOUBLE, size[0], b, "1",
                   "find x >= 0 with y >= 0 and x'y = 0");
@@ -59,16 +51,17 @@ int nsdae_lcp_write(const char *path, const nsdae_lcp_problem *problem,
   nsdae_error_clear(error);
   int status = check_write(path, problem, error);
   if (status < 0) return status;
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_lcp_write"};
-  nsdae_h5_begin(&h5, error);
+  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_lcp_write", .error = error};
   int n = problem->n;
   double *rows = nsdae_h5_allocate(&h5, (size_t)n * (size_t)n, sizeof *rows);
   transpose(n, problem->A, problem->lda, rows);
-  if (rows && nsdae_h5_create(&h5, NSDAE_H5_PLAIN) == NSDAE_OK)
-    write_problem(&h5, n, rows, problem->b, origin);
-  nsdae_h5_close(&h5);
+  H5E_BEGIN_TRY
+    if (rows && nsdae_h5_create(&h5, NSDAE_H5_PLAIN) == NSDAE_OK)
+      write_problem(&h5, n, rows, problem->b, origin);
+    nsdae_h5_close(&h5);
+  H5E_END_TRY
   free(rows);
-  return nsdae_h5_end(&h5);
+  return h5.status;
 }
 
 /* ---- reading */
@@ -103,17 +96,10 @@ int nsdae_lcp_read(const char *path, nsdae_lcp_file *file, nsdae_error *error)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_lcp_read", path ? "file" : "path",
                            "%s is NULL", path ? "file" : "path");
   *file = (nsdae_lcp_file){0};
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_lcp_read"};
-  nsdae_h5_begin(&h5, error);
-  if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
-  if (nsdae_h5_close(&h5) < 0) nsdae_lcp_file_release(file);
-  return nsdae_h5_end(&h5);
-}
-
-void nsdae_lcp_file_release(nsdae_lcp_file *file)
-{
-  if (!file) return;
-  free(file->A);
-  free(file->b);
-  *file = (nsdae_lcp_file){0};
+  nsdae_h5 h5 = {.file = -1, .path = path, .where = "nsdae_lcp_read", .error = error};
+  H5E_BEGIN_TRY
+    if (nsdae_h5_open(&h5) == NSDAE_OK) read_problem(&h5, file);
+    if (nsdae_h5_close(&h5) < 0) nsdae_lcp_file_release(file);
+  H5E_END_TRY
+  return h5.status;
 }

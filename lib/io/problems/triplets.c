@@ -3,6 +3,8 @@
 #include <limits.h>
 #include <stdlib.h>
 
+#include "dynamic_array.h"
+
 enum { COLUMNS = -1, ROWS = -2 }; /* values of nz */
 
 /* ---- reading */
@@ -22,9 +24,8 @@ static int check_pointers(nsdae_h5 *h5, const char *group, int count, const int 
 /* Of the n + 1 pointers of a compressed form, the index of each of its entries. */
 static int *expand(nsdae_h5 *h5, const char *group, int n, int *count)
 {
-  char path[NSDAE_H5_PATH];
   int pointers = n + 1, *index = NULL;
-  int *p = nsdae_h5_take_ints(h5, nsdae_h5_join(path, group, "p"), NSDAE_H5_NEEDED, &pointers);
+  int *p = nsdae_h5_take_ints(h5, group, "p", NSDAE_H5_NEEDED, &pointers);
   if (check_pointers(h5, group, n, p) == NSDAE_OK) {
     *count = p[n];
     index = nsdae_h5_allocate(h5, (size_t)p[n], sizeof *index);
@@ -38,10 +39,9 @@ static int *expand(nsdae_h5 *h5, const char *group, int n, int *count)
 /* i and x, which may be longer than what is used of them; i into index. */
 static void read_used(nsdae_h5 *h5, const char *group, nsdae_triplets *t, int **index)
 {
-  char path[NSDAE_H5_PATH];
   int of_i = -1, of_x = -1;
-  *index = nsdae_h5_take_ints(h5, nsdae_h5_join(path, group, "i"), NSDAE_H5_NEEDED, &of_i);
-  t->value = nsdae_h5_take_reals(h5, nsdae_h5_join(path, group, "x"), NSDAE_H5_NEEDED, &of_x);
+  *index = nsdae_h5_take_ints(h5, group, "i", NSDAE_H5_NEEDED, &of_i);
+  t->value = nsdae_h5_take_reals(h5, group, "x", NSDAE_H5_NEEDED, &of_x);
   if (of_i < t->count || of_x < t->count)
     nsdae_h5_refuse(h5, "read", "%s has %d entries, but %d indices and %d values", group, t->count,
                     of_i, of_x);
@@ -58,22 +58,23 @@ static void check_indices(nsdae_h5 *h5, const char *group, const nsdae_triplets 
 /* Triplets: p has the columns; it must be as long as they are many. */
 static int *read_columns(nsdae_h5 *h5, const char *group, int count)
 {
-  char path[NSDAE_H5_PATH];
   int length = -1;
-  int *column = nsdae_h5_take_ints(h5, nsdae_h5_join(path, group, "p"), NSDAE_H5_NEEDED, &length);
+  int *column = nsdae_h5_take_ints(h5, group, "p", NSDAE_H5_NEEDED, &length);
   if (length < count)
     nsdae_h5_refuse(h5, "read", "%s has %d entries, but %d columns of them", group, count, length);
   return column;
 }
 
-void nsdae_triplets_read(nsdae_h5 *h5, const char *group, int needed, nsdae_triplets *t)
+void nsdae_triplets_read(nsdae_h5 *h5, const char *root, const char *name, int needed,
+                         nsdae_triplets *t)
 {
-  char path[NSDAE_H5_PATH];
+  char group[NSDAE_H5_PATH];
+  nsdae_h5_join(group, root, name);
   *t = (nsdae_triplets){0};
   if (h5->status < 0 || (!needed && !nsdae_h5_has(h5, group))) return;
-  t->rows = nsdae_h5_take_int(h5, nsdae_h5_join(path, group, "m"), 0, INT_MAX / 2);
-  t->columns = nsdae_h5_take_int(h5, nsdae_h5_join(path, group, "n"), 0, INT_MAX / 2);
-  int form = nsdae_h5_take_int(h5, nsdae_h5_join(path, group, "nz"), ROWS, INT_MAX - 1);
+  t->rows = nsdae_h5_take_int(h5, group, "m", 0, INT_MAX / 2);
+  t->columns = nsdae_h5_take_int(h5, group, "n", 0, INT_MAX / 2);
+  int form = nsdae_h5_take_int(h5, group, "nz", ROWS, INT_MAX - 1);
   t->count = form > 0 ? form : 0;
   if (form == COLUMNS)
     t->column = expand(h5, group, t->columns, &t->count);
@@ -89,17 +90,13 @@ void nsdae_triplets_read(nsdae_h5 *h5, const char *group, int needed, nsdae_trip
 
 int nsdae_triplets_grow(nsdae_h5 *h5, nsdae_triplets *t, int count)
 {
+  const nsdae_array arrays[] = {NSDAE_ARRAY(t->row, 1), NSDAE_ARRAY(t->column, 1),
+                                NSDAE_ARRAY(t->value, 1)};
   if (count > INT_MAX - t->count)
     nsdae_h5_refuse(h5, "read", "more than %d entries in its matrices", INT_MAX);
-  size_t room = (size_t)t->count + (size_t)count + 1;
-  if (h5->status < 0) return h5->status;
-  int *row = realloc(t->row, room * sizeof *row);
-  if (row) t->row = row;
-  int *column = realloc(t->column, room * sizeof *column);
-  if (column) t->column = column;
-  double *value = realloc(t->value, room * sizeof *value);
-  if (value) t->value = value;
-  return row && column && value ? NSDAE_OK : nsdae_h5_no_memory(h5);
+  size_t room = (size_t)t->count + (size_t)count;
+  if (h5->status == NSDAE_OK && nsdae_arrays_grow(arrays, 3, room) < 0) nsdae_h5_no_memory(h5);
+  return h5->status;
 }
 
 void nsdae_triplets_add(nsdae_triplets *t, int row, int column, double value)
@@ -117,7 +114,7 @@ void nsdae_triplets_release(nsdae_triplets *t)
   *t = (nsdae_triplets){0};
 }
 
-int nsdae_triplets_write(nsdae_h5 *h5, const char *group, const nsdae_triplets *t)
+int nsdae_triplets_write(nsdae_h5 *h5, const char *root, const char *name, const nsdae_triplets *t)
 {
   const struct {
     const char *name;
@@ -128,7 +125,8 @@ int nsdae_triplets_write(nsdae_h5 *h5, const char *group, const nsdae_triplets *
               {"nz", H5T_NATIVE_INT, 1, &t->count},        {"nzmax", H5T_NATIVE_INT, 1, &t->count},
               {"p", H5T_NATIVE_INT, t->count, t->column},  {"i", H5T_NATIVE_INT, t->count, t->row},
               {"x", H5T_NATIVE_DOUBLE, t->count, t->value}};
-  char path[NSDAE_H5_PATH];
+  char group[NSDAE_H5_PATH], path[NSDAE_H5_PATH];
+  nsdae_h5_join(group, root, name);
   for (size_t i = 0; i < sizeof part / sizeof *part; i++)
     nsdae_h5_vector(h5, nsdae_h5_join(path, group, part[i].name), part[i].type,
                     (hsize_t)part[i].count, part[i].values, "1", "see FCLIB");

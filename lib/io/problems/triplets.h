@@ -12,13 +12,14 @@ typedef struct nsdae_triplets {
   double *value;     /* count, finite */
 } nsdae_triplets;
 
-/* Reads any of the three forms: nz = -1 compressed columns, -2 compressed rows, >= 0 this number of
- * triplets. Refuses indices out of range and values that are not finite. Empty if it is neither
- * needed nor there. */
-void nsdae_triplets_read(nsdae_h5 *h5, const char *group, int needed, nsdae_triplets *t);
+/* Reads the group ROOT/NAME in any of the three forms: nz = -1 compressed columns, -2 compressed
+ * rows, >= 0 this number of triplets. Refuses indices out of range and values that are not finite.
+ * Empty if it is neither needed nor there. */
+void nsdae_triplets_read(nsdae_h5 *h5, const char *root, const char *name, int needed,
+                         nsdae_triplets *t);
 
-/* Writes triplets, with p the columns and i the rows. */
-int nsdae_triplets_write(nsdae_h5 *h5, const char *group, const nsdae_triplets *t);
+/* Writes ROOT/NAME as triplets, with p the columns and i the rows. */
+int nsdae_triplets_write(nsdae_h5 *h5, const char *root, const char *name, const nsdae_triplets *t);
 
 /* Room for count entries more. */
 int nsdae_triplets_grow(nsdae_h5 *h5, nsdae_triplets *t, int count);

@@ -3,8 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { COORDINATE, VELOCITY, CONSTRAINT, CONTACT, TANGENT, SLIDE, SIDE };
-
 static const struct axis {
   const char *path, *name; /* the dimension has the dataset's name */
   const char *letter;      /* name of number i where it has none: q0, v0, ... */
@@ -12,32 +10,24 @@ static const struct axis {
   int kind;              /* enum nsdae_name_kind, or -1 */
   const char *unit_path; /* NULL: of the file's own */
 } axis[NSDAE_AXES] = {
-    [COORDINATE] = {"/coordinate", "coordinate", "q", "names of the coordinates",
-                    NSDAE_NAME_COORDINATE, "/coordinate_unit"},
-    [VELOCITY] = {"/velocity", "velocity", "v", "names of the velocities", NSDAE_NAME_VELOCITY,
-                  "/velocity_unit"},
-    [CONSTRAINT] = {"/constraint", "constraint", "constraint", "names of the constraints",
-                    NSDAE_NAME_CONSTRAINT, "/constraint_unit"},
-    [CONTACT] = {"/contact/contact", "contact", "contact", "names of the contacts",
-                 NSDAE_NAME_CONTACT, NULL},
-    [TANGENT] = {"/tangent", "tangent", "tangent", "tangential directions of a contact", -1, NULL},
-    [SLIDE] = {"/slide/slide", "slide", "frictional_joint",
-               "names of the bilateral constraints with friction", NSDAE_NAME_FRICTIONAL_JOINT,
-               NULL},
-    [SIDE] = {"/side", "side", "side", "sides of a contact", -1, NULL},
+    [NSDAE_WIDTH_Q] = {"/coordinate", "coordinate", "q", "names of the coordinates",
+                       NSDAE_NAME_COORDINATE, "/coordinate_unit"},
+    [NSDAE_WIDTH_V] = {"/velocity", "velocity", "v", "names of the velocities", NSDAE_NAME_VELOCITY,
+                       "/velocity_unit"},
+    [NSDAE_WIDTH_M] = {"/constraint", "constraint", "constraint", "names of the constraints",
+                       NSDAE_NAME_CONSTRAINT, "/constraint_unit"},
+    [NSDAE_WIDTH_K] = {"/contact/contact", "contact", "contact", "names of the contacts",
+                       NSDAE_NAME_CONTACT, NULL},
+    [NSDAE_WIDTH_T] = {"/tangent", "tangent", "tangent", "tangential directions of a contact", -1,
+                       NULL},
+    [NSDAE_WIDTH_F] = {"/slide/slide", "slide", "frictional_joint",
+                       "names of the bilateral constraints with friction",
+                       NSDAE_NAME_FRICTIONAL_JOINT, NULL},
+    [NSDAE_WIDTH_PAIR] = {"/side", "side", "side", "sides of a contact", -1, NULL},
 };
 
 /* Past this number, one that has no name is its number: a text each costs more than the data. */
 enum { NAMED_MOST = 4096, NAME_SIZE = 64 };
-
-static int length_of(int i, const nsdae_sizes *sizes)
-{
-  const nsdae_dims *dims = &sizes->dims;
-  int contacts = dims->k > 0 || sizes->listed;
-  const int length[NSDAE_AXES] = {
-      dims->nq, dims->nv, dims->m, dims->k, contacts ? dims->nt : 0, dims->f, 2 * sizes->listed};
-  return length[i];
-}
 
 /* The names of axis i, or their units, as a dataset of n texts. */
 static void write_texts(nsdae_h5 *h5, const nsdae_system *system, int i, int n, int units)
@@ -69,11 +59,10 @@ static void write_numbers(nsdae_h5 *h5, int i, int n)
 
 void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim)
 {
-  nsdae_sizes sizes;
   const nsdae_system *system = nsdae_sim_get_system(sim);
-  nsdae_sizes_of(&sizes, sim);
+  nsdae_sizes sizes = nsdae_sizes_of(sim);
   for (int i = 0; i < NSDAE_AXES; i++) {
-    int n = length_of(i, &sizes);
+    int n = sizes.axis[i];
     scale[i] = -1;
     if (n == 0) continue;
     if (n > NAMED_MOST)
@@ -89,15 +78,6 @@ void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *s
     nsdae_h5_attach_scale(h5, set, scale[i], 0);
     if (set >= 0) H5Dclose(set);
   }
-}
-
-hid_t nsdae_axes_of(const hid_t scale[NSDAE_AXES], nsdae_width width, int i)
-{
-  static const int first[] = {
-      [NSDAE_WIDTH_PAIR] = SIDE,  [NSDAE_WIDTH_LISTED_T] = TANGENT, [NSDAE_WIDTH_Q] = COORDINATE,
-      [NSDAE_WIDTH_V] = VELOCITY, [NSDAE_WIDTH_M] = CONSTRAINT,     [NSDAE_WIDTH_K] = CONTACT,
-      [NSDAE_WIDTH_KT] = CONTACT, [NSDAE_WIDTH_T] = TANGENT,        [NSDAE_WIDTH_F] = SLIDE};
-  return scale[i == 1 ? TANGENT : first[width]];
 }
 
 void nsdae_axes_close(const hid_t scale[NSDAE_AXES])

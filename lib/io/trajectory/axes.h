@@ -9,13 +9,9 @@
 #include "dataset_table.h"
 #include "hdf5_data.h"
 
-enum { NSDAE_AXES = 7 };
-
-/* Makes them in the file of a simulation. < 0: the model has none of it. */
+/* Makes them in the file of a simulation, by their widths (dataset_table.h). < 0: the model has
+ * none of it. */
 void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim);
-
-/* The scale of a row's dimension i = 0, 1, or < 0. */
-hid_t nsdae_axes_of(const hid_t scale[NSDAE_AXES], nsdae_width width, int i);
 
 /* The scales, not the file. */
 void nsdae_axes_close(const hid_t scale[NSDAE_AXES]);

@@ -1,10 +1,8 @@
 #include "checkpoint.h"
 
-#include <inttypes.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "dataset_table.h"
 
 static const char dataset[] = "/restart/state";
 
@@ -13,8 +11,7 @@ enum { PLACES = 2 };
 /* In front of the state in its place. */
 typedef struct head {
   char magic[8];
-  int64_t rows[NSDAE_CHECKPOINT_TABLES];
-  int64_t step;
+  nsdae_checkpoint_mark mark;
   int64_t size; /* of the state */
   uint64_t sum; /* of all but itself */
 } head;
@@ -53,9 +50,8 @@ static int grow_place(nsdae_checkpoint *c, size_t bytes)
 
 int nsdae_checkpoint_init(nsdae_checkpoint *checkpoint, const nsdae_sim *sim)
 {
-  nsdae_sizes sizes;
   size_t size;
-  nsdae_sizes_of(&sizes, sim);
+  nsdae_sizes sizes = nsdae_sizes_of(sim);
   *checkpoint = (nsdae_checkpoint){.set = -1, .grows = sizes.listed};
   int status = nsdae_sim_state_size(sim, &size);
   if (status < 0) return status;
@@ -106,9 +102,8 @@ void nsdae_checkpoint_write(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_si
   if (status == NSDAE_OK) status = nsdae_sim_get_state(sim, state, size);
   if (h5->status == NSDAE_OK) h5->status = status;
   if (status < 0) return;
-  head h = {.step = mark->step, .size = (int64_t)size};
+  head h = {.mark = *mark, .size = (int64_t)size};
   memcpy(h.magic, magic, sizeof magic);
-  for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) h.rows[i] = (int64_t)mark->rows[i];
   h.sum = sum_of(&h, state, size);
   memcpy(c->place, &h, sizeof h);
   const hsize_t start[2] = {(hsize_t)((c->newest + 1) % PLACES), 0}, part[2] = {1, sizeof h + size};
@@ -128,13 +123,13 @@ void nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5)
 
 /* What is at the place is whole, and the file has the rows that belong to it. */
 static int is_good(const unsigned char *place, hsize_t width, const head *h,
-                   const hsize_t rows[NSDAE_CHECKPOINT_TABLES])
+                   const hsize_t rows[NSDAE_TABLES])
 {
-  if (memcmp(h->magic, magic, sizeof magic) != 0 || h->step < 0) return 0;
+  if (memcmp(h->magic, magic, sizeof magic) != 0 || h->mark.step < 0) return 0;
   if (h->size < 0 || h->size > (int64_t)(width - sizeof *h)) return 0;
   if (h->sum != sum_of(h, place + sizeof *h, (size_t)h->size)) return 0;
-  for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++)
-    if (h->rows[i] < 0 || (hsize_t)h->rows[i] > rows[i]) return 0;
+  for (int i = 0; i < NSDAE_TABLES; i++)
+    if (h->mark.rows[i] < 0 || (hsize_t)h->mark.rows[i] > rows[i]) return 0;
   return 1;
 }
 
@@ -142,29 +137,28 @@ static int is_good(const unsigned char *place, hsize_t width, const head *h,
 static void set_newest(nsdae_checkpoint *c, nsdae_h5 *h5, nsdae_sim *sim,
                        const unsigned char *place, const hsize_t *rows, nsdae_checkpoint_mark *mark)
 {
-  head h, newest = {.step = -1};
+  head h, newest = {.mark = {.step = -1}};
   for (int i = 0; i < PLACES; i++) {
     const unsigned char *at = place + (size_t)i * (size_t)c->width;
     memcpy(&h, at, sizeof h);
-    if (!is_good(at, c->width, &h, rows) || h.step < newest.step) continue;
+    if (!is_good(at, c->width, &h, rows) || h.mark.step < newest.mark.step) continue;
     newest = h;
     c->newest = i;
   }
-  if (newest.step < 0) {
+  if (newest.mark.step < 0) {
     nsdae_h5_refuse(h5, "resume",
                     "it has no complete state: the run was killed before its first flush, or the "
                     "file is damaged");
     return;
   }
-  mark->step = (long)newest.step;
-  for (int i = 0; i < NSDAE_CHECKPOINT_TABLES; i++) mark->rows[i] = (hsize_t)newest.rows[i];
+  *mark = newest.mark;
   place += (size_t)c->newest * (size_t)c->width + sizeof h;
   h5->status = nsdae_sim_set_state(sim, place, (size_t)newest.size);
   if (h5->status < 0 && h5->error) *h5->error = *nsdae_sim_error(sim);
 }
 
 void nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                           const hsize_t rows[NSDAE_CHECKPOINT_TABLES], nsdae_checkpoint_mark *mark)
+                           const hsize_t rows[NSDAE_TABLES], nsdae_checkpoint_mark *mark)
 {
   nsdae_checkpoint *c = checkpoint;
   hsize_t size[2] = {0};

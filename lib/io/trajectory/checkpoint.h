@@ -5,11 +5,12 @@
 #ifndef NSDAE_IO_CHECKPOINT_H
 #define NSDAE_IO_CHECKPOINT_H
 
+#include <stdint.h>
+
 #include <nsdae/sim.h>
 
+#include "dataset_table.h"
 #include "hdf5_data.h"
-
-enum { NSDAE_CHECKPOINT_TABLES = 4 };
 
 typedef struct nsdae_checkpoint {
   hid_t set;            /* < 0: none */
@@ -20,10 +21,10 @@ typedef struct nsdae_checkpoint {
   size_t room;          /* its bytes */
 } nsdae_checkpoint;
 
-/* Rows of the tables and the number of the step at a state. */
+/* Rows of the tables and the number of the step at a state, as they are in the file. */
 typedef struct nsdae_checkpoint_mark {
-  hsize_t rows[NSDAE_CHECKPOINT_TABLES];
-  long step;
+  int64_t rows[NSDAE_TABLES];
+  int64_t step;
 } nsdae_checkpoint_mark;
 
 /* Memory for the states of sim. NSDAE_E_MEMORY. */
@@ -42,8 +43,7 @@ void nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
 /* Opens those of a file, and sets sim to the newest state that has at most these rows. NSDAE_E_IO:
  * there is none. */
 void nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
-                           const hsize_t rows[NSDAE_CHECKPOINT_TABLES],
-                           nsdae_checkpoint_mark *mark);
+                           const hsize_t rows[NSDAE_TABLES], nsdae_checkpoint_mark *mark);
 void nsdae_checkpoint_close(nsdae_checkpoint *checkpoint);
 
 #endif

@@ -11,11 +11,10 @@ enum { FORMAT_NUMBERED = 1, FORMAT_LISTED = 2 };
 /* Attributes of the root group, which identify the file. */
 static void write_root(nsdae_h5 *h5, const nsdae_sim *sim, const char *model, int method)
 {
-  nsdae_sizes sizes;
   char created[32];
   struct tm date;
   time_t now = time(NULL);
-  nsdae_sizes_of(&sizes, sim);
+  nsdae_sizes sizes = nsdae_sizes_of(sim);
   strftime(created, sizeof created, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &date)); /* ISO 8601 */
   const char *const text[][2] = {{"format", "nsdae-trajectory"},        {"status", "running"},
                                  {"library_version", nsdae_version()},  {"model", model},

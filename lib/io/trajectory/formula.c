@@ -1,5 +1,5 @@
-/* A reader by recursive descent, one function per line of the grammar in the header. It stops at
- * the first reason and gives it on; blanks may stand between any two symbols. */
+/* A reader by recursive descent over brackets and calls. It stops at the first reason and gives it
+ * on; blanks may stand between any two symbols. */
 #include "formula.h"
 
 #include <stdarg.h>
@@ -29,14 +29,12 @@ static const function functions[] = {
 enum { FUNCTIONS = sizeof functions / sizeof *functions };
 
 /* The alphabet is ASCII whatever the locale. */
+#define DIGITS  "0123456789"
+#define LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"
+
 static int is_digit(char c)
 {
-  return c >= '0' && c <= '9';
-}
-
-static int is_letter(char c)
-{
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  return c && strchr(DIGITS, c);
 }
 
 static int refuse_formula(reader *r, const char *format, ...) NSDAE_PRINTF(2, 3);
@@ -62,9 +60,10 @@ static char next(reader *r)
   return *r->at;
 }
 
-static int take(reader *r, char symbol)
+/* Whether it is one of these, which is then read. */
+static int take(reader *r, const char *symbols)
 {
-  if (next(r) != symbol) return 0;
+  if (!next(r) || !strchr(symbols, *r->at)) return 0;
   r->at++;
   return 1;
 }
@@ -73,7 +72,7 @@ static int read_sum(reader *r);
 
 static void skip_digits(reader *r)
 {
-  while (is_digit(*r->at)) r->at++;
+  r->at += strspn(r->at, DIGITS);
 }
 
 /* 12, 1.5, .5, 2e-3 */
@@ -97,7 +96,7 @@ static int read_number(reader *r)
 /* q and digits only. */
 static int is_column(const char *name)
 {
-  size_t digits = strspn(name + 1, "0123456789");
+  size_t digits = strspn(name + 1, DIGITS);
   return name[0] == 'q' && digits > 0 && name[1 + digits] == '\0';
 }
 
@@ -106,25 +105,24 @@ static int is_numeric(const nsdae_param *p)
   return p->type == NSDAE_PARAM_REAL || p->type == NSDAE_PARAM_INT;
 }
 
+int nsdae_named_order(const void *a, const void *b)
+{
+  const nsdae_named *x = a, *y = b;
+  int order = strcmp(x->name, y->name);
+  return order ? order : (x->number > y->number) - (x->number < y->number);
+}
+
+static int compare_names(const void *name, const void *coordinate)
+{
+  return strcmp(name, ((const nsdae_named *)coordinate)->name);
+}
+
 static int find_coordinate(const nsdae_formula_names *n, const char *name)
 {
-  if (!n->coordinate) return -1;
-  if (n->order) {
-    /* Place in the order of the first name that is not before this one: bisection. */
-    int low = 0, high = n->nq;
-    while (low < high) {
-      int middle = low + (high - low) / 2;
-      if (strcmp(n->coordinate[n->order[middle]], name) < 0)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    int at = low;
-    return at < n->nq && strcmp(n->coordinate[n->order[at]], name) == 0 ? n->order[at] : -1;
-  }
-  for (int i = 0; i < n->nq; i++)
-    if (n->coordinate[i] && strcmp(name, n->coordinate[i]) == 0) return i;
-  return -1;
+  if (n->named == 0) return -1;
+  const nsdae_named *found =
+      bsearch(name, n->coordinate, (size_t)n->named, sizeof *found, compare_names);
+  return found ? found->number : -1;
 }
 
 int nsdae_formula_coordinate(const char *text, const nsdae_formula_names *names)
@@ -137,17 +135,16 @@ int nsdae_formula_coordinate(const char *text, const nsdae_formula_names *names)
 static int is_quantity(const nsdae_formula_names *n, const char *name)
 {
   if (strcmp(name, "pi") == 0 || strcmp(name, "t") == 0) return 1;
-  if (find_coordinate(n, name) >= 0) return 1;
+  if (nsdae_formula_coordinate(name, n) >= 0) return 1;
   const nsdae_param *p = n->parameters ? nsdae_params_find(n->parameters, name) : NULL;
-  return p && is_numeric(p);
+  return p && is_numeric(p) && !is_column(name);
 }
 
 static const char *nearest_to(const nsdae_formula_names *n, const char *name)
 {
   nsdae_suggest nearest = nsdae_suggest_start(name);
   for (int i = 0; i < FUNCTIONS; i++) nsdae_suggest_try(&nearest, functions[i].name);
-  for (int i = 0; n->coordinate && i < n->nq; i++)
-    if (n->coordinate[i]) nsdae_suggest_try(&nearest, n->coordinate[i]);
+  for (int i = 0; i < n->named; i++) nsdae_suggest_try(&nearest, n->coordinate[i].name);
   for (int i = 0; n->parameters && i < n->parameters->n; i++)
     if (is_numeric(&n->parameters->entry[i]))
       nsdae_suggest_try(&nearest, n->parameters->entry[i].key);
@@ -156,38 +153,33 @@ static const char *nearest_to(const nsdae_formula_names *n, const char *name)
 
 static int check_quantity(reader *r, const char *name)
 {
-  const char *near;
-  if (is_column(name)) {
-    if (strlen(name) < 10 && atoi(name + 1) < r->names->nq) return NSDAE_OK;
+  if (is_quantity(r->names, name)) return NSDAE_OK;
+  if (is_column(name))
     return refuse_formula(r, "there is no %.12s: the coordinates are q0 to q%d,", name,
                           r->names->nq - 1);
-  }
-  if (is_quantity(r->names, name)) return NSDAE_OK;
-  near = nearest_to(r->names, name);
+  const char *near = nearest_to(r->names, name);
   if (near) return refuse_formula(r, "unknown name '%.40s' (did you mean '%.40s'?)", name, near);
   return refuse_formula(r, "unknown name '%.40s'", name);
 }
 
-/* ---- grammar: sum, product, sign, atom */
+/* ---- grammar */
 
 static int read_call(reader *r, const function *f)
 {
-  if (!take(r, '(')) return refuse_formula(r, "%s without (", f->name);
+  if (!take(r, "(")) return refuse_formula(r, "%s without (", f->name);
   int status = read_sum(r);
   for (int i = 1; i < f->arguments && status == NSDAE_OK; i++)
-    status = take(r, ',') ? read_sum(r)
+    status = take(r, ",") ? read_sum(r)
                           : refuse_formula(r, "%s takes %d values,", f->name, f->arguments);
-  if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "%s without )", f->name);
+  if (status == NSDAE_OK && !take(r, ")")) status = refuse_formula(r, "%s without )", f->name);
   return status;
 }
 
 static int read_name(reader *r)
 {
   char name[NSDAE_FORMULA_LENGTH];
-  size_t n = 0;
-  const char *from = r->at;
-  while (is_letter(from[n]) || is_digit(from[n])) n++;
-  memcpy(name, from, n);
+  size_t n = strspn(r->at, LETTERS DIGITS);
+  memcpy(name, r->at, n);
   name[n] = '\0';
   for (int i = 0; i < FUNCTIONS; i++)
     if (strcmp(name, functions[i].name) == 0) {
@@ -203,32 +195,23 @@ static int read_atom(reader *r)
 {
   char c = next(r);
   if (is_digit(c) || c == '.') return read_number(r);
-  if (is_letter(c)) return read_name(r);
+  if (c && strchr(LETTERS, c)) return read_name(r);
   if (c == '\0') return refuse_formula(r, "the formula ends in place of a value,");
-  if (!take(r, '(')) return refuse_formula(r, "'%c' in place of a value", c < ' ' ? '?' : c);
+  if (!take(r, "(")) return refuse_formula(r, "'%c' in place of a value", c < ' ' ? '?' : c);
   int status = read_sum(r);
-  if (status == NSDAE_OK && !take(r, ')')) status = refuse_formula(r, "( without )");
+  if (status == NSDAE_OK && !take(r, ")")) status = refuse_formula(r, "( without )");
   return status;
 }
 
-static int read_sign(reader *r)
-{
-  while (take(r, '+') || take(r, '-')) continue;
-  int status = read_atom(r);
-  return status == NSDAE_OK && take(r, '^') ? read_sign(r) : status;
-}
-
-static int read_product(reader *r)
-{
-  int status = read_sign(r);
-  while (status == NSDAE_OK && (take(r, '*') || take(r, '/'))) status = read_sign(r);
-  return status;
-}
-
+/* Which operator binds closer does not matter for what is a formula: values with signs, and an
+ * operator between two. */
 static int read_sum(reader *r)
 {
-  int status = read_product(r);
-  while (status == NSDAE_OK && (take(r, '+') || take(r, '-'))) status = read_product(r);
+  int status;
+  do {
+    while (take(r, "+-")) continue;
+    status = read_atom(r);
+  } while (status == NSDAE_OK && take(r, "+-*/^"));
   return status;
 }
 

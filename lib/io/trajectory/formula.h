@@ -5,11 +5,19 @@
 
 #include <nsdae/params.h>
 
+/* A name, and the number of what has it. */
+typedef struct nsdae_named {
+  const char *name;
+  int number;
+} nsdae_named;
+
+/* Of qsort: names in ascending order, of one name the numbers. */
+int nsdae_named_order(const void *a, const void *b);
+
 /* What a formula may name besides pi, the time t and the functions: q0 .. q<nq-1>, and these. */
 typedef struct nsdae_formula_names {
-  int nq;
-  const char *const *coordinate;  /* [nq] names, or NULL */
-  const int *order;               /* [nq] their numbers, the names ascending; NULL: not sorted */
+  int nq, named;
+  const nsdae_named *coordinate;  /* [named], the names ascending, each once */
   const nsdae_params *parameters; /* of which the numbers count, or NULL */
 } nsdae_formula_names;
 

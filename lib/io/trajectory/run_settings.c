@@ -112,10 +112,11 @@ static int next_line(const char **at, char line[LINE_SIZE], char **value)
   return 1;
 }
 
-static int find_setting(const nsdae_setting *s, const char *name, char value[NSDAE_SETTING_VALUE])
+int nsdae_setting_find(const nsdae_setting *setting, const char *name,
+                       char value[NSDAE_SETTING_VALUE])
 {
   char line[LINE_SIZE], *found;
-  const char *at = s->text;
+  const char *at = setting->text;
   while (at && next_line(&at, line, &found))
     if (strcmp(line, name) == 0) {
       snprintf(value, NSDAE_SETTING_VALUE, "%.*s", NSDAE_SETTING_VALUE - 1, found);
@@ -124,22 +125,14 @@ static int find_setting(const nsdae_setting *s, const char *name, char value[NSD
   return 0;
 }
 
-int nsdae_setting_find(const nsdae_setting *setting, const char *group, const char *key,
-                       char value[NSDAE_SETTING_VALUE])
-{
-  char name[128];
-  snprintf(name, sizeof name, "%.60s/%.60s", group, key);
-  return find_setting(setting, name, value);
-}
-
 /* Sets those of the table's fields that are in the group. */
 static int apply(const nsdae_setting *s, const char *group, const nsdae_params *table, void *base,
                  nsdae_error *error)
 {
-  char value[NSDAE_SETTING_VALUE];
+  char name[NSDAE_H5_PATH], value[NSDAE_SETTING_VALUE];
   int status = NSDAE_OK;
   for (int i = 0; i < table->n && status == NSDAE_OK; i++)
-    if (nsdae_setting_find(s, group, table->entry[i].key, value))
+    if (nsdae_setting_find(s, nsdae_h5_join(name, group, table->entry[i].key), value))
       status = nsdae_params_set(table, base, table->entry[i].key, value, error);
   return status;
 }
@@ -157,13 +150,14 @@ int nsdae_trajectory_read_params(const char *path, const char *group, const nsda
   nsdae_error_clear(error);
   if (missing)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
-  nsdae_h5 h5 = {.file = -1, .path = path, .where = where};
-  nsdae_h5_begin(&h5, error);
-  nsdae_h5_open(&h5);
-  nsdae_setting_read(&setting, &h5);
-  int status = h5.status; /* all is read: how the file closes is no matter */
-  nsdae_h5_close(&h5);
-  nsdae_h5_end(&h5);
+  nsdae_h5 h5 = {.file = -1, .path = path, .where = where, .error = error};
+  int status;
+  H5E_BEGIN_TRY
+    nsdae_h5_open(&h5);
+    nsdae_setting_read(&setting, &h5);
+    status = h5.status; /* all is read: how the file closes is no matter */
+    nsdae_h5_close(&h5);
+  H5E_END_TRY
   if (status == NSDAE_OK) status = apply(&setting, group, table, base, error);
   nsdae_setting_release(&setting);
   return status;
@@ -179,7 +173,7 @@ static void compare_lines(const nsdae_setting *one, const nsdae_setting *other, 
   const char *at = one->text;
   while (h5->status == NSDAE_OK && next_line(&at, line, &value)) {
     if (strncmp(line, "run/", 4) == 0) continue;
-    const char *there = find_setting(other, line, found) ? found : NULL;
+    const char *there = nsdae_setting_find(other, line, found) ? found : NULL;
     if (there && strcmp(there, value) == 0) continue;
     const char *slash = strchr(line, '/'), *key = slash ? slash + 1 : line;
     const char *what = strcmp(line, "model/name") == 0 ? "model" : key;

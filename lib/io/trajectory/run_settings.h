@@ -21,8 +21,8 @@ void nsdae_setting_read(nsdae_setting *setting, nsdae_h5 *h5);
 void nsdae_setting_write(const nsdae_setting *setting, nsdae_h5 *h5);
 void nsdae_setting_release(nsdae_setting *setting);
 
-/* Copies the value of "group/key"; 0 where there is no such line. */
-int nsdae_setting_find(const nsdae_setting *setting, const char *group, const char *key,
+/* Copies the value of that name, "group/key"; 0 if there is no such line. */
+int nsdae_setting_find(const nsdae_setting *setting, const char *name,
                        char value[NSDAE_SETTING_VALUE]);
 
 /* NSDAE_E_ARGUMENT names the first that differs. */

@@ -8,40 +8,48 @@
  * others as many as a chunk of the datasets has. */
 enum { NSDAE_SERIES_ROWS_MAX = 16 * 1024 };
 
+/* A column whose rows are not empty. */
+typedef struct nsdae_series_column {
+  const nsdae_column *of;
+  int rank, shape[2], axis[2]; /* of a row */
+  size_t bytes;                /* of a row */
+  char *buffer;
+  hid_t set; /* < 0: not open */
+} nsdae_series_column;
+
 typedef struct nsdae_series {
   const nsdae_table *table;
-  hid_t *set;            /* per column; < 0: left out, because its rows are empty */
-  size_t *bytes;         /* of a row, per column */
+  nsdae_series_column *column;
+  int columns;
   hsize_t chunk;         /* rows, so that no column has a chunk of more than some MiB */
-  char **buffer;         /* per column */
   hsize_t written, held; /* rows in the file, rows in the buffers; except in a column that counts */
-  int packed;
-  hsize_t counted; /* rows of the first column in the file, where it counts, else 0 */
+  hsize_t counted;       /* rows of the first column in the file, if it counts, else 0 */
+  int deflate;           /* as in nsdae_h5_layout; of packed rows whole chunks go to the file */
 } nsdae_series;
 
-/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns whose rows are empty stay out. packed:
- * rows are compressed, by whole chunks. */
+/* Allocates for the table's rows; NSDAE_E_MEMORY. Columns whose rows are empty stay out. compress:
+ * the option. */
 int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsdae_sizes *sizes,
-                      int packed);
+                      int compress);
 void nsdae_series_release(nsdae_series *series);
 
-/* Makes the datasets, the first of them the dimension scale of all, named scale; the others' second
- * dimensions are the axes. deflate: as in nsdae_h5_layout. */
-void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes,
-                         const hid_t axes[NSDAE_AXES], const char *scale, int deflate);
+/* Makes the datasets, the first of them the dimension scale of all; the others' second dimensions
+ * are the axes. */
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES]);
 
 /* Opens the datasets of a file, which must have the table's shapes; the rows of the shortest. */
-hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5, const nsdae_sizes *sizes);
+hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5);
 /* Continues behind this number of rows, whatever the file has. */
 void nsdae_series_resume(nsdae_series *series, hsize_t rows);
 /* Drops what the file has behind the rows that are written, of the first column and then of the
  * others. */
 void nsdae_series_cut(nsdae_series *series, nsdae_h5 *h5);
 
-/* Adds rows `from` and on of those at `row`, a struct of the table, to the buffers; as many as
- * given, or those up to the end of a chunk, where that is less: how many they were. A struct whose
- * fields are the row itself has the one, 0. */
-int nsdae_series_append(nsdae_series *series, const void *row, int from, int rows);
+/* Adds rows `from` and on of those at `row` to the buffers; as many as given, or those up to the
+ * end of a chunk, if that is less: how many they were. Fields that are the row itself have the one,
+ * 0.
+ */
+int nsdae_series_append(nsdae_series *series, const nsdae_row *row, int from, int rows);
 /* Whether the rows so far end where a chunk does. */
 int nsdae_series_ends_chunk(const nsdae_series *series);
 

@@ -3,10 +3,9 @@
 #include "shapes_data.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "errors.h"
 
 static const char *const shape_names[] = {"point",  "disc",    "segment", "polygon", "path",
                                           "sphere", "capsule", "box",     "plane"};
@@ -18,6 +17,41 @@ static int is_given(const char *text)
   return text && *text;
 }
 
+/* The texts of a body, in the order of their columns. The first two are no formulas. */
+enum { TEXTS = 13, FORMULAS = 2, SHAPE = 1 };
+
+#define PLACE      "formula of the place of the body's origin"
+#define QUATERNION "formula: the quaternion that turns the body's frame; empty: none"
+#define END        "formula of a segment's other end; empty: none"
+
+static const struct column {
+  const char *path, *field;
+  size_t offset;
+  const char *units, *description;
+} columns[TEXTS] = {
+    {"/bodies/name", "name", offsetof(nsdae_body, name), "", "names of the bodies"},
+    {"/bodies/shape", "shape", 0, "", "their shapes"},
+    {"/bodies/x", "position", offsetof(nsdae_body, position[0]), "m", PLACE},
+    {"/bodies/y", "position", offsetof(nsdae_body, position[1]), "m", PLACE},
+    {"/bodies/z", "position", offsetof(nsdae_body, position[2]), "m", PLACE},
+    {"/bodies/angle", "angle", offsetof(nsdae_body, angle), "rad",
+     "formula of the angle of the body's frame about z; empty: none"},
+    {"/bodies/quaternion_w", "quaternion", offsetof(nsdae_body, quaternion[0]), "1", QUATERNION},
+    {"/bodies/quaternion_x", "quaternion", offsetof(nsdae_body, quaternion[1]), "1", QUATERNION},
+    {"/bodies/quaternion_y", "quaternion", offsetof(nsdae_body, quaternion[2]), "1", QUATERNION},
+    {"/bodies/quaternion_z", "quaternion", offsetof(nsdae_body, quaternion[3]), "1", QUATERNION},
+    {"/bodies/end_x", "end", offsetof(nsdae_body, end[0]), "m", END},
+    {"/bodies/end_y", "end", offsetof(nsdae_body, end[1]), "m", END},
+    {"/bodies/end_z", "end", offsetof(nsdae_body, end[2]), "m", END},
+};
+
+/* As it is given, or NULL. */
+static const char *given_text(const nsdae_body *b, int column)
+{
+  if (column == SHAPE) return shape_names[b->shape];
+  return *(const char *const *)(const void *)((const char *)b + columns[column].offset);
+}
+
 static int count_given(const char *const *text, int n)
 {
   int count = 0;
@@ -27,64 +61,30 @@ static int count_given(const char *const *text, int n)
 
 /* ---- the check */
 
-/* Which body, for the error's text. */
-typedef struct subject {
-  const nsdae_body *body;
-  int number;
-  const nsdae_formula_names *names;
-  nsdae_error *error;
-} subject;
-
-static int refuse_shape(const subject *s, const char *field, const char *wrong)
+/* The first fault of all is reported. */
+static int refuse_shape(nsdae_h5 *h5, const nsdae_body *body, int i, const char *field,
+                        const char *wrong)
 {
-  const char *name = s->body->name ? s->body->name : "";
-  int status = nsdae_error_set(s->error, NSDAE_E_ARGUMENT, "nsdae_trajectory_set_bodies", field,
-                               "body %d '%.40s': %s: %.160s", s->number, name, field, wrong);
-  if (s->error) s->error->index = s->number;
-  return status;
-}
-
-static int check_formula(const subject *s, const char *field, const char *text)
-{
-  char reason[NSDAE_FORMULA_REASON];
-  if (!is_given(text) || nsdae_formula_check(text, s->names, reason) == NSDAE_OK) return NSDAE_OK;
-  return refuse_shape(s, field, reason);
-}
-
-static int check_formulas(const subject *s, const char *field, const char *const *text, int n)
-{
-  int status = NSDAE_OK;
-  for (int i = 0; i < n && status == NSDAE_OK; i++) status = check_formula(s, field, text[i]);
-  return status;
-}
-
-/* Names in order; of one name in the order of their bodies. */
-static int by_name(const void *a, const void *b)
-{
-  const nsdae_body *const *left = a, *const *right = b;
-  int order = strcmp((*left)->name, (*right)->name);
-  return order ? order : (*left > *right) - (*left < *right);
+  if (h5->status < 0) return h5->status;
+  h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, "nsdae_trajectory_set_bodies", field,
+                               "body %d '%.40s': %s: %.160s", i, body[i].name ? body[i].name : "",
+                               field, wrong);
+  if (h5->error) h5->error->index = i;
+  return h5->status;
 }
 
 /* Every body has a name that no other has. */
-static int check_names(int n, const nsdae_body *body, nsdae_error *error)
+static void check_names(nsdae_h5 *h5, int n, const nsdae_body *body)
 {
-  for (int i = 0; i < n; i++) {
-    const subject s = {&body[i], i, NULL, error};
-    if (!is_given(body[i].name)) return refuse_shape(&s, "name", "it has none");
-  }
-  const nsdae_body **sorted = malloc((size_t)n * sizeof *sorted);
-  if (!sorted) return nsdae_error_memory(error, "nsdae_trajectory_set_bodies");
-  for (int i = 0; i < n; i++) sorted[i] = &body[i];
-  qsort(sorted, (size_t)n, sizeof *sorted, by_name);
-  int status = NSDAE_OK;
-  for (int i = 1; i < n && status == NSDAE_OK; i++) {
-    const subject s = {sorted[i], (int)(sorted[i] - body), NULL, error};
-    if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0)
-      status = refuse_shape(&s, "name", "another body has it already");
-  }
+  for (int i = 0; i < n; i++)
+    if (!is_given(body[i].name)) refuse_shape(h5, body, i, "name", "it has none");
+  nsdae_named *sorted = nsdae_h5_allocate(h5, (size_t)n, sizeof *sorted);
+  for (int i = 0; sorted && i < n; i++) sorted[i] = (nsdae_named){body[i].name, i};
+  if (sorted) qsort(sorted, (size_t)n, sizeof *sorted, nsdae_named_order);
+  for (int i = 1; sorted && i < n; i++)
+    if (strcmp(sorted[i - 1].name, sorted[i].name) == 0)
+      refuse_shape(h5, body, sorted[i].number, "name", "another body has it already");
   free(sorted);
-  return status;
 }
 
 /* What is wrong with the size, or NULL. */
@@ -117,86 +117,54 @@ static const char *points_fault(const nsdae_body *b)
   return NULL;
 }
 
-static int check_shape(const subject *s)
+static int check_shape(nsdae_h5 *h5, const nsdae_body *body, int i)
 {
-  const nsdae_body *b = s->body;
-  if (b->shape < 0 || b->shape >= SHAPES) return refuse_shape(s, "shape", "there is no such shape");
-  const char *fault = size_fault(b->shape, b->size);
-  if (fault) return refuse_shape(s, "size", fault);
-  fault = points_fault(b);
-  return fault ? refuse_shape(s, "points", fault) : NSDAE_OK;
+  const nsdae_body *b = &body[i];
+  if (b->shape < 0 || b->shape >= SHAPES)
+    return refuse_shape(h5, body, i, "shape", "there is no such shape");
+  const char *of_size = size_fault(b->shape, b->size), *of_points = points_fault(b);
+  if (of_size) refuse_shape(h5, body, i, "size", of_size);
+  if (of_points) refuse_shape(h5, body, i, "points", of_points);
+  return h5->status;
 }
 
-static int check_place(const subject *s)
+static void check_place(nsdae_h5 *h5, const nsdae_body *body, int i,
+                        const nsdae_formula_names *names)
 {
-  const nsdae_body *b = s->body;
+  const nsdae_body *b = &body[i];
   int parts = count_given(b->quaternion, 4), ends = count_given(b->end, 3);
-  if (parts > 0 && parts < 4) return refuse_shape(s, "quaternion", "it has four parts");
-  if (parts > 0 && is_given(b->angle)) return refuse_shape(s, "angle", "it has a quaternion too");
-  if (b->shape == NSDAE_SHAPE_SEGMENT && ends == 0)
-    return refuse_shape(s, "end", "a segment needs its other end");
-  if (b->shape != NSDAE_SHAPE_SEGMENT && ends > 0)
-    return refuse_shape(s, "end", "only a segment has one");
-  if (b->shape == NSDAE_SHAPE_SEGMENT && (parts > 0 || is_given(b->angle)))
-    return refuse_shape(s, "angle", "a segment lies between its ends");
-  int status = check_formulas(s, "position", b->position, 3);
-  if (status == NSDAE_OK) status = check_formula(s, "angle", b->angle);
-  if (status == NSDAE_OK) status = check_formulas(s, "quaternion", b->quaternion, 4);
-  return status < 0 ? status : check_formulas(s, "end", b->end, 3);
+  int segment = b->shape == NSDAE_SHAPE_SEGMENT;
+  if (parts > 0 && parts < 4) refuse_shape(h5, body, i, "quaternion", "it has four parts");
+  if (parts > 0 && is_given(b->angle))
+    refuse_shape(h5, body, i, "angle", "it has a quaternion too");
+  if (segment && ends == 0) refuse_shape(h5, body, i, "end", "a segment needs its other end");
+  if (!segment && ends > 0) refuse_shape(h5, body, i, "end", "only a segment has one");
+  if (segment && (parts > 0 || is_given(b->angle)))
+    refuse_shape(h5, body, i, "angle", "a segment lies between its ends");
+  for (int c = FORMULAS; c < TEXTS && h5->status == NSDAE_OK; c++) {
+    char reason[NSDAE_FORMULA_REASON];
+    const char *text = given_text(b, c);
+    if (is_given(text) && nsdae_formula_check(text, names, reason) < 0)
+      refuse_shape(h5, body, i, columns[c].field, reason);
+  }
 }
 
-int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names *names,
-                       nsdae_error *error)
+void nsdae_bodies_check(nsdae_h5 *h5, int n, const nsdae_body *body,
+                        const nsdae_formula_names *names)
 {
-  int status = n > 0 ? check_names(n, body, error) : NSDAE_OK;
-  for (int i = 0; i < n && status == NSDAE_OK; i++) {
-    const subject s = {&body[i], i, names, error};
-    status = check_shape(&s);
-    if (status == NSDAE_OK) status = check_place(&s);
-  }
-  return status;
+  check_names(h5, n, body);
+  for (int i = 0; i < n && h5->status == NSDAE_OK; i++)
+    if (check_shape(h5, body, i) == NSDAE_OK) check_place(h5, body, i, names);
 }
 
 /* ---- the group */
 
-/* The texts of a body, in the order of their columns. */
-enum { TEXTS = 13 };
-
-static const struct {
-  const char *path, *units, *description;
-} columns[TEXTS] = {
-    {"/bodies/name", "", "names of the bodies"},
-    {"/bodies/shape", "", "their shapes"},
-    {"/bodies/x", "m", "formula of the place of the body's origin"},
-    {"/bodies/y", "m", "formula of the place of the body's origin"},
-    {"/bodies/z", "m", "formula of the place of the body's origin"},
-    {"/bodies/angle", "rad", "formula of the angle of the body's frame about z; empty: none"},
-    {"/bodies/quaternion_w", "1",
-     "formula: the quaternion that turns the body's frame; empty: none"},
-    {"/bodies/quaternion_x", "1",
-     "formula: the quaternion that turns the body's frame; empty: none"},
-    {"/bodies/quaternion_y", "1",
-     "formula: the quaternion that turns the body's frame; empty: none"},
-    {"/bodies/quaternion_z", "1",
-     "formula: the quaternion that turns the body's frame; empty: none"},
-    {"/bodies/end_x", "m", "formula of a segment's other end; empty: none"},
-    {"/bodies/end_y", "m", "formula of a segment's other end; empty: none"},
-    {"/bodies/end_z", "m", "formula of a segment's other end; empty: none"},
-};
-
-static const char *or_else(const char *text, const char *otherwise)
-{
-  return is_given(text) ? text : otherwise;
-}
-
+/* A formula that is not given is zero if it places the body or the end of a segment. */
 static const char *text_of(const nsdae_body *b, int column)
 {
-  if (column == 0) return b->name;
-  if (column == 1) return shape_names[b->shape];
-  if (column < 5) return or_else(b->position[column - 2], "0");
-  if (column == 5) return or_else(b->angle, "");
-  if (column < 10) return or_else(b->quaternion[column - 6], "");
-  return or_else(b->end[column - 10], b->shape == NSDAE_SHAPE_SEGMENT ? "0" : "");
+  const char *text = given_text(b, column);
+  int place = column < 5 || (column >= 10 && b->shape == NSDAE_SHAPE_SEGMENT);
+  return is_given(text) ? text : place ? "0" : "";
 }
 
 /* Bodies of one of the two groups, and memory for their columns. */

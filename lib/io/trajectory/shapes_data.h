@@ -7,9 +7,9 @@
 #include "formula.h"
 #include "hdf5_data.h"
 
-/* NSDAE_OK, or NSDAE_E_ARGUMENT with the first body that is not as the header wants it. */
-int nsdae_bodies_check(int n, const nsdae_body *body, const nsdae_formula_names *names,
-                       nsdae_error *error);
+/* NSDAE_E_ARGUMENT with the first body that is not as the header wants it. */
+void nsdae_bodies_check(nsdae_h5 *h5, int n, const nsdae_body *body,
+                        const nsdae_formula_names *names);
 
 /* Writes those that passed the check; apart: what is placed by coordinates alone goes to the group
  * /shapes, in numbers. */

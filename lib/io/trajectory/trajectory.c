@@ -9,9 +9,11 @@ static int observe(const nsdae_record *record, nsdae_error *error, void *user)
 {
   nsdae_trajectory *t = user;
   if (t->failed) return t->failed;
-  nsdae_h5_begin(&t->h5, error);
-  nsdae_trajectory_take(t, record);
-  t->failed = nsdae_h5_end(&t->h5);
+  nsdae_h5_start(&t->h5, error);
+  H5E_BEGIN_TRY
+    nsdae_trajectory_take(t, record);
+  H5E_END_TRY
+  t->failed = t->h5.status;
   return t->failed;
 }
 
@@ -32,12 +34,19 @@ static int close_file(nsdae_trajectory *t)
   return nsdae_h5_close(&t->h5);
 }
 
+/* What failed to be made, with its file. */
+static void abandon(nsdae_trajectory *t)
+{
+  nsdae_h5_start(&t->h5, NULL);
+  close_file(t);
+  release(t);
+}
+
 /* NULL: out of memory. */
 static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
                                   const nsdae_trajectory_info *info)
 {
-  nsdae_sizes sizes;
-  nsdae_sizes_of(&sizes, sim);
+  nsdae_sizes sizes = nsdae_sizes_of(sim);
   nsdae_trajectory *t = calloc(1, sizeof *t);
   if (!t) return NULL;
   t->sim = sim;
@@ -49,8 +58,7 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   t->path = malloc(strlen(path) + 1);
   int status = nsdae_checkpoint_init(&t->checkpoint, sim);
   for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_init(&t->rows.series[i], nsdae_trajectory_tables[i].table, &sizes,
-                               nsdae_trajectory_is_packed(i) && info->compress > 0);
+    status = nsdae_series_init(&t->rows.series[i], &nsdae_tables[i], &sizes, info->compress);
   if (!t->path || status < 0) {
     release(t);
     return NULL;
@@ -105,18 +113,16 @@ int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_traject
   *trajectory = NULL;
   nsdae_trajectory *t = allocate(sim, path, info);
   if (!t) return nsdae_error_memory(error, where);
-  nsdae_h5_begin(&t->h5, error);
-  open(t, info);
-  status = nsdae_h5_end(&t->h5);
-  if (status == NSDAE_OK) status = fail_with_sim(sim, nsdae_sim_observe(sim, observe, t), error);
-  if (status == NSDAE_OK) {
-    *trajectory = t;
-    return NSDAE_OK;
-  }
-  nsdae_h5_begin(&t->h5, NULL);
-  close_file(t);
-  nsdae_h5_end(&t->h5);
-  release(t);
+  nsdae_h5_start(&t->h5, error);
+  H5E_BEGIN_TRY
+    open(t, info);
+    status = t->h5.status;
+    if (status == NSDAE_OK) status = fail_with_sim(sim, nsdae_sim_observe(sim, observe, t), error);
+    if (status == NSDAE_OK)
+      *trajectory = t;
+    else
+      abandon(t);
+  H5E_END_TRY
   return status;
 }
 
@@ -139,9 +145,11 @@ int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
                            t ? t->path : "trajectory");
   int status = readable(t->sim, error);
   if (status < 0) return status;
-  nsdae_h5_begin(&t->h5, error);
-  nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
-  t->failed = nsdae_h5_end(&t->h5);
+  nsdae_h5_start(&t->h5, error);
+  H5E_BEGIN_TRY
+    nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
+  H5E_END_TRY
+  t->failed = t->h5.status;
   return t->failed;
 }
 
@@ -185,16 +193,13 @@ static void flush_last(nsdae_trajectory *t)
 static int finish_file(nsdae_trajectory *t, int run_status, nsdae_error *error)
 {
   nsdae_h5 *h5 = &t->h5;
-  nsdae_h5_begin(h5, error);
+  nsdae_h5_start(h5, error);
   if (!t->failed) flush_last(t);
   int status = t->failed ? t->failed : h5->status;
-  if (status < 0) h5->error = NULL;
-  h5->status = NSDAE_OK;
+  nsdae_h5_start(h5, status < 0 ? NULL : error);
   int ended = end_file(t, status < 0 ? status : run_status);
-  h5->error = NULL;
-  h5->status = NSDAE_OK;
+  nsdae_h5_start(h5, NULL);
   if (ended < 0) mark_failed(h5);
-  nsdae_h5_end(h5);
   return status < 0 ? status : ended;
 }
 
@@ -210,7 +215,9 @@ int nsdae_trajectory_close(nsdae_trajectory **trajectory, int run_status, nsdae_
     nsdae_error_set(error, t->failed, "nsdae_trajectory_close", "path",
                     "'%.90s' holds %ld records only: writing it failed before", t->path,
                     t->rows.committed);
-  status = finish_file(t, run_status, error);
+  H5E_BEGIN_TRY
+    status = finish_file(t, run_status, error);
+  H5E_END_TRY
   release(t);
   *trajectory = NULL;
   return status;

@@ -1,8 +1,9 @@
 /* What a trajectory file has beside its rows. */
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "description.h"
-#include "formula_names.h"
 #include "run_settings.h"
 #include "shapes_data.h"
 #include "system_impl.h"
@@ -25,21 +26,37 @@ static void make_restart(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   nsdae_setting_release(&setting);
 }
 
+/* The coordinates that have names, in the order of these, each name once. */
+static nsdae_named *sort_coordinates(nsdae_h5 *h5, const nsdae_system *system, int nq, int *named)
+{
+  nsdae_named *c = nsdae_h5_allocate(h5, (size_t)nq, sizeof *c);
+  *named = 0;
+  for (int i = 0; c && i < nq; i++)
+    c[i] = (nsdae_named){nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, i), i};
+  if (c) qsort(c, (size_t)nq, sizeof *c, nsdae_named_order);
+  for (int i = 0; c && i < nq; i++)
+    if (*c[i].name && (*named == 0 || strcmp(c[*named - 1].name, c[i].name) != 0))
+      c[(*named)++] = c[i];
+  return c;
+}
+
 /* Checks the bodies against the names that their formulas may use, then writes them. */
 static void write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
 {
   nsdae_h5 *h5 = &t->h5;
-  nsdae_sizes sizes;
-  nsdae_formula_names names;
-  nsdae_sizes_of(&sizes, t->sim);
-  nsdae_names_make(&names, h5, t->sim, &t->parameters);
-  if (h5->status == NSDAE_OK) h5->status = nsdae_bodies_check(n, body, &names, h5->error);
+  nsdae_formula_names names = {.parameters = &t->parameters};
+  nsdae_sizes sizes = nsdae_sizes_of(t->sim);
+  names.nq = sizes.axis[NSDAE_WIDTH_Q];
+  nsdae_named *coordinate =
+      sort_coordinates(h5, nsdae_sim_get_system(t->sim), names.nq, &names.named);
+  names.coordinate = coordinate;
+  nsdae_bodies_check(h5, n, body, &names);
   if (h5->status == NSDAE_OK) {
     H5Ldelete(h5->file, "/bodies", H5P_DEFAULT); /* fails if there is none */
     H5Ldelete(h5->file, "/shapes", H5P_DEFAULT);
     nsdae_bodies_write(h5, n, body, &names, sizes.listed);
   }
-  nsdae_names_release(&names);
+  free(coordinate);
 }
 
 /* What the system itself has to show. */
@@ -70,18 +87,14 @@ static void write_blocks(nsdae_h5 *h5, const nsdae_system *system)
 void nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
-  nsdae_sizes sizes;
   hid_t axes[NSDAE_AXES];
-  nsdae_sizes_of(&sizes, t->sim);
   if (nsdae_h5_create(h5, kind_of(t)) < 0) return;
   nsdae_description_write(h5, t->sim, info);
   nsdae_axes_create(axes, h5, t->sim);
   if (!t->live) make_restart(t, info);
   write_own_bodies(t);
   write_blocks(h5, nsdae_sim_get_system(t->sim));
-  for (int i = 0; i < NSDAE_TABLES; i++)
-    nsdae_series_create(&t->rows.series[i], h5, &sizes, axes, nsdae_trajectory_tables[i].scale,
-                        nsdae_trajectory_is_packed(i) ? t->compress : 0);
+  for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_create(&t->rows.series[i], h5, axes);
   nsdae_axes_close(axes);
   nsdae_h5_flush(h5);
 }
@@ -98,11 +111,13 @@ static int put(nsdae_trajectory *t, const char *path, hid_t type, int n, const v
         error, NSDAE_E_ARGUMENT, "nsdae_trajectory_put", bad ? bad : "trajectory",
         bad ? "%s is missing or negative" : "data cannot be added to a %s that is live or failed",
         bad ? bad : "trajectory");
-  nsdae_h5_begin(&t->h5, error);
-  if (t->resumed) H5Ldelete(t->h5.file, path, H5P_DEFAULT); /* fails if there is none */
-  nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values, units ? units : "",
-                  description ? description : "");
-  return nsdae_h5_end(&t->h5);
+  nsdae_h5_start(&t->h5, error);
+  H5E_BEGIN_TRY
+    if (t->resumed) H5Ldelete(t->h5.file, path, H5P_DEFAULT); /* fails if there is none */
+    nsdae_h5_vector(&t->h5, path, type, (hsize_t)n, values, units ? units : "",
+                    description ? description : "");
+  H5E_END_TRY
+  return t->h5.status;
 }
 
 int nsdae_trajectory_put(nsdae_trajectory *trajectory, const char *path, int n,
@@ -133,8 +148,10 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
                            t->failed   ? "writing the file failed before"
                            : t->bodies ? "the bodies of a file are named once"
                                        : "bodies are named before the first step");
-  nsdae_h5_begin(&t->h5, error);
-  write_bodies(t, n, body);
+  nsdae_h5_start(&t->h5, error);
+  H5E_BEGIN_TRY
+    write_bodies(t, n, body);
+  H5E_END_TRY
   t->bodies = t->h5.status == NSDAE_OK;
-  return nsdae_h5_end(&t->h5);
+  return t->h5.status;
 }

@@ -7,16 +7,6 @@
 #include "checkpoint.h"
 #include "series.h"
 
-/* The tables of a file. */
-enum { NSDAE_RECORDS, NSDAE_IMPACTS, NSDAE_CHANGES, NSDAE_CONTACTS, NSDAE_TABLES };
-
-typedef struct nsdae_trajectory_table {
-  const nsdae_table *table;
-  const char *scale; /* name of its first column as a dimension */
-} nsdae_trajectory_table;
-
-extern const nsdae_trajectory_table nsdae_trajectory_tables[NSDAE_TABLES];
-
 /* The rows of a file. */
 typedef struct nsdae_trajectory_rows {
   nsdae_series series[NSDAE_TABLES];
@@ -24,7 +14,7 @@ typedef struct nsdae_trajectory_rows {
   long step;                    /* of the last record that was seen */
   hsize_t before[NSDAE_TABLES]; /* rows without it */
   int extra;                /* 1: the last row is the end of a run whose step would not be kept */
-  hsize_t extra_contacts;   /* that it has in the list */
+  int extra_contacts;       /* that it has in the list */
   double flushed, appended; /* when */
   long committed;           /* records that the file has whatever happens now */
 } nsdae_trajectory_rows;
@@ -53,8 +43,6 @@ int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_traject
 
 /* ---- trajectory_rows.c */
 
-/* Tables that the option compress is for; the others are short. */
-int nsdae_trajectory_is_packed(int table);
 /* A record as it comes. */
 void nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record);
 /* The last state is kept in any case; a run that continues there has its row where it belongs. */

@@ -8,8 +8,8 @@
 /* How the file keeps its rows is what counts; another wish is refused. */
 static int adopt(nsdae_h5 *h5, const nsdae_setting *file, const char *key, int wish, int none)
 {
-  char text[NSDAE_SETTING_VALUE];
-  int value = nsdae_setting_find(file, "run", key, text) ? atoi(text) : none;
+  char name[NSDAE_H5_PATH], text[NSDAE_SETTING_VALUE];
+  int value = nsdae_setting_find(file, nsdae_h5_join(name, "run", key), text) ? atoi(text) : none;
   if (wish != none && wish != value && h5->status == NSDAE_OK)
     h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, key,
                                  "cannot resume '%.90s': it has %s %d, this run %d", h5->path, key,
@@ -28,7 +28,7 @@ static void compare_run(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   t->compress = adopt(h5, &file, "compress", info->compress, 0);
   t->rows.every = every > 0 ? every : 1;
   for (int i = 0; i < NSDAE_TABLES; i++)
-    t->rows.series[i].packed = nsdae_trajectory_is_packed(i) && t->compress > 0;
+    t->rows.series[i].deflate = nsdae_tables[i].packed ? t->compress : 0;
   nsdae_setting_release(&own);
   nsdae_setting_release(&file);
 }
@@ -40,22 +40,19 @@ static void open_again(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   hsize_t rows[NSDAE_TABLES];
   nsdae_checkpoint_mark mark = {0};
   nsdae_h5 *h5 = &t->h5;
-  nsdae_sizes sizes;
-  nsdae_sizes_of(&sizes, t->sim);
   h5->where = "nsdae_trajectory_resume";
   if (info->live)
     h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, "live",
                                  "a live file cannot be resumed");
   nsdae_h5_reopen(h5);
   compare_run(t, info);
-  for (int i = 0; i < NSDAE_TABLES; i++)
-    rows[i] = nsdae_series_open(&t->rows.series[i], h5, &sizes);
+  for (int i = 0; i < NSDAE_TABLES; i++) rows[i] = nsdae_series_open(&t->rows.series[i], h5);
   nsdae_checkpoint_take(&t->checkpoint, h5, t->sim, rows, &mark);
   for (int i = 0; i < NSDAE_TABLES; i++) {
-    nsdae_series_resume(&t->rows.series[i], mark.rows[i]);
-    t->rows.before[i] = mark.rows[i];
+    t->rows.before[i] = (hsize_t)mark.rows[i];
+    nsdae_series_resume(&t->rows.series[i], t->rows.before[i]);
   }
-  t->rows.step = mark.step;
+  t->rows.step = (long)mark.step;
   t->resumed = t->begun = 1;
   nsdae_h5_set_text(h5, h5->file, "status", "running");
   nsdae_h5_flush(h5);

@@ -5,12 +5,6 @@
 #include "clock.h"
 #include "trajectory_impl.h"
 
-const nsdae_trajectory_table nsdae_trajectory_tables[NSDAE_TABLES] = {
-    {&nsdae_record_table, "time"},
-    {&nsdae_impact_table, "impact time"},
-    {&nsdae_change_table, "change time"},
-    {&nsdae_contact_table, "id"}};
-
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
@@ -39,9 +33,9 @@ static nsdae_checkpoint_mark mark_of(const nsdae_trajectory *t)
   int dropped = nsdae_sim_get_record(t->sim, &now) == NSDAE_OK && now.step < t->rows.step;
   if (dropped) mark.step = now.step;
   for (int i = 0; i < NSDAE_TABLES; i++)
-    mark.rows[i] = dropped ? t->rows.before[i] : nsdae_series_rows(&t->rows.series[i]);
+    mark.rows[i] = (int64_t)(dropped ? t->rows.before[i] : nsdae_series_rows(&t->rows.series[i]));
   if (dropped) return mark;
-  mark.rows[NSDAE_RECORDS] -= (hsize_t)t->rows.extra;
+  mark.rows[NSDAE_RECORDS] -= t->rows.extra;
   mark.rows[NSDAE_CONTACTS] -= t->rows.extra_contacts;
   return mark;
 }
@@ -67,18 +61,13 @@ void nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part)
   t->rows.flushed = nsdae_wall_clock();
 }
 
-int nsdae_trajectory_is_packed(int table)
-{
-  return table == NSDAE_RECORDS || table == NSDAE_CONTACTS;
-}
-
 /* ---- appending */
 
-static void append_rows(nsdae_trajectory *t, int table, const void *rows, int count)
+static void append_rows(nsdae_trajectory *t, int table, const nsdae_row *row, int count)
 {
   nsdae_series *series = &t->rows.series[table];
   for (int i = 0; i < count && t->h5.status == NSDAE_OK;) {
-    i += nsdae_series_append(series, rows, i, count - i);
+    i += nsdae_series_append(series, row, i, count - i);
     if (nsdae_series_is_full(series)) { /* rows of one alone */
       nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
     } else if (nsdae_series_ends_chunk(series)) {
@@ -91,8 +80,9 @@ static void append_rows(nsdae_trajectory *t, int table, const void *rows, int co
 /* The contacts first: a record is never without them. */
 static void append_record(nsdae_trajectory *t, const nsdae_record *record)
 {
-  const nsdae_record_row row = {*record, (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
-  append_rows(t, NSDAE_CONTACTS, &record->contacts, record->contacts.count);
+  const nsdae_row row = {.record = *record,
+                         .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
+  append_rows(t, NSDAE_CONTACTS, &row, record->contacts.count);
   append_rows(t, NSDAE_RECORDS, &row, 1);
 }
 
@@ -100,7 +90,7 @@ static void append_impact(nsdae_trajectory *t, const nsdae_record *record, int i
 {
   const nsdae_contact_set *all = &record->contacts;
   int at = record->impact[i].contact;
-  nsdae_impact_row row = {.impact = record->impact[i]};
+  nsdae_row row = {.impact = record->impact[i]};
   if (all->count > 0) {
     row.id = all->id[at];
     memcpy(row.block, all->block + 2 * at, sizeof row.block);
@@ -137,7 +127,10 @@ void nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record)
   mark(t, record);
   if (record->step % t->rows.every == 0) append_record(t, record);
   for (int i = 0; i < record->impacts; i++) append_impact(t, record, i);
-  for (int i = 0; i < record->changes; i++) append_rows(t, NSDAE_CHANGES, &record->change[i], 1);
+  for (int i = 0; i < record->changes; i++) {
+    const nsdae_row row = {.change = record->change[i]};
+    append_rows(t, NSDAE_CHANGES, &row, 1);
+  }
   if (t->h5.status == NSDAE_OK && is_due(t)) nsdae_trajectory_write_rows(t, NSDAE_SERIES_CHUNKS);
 }
 
@@ -148,5 +141,5 @@ void nsdae_trajectory_append_last(nsdae_trajectory *t)
   if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->rows.step) return;
   append_record(t, &last);
   t->rows.extra = 1;
-  t->rows.extra_contacts = (hsize_t)last.contacts.count;
+  t->rows.extra_contacts = last.contacts.count;
 }

@@ -20,9 +20,9 @@ static const nsdae_param entries[] = {
     {"name", "", "", NSDAE_PARAM_TEXT, offsetof(model, text), 0, 0, 0, 0, NULL},
 };
 static const nsdae_params parameters = {entries, 4};
-static const char *const coordinates[] = {"x", NULL, "theta"};
-static const nsdae_formula_names names = {3, coordinates, NULL, &parameters};
-static const nsdae_formula_names bare = {2, NULL, NULL, NULL};
+static const nsdae_named coordinates[] = {{"theta", 2}, {"x", 0}};
+static const nsdae_formula_names names = {3, 2, coordinates, &parameters};
+static const nsdae_formula_names bare = {2, 0, NULL, NULL};
 
 static int accepted(const char *text)
 {
