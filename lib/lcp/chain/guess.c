@@ -55,16 +55,6 @@ static const double *scaled_column(const nsdae_lcp_work *w, int j)
   return w->problem->A + (size_t)j * (size_t)w->problem->lda;
 }
 
-/* The factors of A_BB, B in w->room.index; returns the size of B, or 0 where there is nothing to
- * solve.
- */
-static int factor_active_set(nsdae_lcp_work *w)
-{
-  int size =
-      nsdae_lcp_gather(w->n, w->problem->A, w->problem->lda, w->basis, w->room.lu, w->room.index);
-  return size > 0 && nsdae_la_lu(size, w->room.lu, size, w->room.pivot) == 0 ? size : 0;
-}
-
 /* y += a x, s += |a x|. */
 static void add_column(int n, const double *restrict a, double x, double *restrict y,
                        double *restrict s)
@@ -211,8 +201,11 @@ static int is_pushed(const nsdae_lcp_work *w, int size)
 
 int nsdae_lcp_guess_basis(nsdae_lcp_work *w)
 {
-  int stages = w->options->stages, size = stages & NSDAE_LCP_WARM ? factor_active_set(w) : 0;
-  if (size == 0) return 0;
+  const nsdae_lcp_problem *p = w->problem;
+  int stages = w->options->stages;
+  if (!(stages & NSDAE_LCP_WARM)) return 0;
+  int size = nsdae_lcp_gather(w->n, p->A, p->lda, w->basis, w->room.lu, w->room.index);
+  if (size == 0 || nsdae_la_lu(size, w->room.lu, size, w->room.pivot) != 0) return 0;
   double residual = solve_active_set(w, size);
   if (!(residual <= w->options->tol) || !are_sound(w, size)) return 0;
   residual = fmax(residual, sensitivity(w, size) / NSDAE_LCP_FAR);

@@ -104,20 +104,6 @@ void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
 
 /* ---- pivots, at once or delayed */
 
-static void pivot_at_once(nsdae_dictionary *t, int r, int e)
-{
-  int n = t->n;
-  double *entering = dictionary_column(t, e), by = entering[r];
-  for (int j = 0; j <= n; j++) {
-    double *column = dictionary_column(t, j), factor = -column[r] / by;
-    if (j == e || factor == 0) continue;
-    add_scaled(n, factor, entering, column);
-    column[r] = factor;
-  }
-  for (int i = 0; i < n; i++) entering[i] /= by;
-  entering[r] = 1 / by;
-}
-
 /* t->row = row r of C; row r of D and U become zero. */
 static void take_row(nsdae_dictionary *t, int r)
 {
@@ -157,9 +143,19 @@ static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
 
 void nsdae_dictionary_pivot(nsdae_dictionary *t, int r, int e, const double *c)
 {
+  int n = t->n;
   nsdae_dictionary_move(t, r, c);
-  if (t->block == 0)
-    pivot_at_once(t, r, e);
-  else
+  if (t->block > 0) {
     pivot_later(t, r, e, c);
+    return;
+  }
+  double *entering = dictionary_column(t, e), by = entering[r];
+  for (int j = 0; j <= n; j++) {
+    double *column = dictionary_column(t, j), factor = -column[r] / by;
+    if (j == e || factor == 0) continue;
+    add_scaled(n, factor, entering, column);
+    column[r] = factor;
+  }
+  for (int i = 0; i < n; i++) entering[i] /= by;
+  entering[r] = 1 / by;
 }

@@ -17,14 +17,6 @@ static const double *cone_column(const nsdae_cone *c, int j)
   return c->C + (size_t)j * (size_t)c->n;
 }
 
-static void cone_residual(const nsdae_cone *c, const double *b)
-{
-  for (int i = 0; i < c->n; i++) c->w[i] = -b[i];
-  for (int j = 0; j < c->m; j++)
-    if (c->z[j] > 0)
-      for (int i = 0; i < c->n; i++) c->w[i] += c->z[j] * cone_column(c, j)[i];
-}
-
 /* The column along which the norm falls fastest; -1 where it falls along none. */
 static int steepest(const nsdae_cone *c)
 {
@@ -148,7 +140,9 @@ int nsdae_cone_separate(const nsdae_cone *c, const double *b)
   memset(c->z, 0, (size_t)c->m * sizeof *c->z);
   for (int j = 0; j < c->m; j++) c->state[j] = OUT;
   for (int i = 0; i < 10 * c->m + 10; i++) {
-    cone_residual(c, b);
+    for (int k = 0; k < c->n; k++) c->w[k] = -b[k];
+    for (int k = 0; k < c->m; k++)
+      if (c->z[k] > 0) nsdae_add(c->n, c->z[k], cone_column(c, k), c->w);
     int j = size < c->n ? steepest(c) : -1;
     if (j < 0) return 0;
     size = add_column(c, size, j, b);
