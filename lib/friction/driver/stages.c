@@ -73,15 +73,6 @@ static double largest(const nsdae_fc_run *run)
   return most;
 }
 
-/* Whether the residual is at rounding level: half a unit in the last place of the largest impulse
- * changes velocities by as much, half of which other impulses may compensate. Several items may
- * have a solution with smaller impulses, so that their bound is 1e-12 too. */
-static int at_rounding_level(const nsdae_fc_run *run)
-{
-  double small = run->island.fc.n > 1 ? 1e-12 : INFINITY;
-  return run->iterate.residual <= fmin(DBL_EPSILON / 4 * largest(run), small);
-}
-
 /* Whether the rounding of scaled data may decide: of large impulses the residual is not that of the
  * data as given. */
 static int doubtful(const nsdae_fc_run *run)
@@ -133,14 +124,10 @@ static int refinable(const nsdae_fc_run *run)
          (!solved(run) || doubtful(run));
 }
 
-static int dear(nsdae_fc_run *run)
-{
-  return nsdae_fc_system_ready(&run->island) && run->island.system->cost > COSTLY;
-}
-
 static int applies(nsdae_fc_run *run, int when)
 {
   const nsdae_fc_scaled *c = &run->island.fc;
+  const double *cost = &run->island.system->cost;
   return !((when & OPENS && !opens(c)) || (when & GUESSED && !guessed(run)) ||
            (when & FEW && c->n > SMALL) || (when & MORE && c->n <= SMALL) ||
            (when & SEVERAL && c->n == 1) || (when & ROUGH && run->options->tol < NEARLY) ||
@@ -149,7 +136,8 @@ static int applies(nsdae_fc_run *run, int when)
            (when & LOADED && run->first <= HYPERSTATIC) ||
            (when & SLIDING && run->first > HYPERSTATIC) ||
            (when & HUGE_PILE && (c->n < LARGE || c->local)) ||
-           (when & REFINABLE && !refinable(run)) || (when & DEAR && !dear(run)));
+           (when & REFINABLE && !refinable(run)) ||
+           (when & DEAR && !(nsdae_fc_system_ready(&run->island) && *cost > COSTLY)));
 }
 
 /* The one place that knows the order. A budget of 1 and more is in products, else it is a share of
@@ -212,10 +200,14 @@ static int in_vain(const nsdae_fc_run *run, int i, const ended *last)
          run->iterate.residual == last->began;
 }
 
-/* Only double-double arithmetic can reduce the residual further. */
+/* Whether only double-double arithmetic can reduce the residual further: it is solved, or at
+ * rounding level. Half a unit in the last place of the largest impulse changes velocities by as
+ * much, half of which other impulses may compensate. Several items may have a solution with smaller
+ * impulses, so that their bound is 1e-12 too. */
 static int done(const nsdae_fc_run *run)
 {
-  return solved(run) || at_rounding_level(run);
+  double small = run->island.fc.n > 1 ? 1e-12 : INFINITY;
+  return solved(run) || run->iterate.residual <= fmin(DBL_EPSILON / 4 * largest(run), small);
 }
 
 /* A guess that leads to no solution is put aside: the solvers that follow begin at r = 0, so that
@@ -345,13 +337,6 @@ static void polish(nsdae_fc_run *run)
   memcpy(it->r, c->r, nsdae_fc_bytes(s));
 }
 
-/* The status of a run. */
-static int failure(const nsdae_fc_run *run)
-{
-  if (run->iterate.work.interrupted) return NSDAE_E_INTERRUPTED;
-  return run->lost && !solved(run) ? NSDAE_E_MEMORY : NSDAE_OK;
-}
-
 int nsdae_fc_run_stages(nsdae_fc_run *run)
 {
   ended last[STAGES];
@@ -373,5 +358,6 @@ int nsdae_fc_run_stages(nsdae_fc_run *run)
   run->info.residual = run->iterate.residual;
   run->info.sweeps = run->iterate.work.sweeps;
   run->info.iterations = run->info.factorisations = run->iterate.work.steps;
-  return failure(run);
+  if (run->iterate.work.interrupted) return NSDAE_E_INTERRUPTED;
+  return run->lost && !solved(run) ? NSDAE_E_MEMORY : NSDAE_OK;
 }

@@ -16,19 +16,15 @@ typedef struct own {
 
 enum { OWN = sizeof(own) / sizeof(double) };
 
-/* Whether D, in its frame, is positive definite: both tangents, and the normal that they leave. */
-static int is_definite(const double *D)
-{
-  return D[0] > 0 && D[4] > 0 && D[8] > 0 && D[0] - D[1] * D[1] / D[4] - D[2] * D[2] / D[8] > 0;
-}
-
-/* Returns 0, or 1 if the diagonal block is not positive definite. */
+/* Returns 0, or 1 if the diagonal block is not positive definite: both tangents, and the normal
+ * that they leave. */
 static int prepare_contact(const nsdae_fc_arguments *p, int c, int i, own *o)
 {
   nsdae_fc_arguments_diagonal(p, c, i, o->D);
   nsdae_fc_turn_matrix(o->D, o->turn);
   o->slip = 0;
-  return !is_definite(o->D);
+  return !(o->D[0] > 0 && o->D[4] > 0 && o->D[8] > 0 &&
+           o->D[0] - o->D[1] * o->D[1] / o->D[4] - o->D[2] * o->D[2] / o->D[8] > 0);
 }
 
 /* The power of two next below the largest of three sizes; 1 if they are zero. */

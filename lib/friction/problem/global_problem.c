@@ -45,14 +45,7 @@ static int is_symmetric(int n, const double *M)
   return 1;
 }
 
-/* Inverts L, lower, where it is diagonal; returns whether it is. */
-static int invert_diagonal(int n, double *L)
-{
-  if (!nsdae_la_is_diagonal(n, L, n)) return 0;
-  for (int j = 0; j < n; j++, L += n + 1) *L = 1 / *L;
-  return 1;
-}
-
+/* L of a diagonal block is inverted. */
 static int factor_masses(nsdae_fc_global *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;
@@ -62,7 +55,8 @@ static int factor_masses(nsdae_fc_global *c, nsdae_error *error)
     double *L = c->L + c->view.mass_at[b];
     int n = p->size[b], symmetric = is_symmetric(n, L);
     if (symmetric && nsdae_la_cholesky(n, L, n) == 0) {
-      c->diagonal[b] = invert_diagonal(n, L);
+      c->diagonal[b] = nsdae_la_is_diagonal(n, L, n);
+      for (int j = 0; j < n && c->diagonal[b]; j++, L += n + 1) *L = 1 / *L;
       continue;
     }
     snprintf(text, sizeof text, "block %d of M is not %s", b,
@@ -201,33 +195,27 @@ static void sort_items(nsdae_fc_global *c)
     if (label[i] >= 0) c->islands.member[start[label[i] + 1]++] = i;
 }
 
-/* Blocks of item i that are not yet numbered, from count on. */
-static int number_blocks_of(nsdae_fc_global *c, int i, int count, int *listed)
-{
-  const nsdae_friction_problem *p = c->view.p;
-  for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-    int b = p->block[e];
-    if (!nsdae_fc_touches(c, e) || c->islands.number[b] >= 0) continue;
-    listed[count] = b;
-    c->islands.number[b] = count++;
-  }
-  return count;
-}
-
 /* Blocks in the order in which the items of their island come to them; items as they stand. */
 static void number_blocks(nsdae_fc_global *c)
 {
-  int sets = c->view.p->form == NSDAE_FRICTION_LOCAL ? c->view.items : c->view.p->blocks;
-  for (int b = 0; b < sets; b++) c->islands.number[b] = -1;
-  c->islands.listed_start[0] = 0;
-  for (int island = 0; island < c->islands.count; island++) {
-    int count = 0, from = c->islands.listed_start[island];
-    for (int k = c->islands.start[island]; k < c->islands.start[island + 1]; k++)
-      if (c->view.p->form == NSDAE_FRICTION_LOCAL)
-        c->islands.number[c->islands.member[k]] = k - c->islands.start[island];
-      else
-        count = number_blocks_of(c, c->islands.member[k], count, c->islands.listed + from);
-    c->islands.listed_start[island + 1] = from + count;
+  const nsdae_friction_problem *p = c->view.p;
+  nsdae_fc_islands *all = &c->islands;
+  int local = p->form == NSDAE_FRICTION_LOCAL, sets = local ? c->view.items : p->blocks;
+  for (int b = 0; b < sets; b++) all->number[b] = -1;
+  all->listed_start[0] = 0;
+  for (int island = 0; island < all->count; island++) {
+    int count = 0, from = all->listed_start[island];
+    for (int k = all->start[island]; k < all->start[island + 1]; k++) {
+      int i = all->member[k];
+      if (local) all->number[i] = k - all->start[island];
+      for (int e = p->first[i]; e < p->first[i + 1] && !local; e++) {
+        int b = p->block[e];
+        if (!nsdae_fc_touches(c, e) || all->number[b] >= 0) continue;
+        all->listed[from + count] = b;
+        all->number[b] = count++;
+      }
+    }
+    all->listed_start[island + 1] = from + count;
   }
 }
 
