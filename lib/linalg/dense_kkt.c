@@ -59,19 +59,6 @@ static int factor_diagonal(const nsdae_blocks *blocks, const double *M, double *
   return 0;
 }
 
-/* The entries of a coupling, below the diagonal. */
-static void gather_coupling(const nsdae_blocks *blocks, const nsdae_coupling *C, int n, double *L)
-{
-  const double *value = C->value;
-  for (int k = 0; k < C->count; k++) {
-    int i = C->pair[2 * k], j = C->pair[2 * k + 1];
-    int rows = nsdae_blocks_size(blocks, i), columns = nsdae_blocks_size(blocks, j);
-    double *to = L + (size_t)blocks->first[j] * (size_t)n + blocks->first[i];
-    for (int c = 0; c < columns; c++, value += rows, to += n)
-      memcpy(to, value, (size_t)rows * sizeof *to);
-  }
-}
-
 static int factor_mass(nsdae_kkt *kkt, const double *M, const nsdae_coupling *C)
 {
   const nsdae_blocks *blocks = kkt->blocks;
@@ -86,7 +73,13 @@ static int factor_mass(nsdae_kkt *kkt, const double *M, const nsdae_coupling *C)
     for (size_t j = 0; j < size; j++)
       memcpy(d->L + (at + j) * n + at, M + blocks->square[b] + j * size, size * sizeof *M);
   }
-  if (C) gather_coupling(blocks, C, kkt->n, d->L);
+  const double *value = C ? C->value : NULL;
+  for (int k = 0; C && k < C->count; k++) { /* below the diagonal */
+    int i = C->pair[2 * k], j = C->pair[2 * k + 1], rows = nsdae_blocks_size(blocks, i);
+    double *to = d->L + (size_t)blocks->first[j] * n + blocks->first[i];
+    for (int c = 0; c < nsdae_blocks_size(blocks, j); c++, value += rows, to += n)
+      memcpy(to, value, (size_t)rows * sizeof *to);
+  }
   return nsdae_la_cholesky(kkt->n, d->L, kkt->n);
 }
 
@@ -116,20 +109,6 @@ static void transform_rows(const nsdae_kkt *kkt, const nsdae_rows *J, double *Y)
 
 /* ---- S */
 
-/* Squared sine of the angle between column j of Y and the span of those before it, the smallest
- * over j: what Cholesky of S leaves of each diagonal entry, since row j of its factor has the
- * norm of column j. */
-static double smallest_sine(size_t m, const double *factor)
-{
-  double smallest = 1;
-  for (size_t j = 0; j < m; j++) {
-    double sum = 0, pivot = factor[j * m + j];
-    for (size_t k = 0; k <= j; k++) sum += factor[k * m + j] * factor[k * m + j];
-    smallest = fmin(smallest, sum > 0 ? pivot * pivot / sum : 0);
-  }
-  return smallest;
-}
-
 /* Pivoted QR of Y with its columns at unit length, those that are held before all others; returns
  * the number of sines above tol. */
 static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
@@ -155,18 +134,6 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
     }
     kkt->kept = fmin(kkt->kept, sine);
   }
-  return rank;
-}
-
-/* The same with those held that the factorisation before found independent, as long as they are. */
-static int find_rank(nsdae_kkt *kkt)
-{
-  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;
-  for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
-  if (rank < held) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
-  memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
-  for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
   return rank;
 }
 
@@ -211,14 +178,23 @@ static void factor_by_rank(nsdae_kkt *kkt, int r)
   LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, p->Z, m, p->tau, d->work, d->lwork);
 }
 
-/* S := Y^T Y of r columns, damped and factored; returns the smallest sine, or 0 if it has no
- * factor. */
+/* S := Y^T Y of r columns, damped and factored; 0 if it has no factor, else the smallest sine of
+ * the angle between a column of Y and the span of those before it: what Cholesky of S leaves of its
+ * diagonal entry, since row j of the factor has the norm of column j. */
 static double factor_schur(nsdae_kkt *kkt, int r, double damping)
 {
   nsdae_dense_kkt *d = &kkt->dense;
+  size_t m = (size_t)r;
+  double smallest = 1;
   nsdae_la_multiply_transposed(kkt->n, r, r, d->Y, kkt->n, d->Y, kkt->n, 0, d->S, r);
-  for (size_t i = 0; i < (size_t)r && damping > 0; i++) d->S[i * (size_t)(r + 1)] *= 1 + damping;
-  return nsdae_la_cholesky(r, d->S, r) == 0 ? sqrt(smallest_sine((size_t)r, d->S)) : 0;
+  for (size_t i = 0; i < m && damping > 0; i++) d->S[i * (m + 1)] *= 1 + damping;
+  if (nsdae_la_cholesky(r, d->S, r) != 0) return 0;
+  for (size_t j = 0; j < m; j++) {
+    double sum = 0, pivot = d->S[j * m + j];
+    for (size_t k = 0; k <= j; k++) sum += d->S[k * m + j] * d->S[k * m + j];
+    smallest = fmin(smallest, sum > 0 ? pivot * pivot / sum : 0);
+  }
+  return sqrt(smallest);
 }
 
 /* M, and the rank of all rows. */
@@ -239,7 +215,15 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
   kkt->kept = factor_schur(kkt, kkt->m, 0);
-  if (kkt->kept < fmax(TRUSTED, kkt->rank_tol)) factor_by_rank(kkt, find_rank(kkt));
+  if (kkt->kept >= fmax(TRUSTED, kkt->rank_tol)) return NSDAE_OK;
+  /* Those held that the factorisation before found independent, as long as they are. */
+  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;
+  for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
+  if (rank < held) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
+  memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
+  for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
+  factor_by_rank(kkt, rank);
   return NSDAE_OK;
 }
 

@@ -236,21 +236,6 @@ static void add_child(const nsdae_multifrontal *f, int child, const double *left
     }
 }
 
-/* Where the numbers of the supernode and below it begin in its front. */
-static void place_front(nsdae_multifrontal *f, int s)
-{
-  const nsdae_symbolic *t = &f->tree;
-  int at = 0, last = last_of(f, s);
-  for (int k = f->super.begin[s]; k <= last; k++) {
-    f->work.local[k] = at;
-    at += nsdae_multifrontal_size(f, k);
-  }
-  for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
-    f->work.local[t->row[a]] = at;
-    at += nsdae_multifrontal_size(f, t->row[a]);
-  }
-}
-
 static void copy(int rows, int columns, const double *from, int ldf, double *to, int ldt)
 {
   for (int c = 0; c < columns; c++)
@@ -362,8 +347,16 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
 {
   int p = f->super.pivots[s], r = f->super.rest[s], n = p + r;
   double *F = f->work.front, *to = f->F + f->super.factor[s];
+  /* Where the numbers of the supernode and below it begin in its front. */
+  const nsdae_symbolic *t = &f->tree;
+  int at = 0, last = last_of(f, s);
+  for (int k = f->super.begin[s]; k <= last; at += nsdae_multifrontal_size(f, k++))
+    f->work.local[k] = at;
+  for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
+    f->work.local[t->row[a]] = at;
+    at += nsdae_multifrontal_size(f, t->row[a]);
+  }
   memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
-  place_front(f, s);
   add_entries(f, s, F, n);
   for (int c = 0; c < f->super.children[s]; c++) {
     int child = waiting[--*count];

@@ -58,18 +58,6 @@ static void lay_out_part(void *object, nsdae_arena *arena)
   nsdae_arena_doubles(arena, rows, (double **[]){&a->l, &a->c, &a->d, &a->h, &a->u, &a->p, NULL});
 }
 
-/* Entries and values of J. */
-static void measure_rows(nsdae_sparse_kkt *k)
-{
-  const int *size = k->pattern.list + 2, *row = size + k->part.block_count;
-  k->nodes.parts = 0;
-  k->nodes.values = 0;
-  for (int i = 0; i < k->part.row_count; i++, row += *row + 1) {
-    k->nodes.parts += *row;
-    for (int e = 1; e <= *row; e++) k->nodes.values += (size_t)size[row[e]];
-  }
-}
-
 static void find_nodes(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_nodes *n = &k->nodes;
@@ -119,15 +107,21 @@ static int analyse(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_nodes *n = &k->nodes;
   nsdae_blocks *b = &k->at.blocks;
-  measure_rows(k);
+  /* ---- entries and values of J */
+  const int *size = k->pattern.list + 2, *row = size + k->part.block_count;
+  n->parts = 0;
+  n->values = 0;
+  for (int i = 0; i < k->part.row_count; i++, row += *row + 1) {
+    n->parts += *row;
+    for (int e = 1; e <= *row; e++) n->values += (size_t)size[row[e]];
+  }
   if (nsdae_arena_fit(&k->pattern.memory, lay_out_part, k) != NSDAE_OK) return NSDAE_E_MEMORY;
   b->count = k->part.block_count;
   b->first[0] = 0;
   b->square[0] = 0;
   for (int i = 0; i < b->count; i++) {
-    int size = k->pattern.list[2 + i];
-    b->first[i + 1] = b->first[i] + size;
-    b->square[i + 1] = b->square[i] + (size_t)size * (size_t)size;
+    b->first[i + 1] = b->first[i] + size[i];
+    b->square[i + 1] = b->square[i] + (size_t)size[i] * (size_t)size[i];
   }
   find_nodes(k);
   const nsdae_joined touched = {n->count, n->part, n->block};

@@ -80,18 +80,6 @@ static double length(const nsdae_sparse_kkt *k)
   return sqrt(nsdae_dot(n, a->z, a->z));
 }
 
-/* u of smaller length, with the same u_row. */
-static void improve(const nsdae_sparse_kkt *k, int row)
-{
-  const nsdae_kkt_values *a = &k->at;
-  double *change = a->h;
-  nsdae_sparse_kkt_times(k, a->Y, a->z, change);
-  change[row] = 0;
-  nsdae_sparse_kkt_solve_schur(k, change);
-  double fixed = change[row];
-  for (int i = 0; i < k->part.row_count; i++) a->u[i] -= change[i] - fixed * a->u[i];
-}
-
 /* The sine of a row by corrected seminormal equations (Bjorck, Linear Algebra Appl. 88/89 (1987)
  * 31): the least |Y z| with z_row = 1. Y z is formed from Y alone, as S has lost half of its
  * digits. Begins with u_row = 1 and small |Y u|: a column of N for a dropped row, else one of S^-1.
@@ -115,7 +103,12 @@ static double measure(const nsdae_sparse_kkt *k, int row, int dropped)
   double now = length(k);
   while (now < 0.9 * last) {
     last = now;
-    improve(k, row);
+    /* u of smaller length, with the same u_row */
+    nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
+    a->h[row] = 0;
+    nsdae_sparse_kkt_solve_schur(k, a->h);
+    double fixed = a->h[row];
+    for (size_t i = 0; i < m; i++) a->u[i] -= a->h[i] - fixed * a->u[i];
     now = length(k);
   }
   return fmin(now, last) / sqrt(square);
@@ -155,24 +148,6 @@ static int mark(nsdae_sparse_kkt *k)
   return more;
 }
 
-/* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
-static void count_rank(nsdae_sparse_kkt *k)
-{
-  const nsdae_multifrontal_rank *r = &k->schur.rank;
-  int largest = -1;
-  double most = 0;
-  for (int row = 0; row < k->part.row_count; row++) {
-    int at = place(k, row);
-    if (!r->is_dropped[at]) continue;
-    k->rank.count--;
-    if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
-    if (largest >= 0 && !(r->part[at] > most)) continue;
-    most = r->part[at];
-    largest = row;
-  }
-  k->rank.left = largest < 0 ? 0 : measure(k, largest, 1);
-}
-
 /* All rows count so far. If LDL comes first and may, and has a factor with all pivots above
  * `least`, that is all; returns whether it is. */
 static int factor_all(nsdae_sparse_kkt *k, int chosen, int may, double least)
@@ -193,7 +168,16 @@ int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
   do {
     if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
   } while (mark(k) > 0);
-  count_rank(k);
+  /* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
+  int largest = -1;
+  for (int row = 0; row < k->part.row_count; row++) {
+    int at = place(k, row);
+    if (!r->is_dropped[at]) continue;
+    k->rank.count--;
+    if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
+    if (largest < 0 || r->part[at] > r->part[place(k, largest)]) largest = row;
+  }
+  k->rank.left = largest < 0 ? 0 : measure(k, largest, 1);
   return NSDAE_OK;
 }
 

@@ -59,13 +59,6 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   *solver = NULL;
 }
 
-static int in_range(const nsdae_friction_options *o)
-{
-  return o->tol > 0 && o->tol <= 1 && o->stages >= 0 && o->stages <= NSDAE_FRICTION_ALL &&
-         o->max_sweeps >= 0 && o->max_iterations >= 0 && o->refine >= 0 && o->budget >= 0 &&
-         o->budget < INFINITY;
-}
-
 /* ---- memory and data */
 
 /* The problem checked and without its masses. */
@@ -179,7 +172,11 @@ static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem 
   if (!options) options = &defaults;
   if (!info) info = &own;
   *info = (nsdae_friction_info){.residual = INFINITY};
-  if (!s || !in_range(options)) return NSDAE_E_ARGUMENT;
+  if (!s || !(options->tol > 0 && options->tol <= 1) || options->stages < 0 ||
+      options->stages > NSDAE_FRICTION_ALL || options->max_sweeps < 0 ||
+      options->max_iterations < 0 || options->refine < 0 ||
+      !(options->budget >= 0 && options->budget < INFINITY))
+    return NSDAE_E_ARGUMENT;
   int status = prepare(s, problem, NULL);
   if (status != NSDAE_OK) return status;
   if (s->global.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;

@@ -184,22 +184,6 @@ typedef struct ended {
 
 /* ---- one row */
 
-/* The first row of the same solver. */
-static int same_solver(int i)
-{
-  int k = 0;
-  while (table[k].solve != table[i].solve) k++;
-  return k;
-}
-
-/* A solver that ended before its budget did is of no use again from the same point. The homotopy
- * always begins at r = 0, more closely each time. */
-static int in_vain(const nsdae_fc_run *run, int i, const ended *last)
-{
-  return !last->limited && table[i].solve != nsdae_fc_smoothing_homotopy &&
-         run->iterate.residual == last->began;
-}
-
 /* Whether only double-double arithmetic can reduce the residual further: it is solved, or at
  * rounding level. Half a unit in the last place of the largest impulse changes velocities by as
  * much, half of which other impulses may compensate. Several items may have a solution with smaller
@@ -246,9 +230,15 @@ static int run_rows(nsdae_fc_run *run, int i, int to, double growth, ended *last
 {
   for (; i < to; i++) {
     const row *at = &table[i];
-    ended *before = &last[same_solver(i)];
+    int first = 0; /* the first row of the same solver */
+    while (table[first].solve != at->solve) first++;
+    ended *before = &last[first];
     if (at->bit > NSDAE_FRICTION_WARM && run->has_guess && !done(run)) put_guess_aside(run);
-    if (!(run->options->stages & at->bit) || in_vain(run, i, before)) continue;
+    /* A solver that ended before its budget did is of no use again from the same point. The
+     * homotopy always begins at r = 0, more closely each time. */
+    int in_vain = !before->limited && at->solve != nsdae_fc_smoothing_homotopy &&
+                  run->iterate.residual == before->began;
+    if (!(run->options->stages & at->bit) || in_vain) continue;
     if (done(run) && at->solve != nsdae_fc_refine) continue;
     if (!applies(run, at->when)) continue;
     int result = run_row(run, at, growth, before);
@@ -299,21 +289,6 @@ static void begin_run(nsdae_fc_run *run)
   it->work = (nsdae_fc_work){0};
 }
 
-/* The better one of the best points with and without the guess. */
-static void keep_better_point(nsdae_fc_run *run)
-{
-  nsdae_fc_iterate *it = &run->iterate;
-  if (it->residual == INFINITY) {
-    nsdae_fc_set_point(&run->island, it->r);
-    nsdae_fc_offer(&run->island, it);
-  }
-  if (!(run->guessed < it->residual)) return;
-  memcpy(it->r, run->guess, nsdae_fc_bytes(&run->island));
-  memset(it->low, 0, nsdae_fc_bytes(&run->island));
-  it->residual = run->guessed;
-  run->info.stage = NSDAE_FRICTION_WARM;
-}
-
 /* options.refine: Newton steps from the solution on, then the projection into the cones, which
  * moves it by no more than its residual. */
 static void polish(nsdae_fc_run *run)
@@ -352,7 +327,18 @@ int nsdae_fc_run_stages(nsdae_fc_run *run)
     run->info.proof = NSDAE_PROOF_FARKAS;
     return NSDAE_OK;
   }
-  keep_better_point(run);
+  /* The better one of the best points with and without the guess. */
+  nsdae_fc_iterate *it = &run->iterate;
+  if (it->residual == INFINITY) {
+    nsdae_fc_set_point(&run->island, it->r);
+    nsdae_fc_offer(&run->island, it);
+  }
+  if (run->guessed < it->residual) {
+    memcpy(it->r, run->guess, nsdae_fc_bytes(&run->island));
+    memset(it->low, 0, nsdae_fc_bytes(&run->island));
+    it->residual = run->guessed;
+    run->info.stage = NSDAE_FRICTION_WARM;
+  }
   if (solved(run) && run->options->refine > 0) polish(run);
   run->info.outcome = solved(run) ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   run->info.residual = run->iterate.residual;

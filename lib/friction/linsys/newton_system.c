@@ -89,20 +89,6 @@ static int build_graph(nsdae_fc_system *m)
   return nsdae_adjacency_build(&m->graph, &lists, c->blocks, 0);
 }
 
-/* Where the blocks of the pairs are: of all pairs of an item, or (local form) of it with each. */
-static void place_pairs(nsdae_fc_system *m)
-{
-  const nsdae_fc_scaled *c = m->fc;
-  const int *block = c->parts.block;
-  size_t *place = m->place;
-  for (int k = 0; k < c->n; k++)
-    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
-      if (c->local) *place++ = nsdae_multifrontal_block(&m->fronts, k, block[e]);
-      for (int f = c->parts.first[k]; f < c->parts.first[k + 1] && !c->local; f++)
-        *place++ = nsdae_multifrontal_block(&m->fronts, block[e], block[f]);
-    }
-}
-
 /* Of a factorisation, without its assembly: LAPACK does about FASTER times as many operations in a
  * second as the loops of a product. With 12 products for all else of a step, a step is counted as
  * 15 to 32 products; on walls, towers and storeys of 1000 and 8000 contacts it takes 16 to 40. LU
@@ -128,7 +114,16 @@ int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
     if (status == NSDAE_OK)
       status = nsdae_multifrontal_analyse(&m->fronts, c->blocks, c->parts.size, m->graph.first,
                                           m->graph.index);
-    if (status == NSDAE_OK) place_pairs(m);
+    /* Where the blocks of the pairs are: of all pairs of an item, or (local form) of it with each.
+     */
+    const int *block = c->parts.block;
+    size_t *place = m->place;
+    for (int k = 0; k < c->n && status == NSDAE_OK; k++)
+      for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+        if (c->local) *place++ = nsdae_multifrontal_block(&m->fronts, k, block[e]);
+        for (int f = c->parts.first[k]; f < c->parts.first[k + 1] && !c->local; f++)
+          *place++ = nsdae_multifrontal_block(&m->fronts, block[e], block[f]);
+      }
   }
   if (status == NSDAE_OK) m->cost = price(m);
   return status;

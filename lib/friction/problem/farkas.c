@@ -103,17 +103,6 @@ static void fill_column(nsdae_fc_farkas *f, int e, int i, double sign)
   f->cone.allowed[e] = 1;
 }
 
-static void fill(nsdae_fc_farkas *f)
-{
-  int e = 0;
-  for (int k = 0; k < f->fc->n; k++) {
-    int i = nsdae_fc_member(f->fc, k);
-    if (gives_way(f->fc, i)) continue;
-    fill_column(f, e++, i, 1);
-    if (is_bilateral(f->fc, i)) fill_column(f, e++, i, -1);
-  }
-}
-
 static double power_of_two(double x)
 {
   return x > 0 ? exp2(round(log2(x))) : 1;
@@ -172,28 +161,22 @@ static int simplify(double *l, int k)
 
 /* ---- proof by a bound on the error of the combination */
 
-/* Rows in which a chosen column is not zero, into kept; how many. */
+/* Rows in which a chosen column is not zero, into kept; how many; -1 if scaling the chosen columns
+ * lost something: products with powers of two, above 1e-290. */
 static int keep_rows(nsdae_fc_farkas *f, int k)
 {
   int rows = 0;
-  for (int i = 0; i < f->cone.n; i++)
-    for (int e = 0; e < k; e++)
-      if (f->columns[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i] != 0) {
-        f->kept[rows++] = i;
-        break;
-      }
-  return rows;
-}
-
-/* Whether scaling the chosen columns lost nothing: products with powers of two, above 1e-290. */
-static int is_scaled_exactly(const nsdae_fc_farkas *f, int k)
-{
-  for (int e = 0; e < k; e++)
-    for (int i = 0; i < f->cone.n; i++) {
+  for (int i = 0; i < f->cone.n; i++) {
+    int any = 0;
+    for (int e = 0; e < k; e++) {
       size_t at = (size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i;
-      if (f->columns[at] != 0 && !(fabs(f->scaled[at]) > 1e-290)) return 0;
+      if (f->columns[at] == 0) continue;
+      if (!(fabs(f->scaled[at]) > 1e-290)) return -1;
+      any = 1;
     }
-  return 1;
+    if (any) f->kept[rows++] = i;
+  }
+  return rows;
 }
 
 /* G [k x k] of the kept rows into gram, R = G^-1 into inverse; 1 if G is singular. */
@@ -269,7 +252,7 @@ static double bound_distance(nsdae_fc_farkas *f, int k, double defect)
 /* Whether the exact combination near l is positive where it must be. */
 static int is_verified(nsdae_fc_farkas *f, int k)
 {
-  if (keep_rows(f, k) != k || f->kept[k - 1] != f->cone.n - 1 || !is_scaled_exactly(f, k)) return 0;
+  if (keep_rows(f, k) != k || f->kept[k - 1] != f->cone.n - 1) return 0;
   if (invert(f, k) != 0) return 0;
   double defect = bound_defect(f, k);
   if (!(defect < 0.5)) return 0;
@@ -287,19 +270,6 @@ static int is_verified(nsdae_fc_farkas *f, int k)
   return 1;
 }
 
-/* ---- result */
-
-/* The proof in the rows of the whole, its largest entry about one. */
-static void hand_over(const nsdae_fc_farkas *f, int k, double *l)
-{
-  double most = power_of_two(nsdae_largest(k, f->exact + f->cone.n));
-  memset(l, 0, (size_t)f->fc->global->view.m * sizeof *l);
-  for (int e = 0; e < k; e++) {
-    int j = f->chosen[e];
-    l[f->fc->global->view.row[f->item[j]]] += f->sign[j] * (f->exact[f->cone.n + e] / most);
-  }
-}
-
 int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *l)
 {
   f->fc = fc;
@@ -307,7 +277,12 @@ int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *
   f->cone.m = count_columns(fc);
   if (f->cone.n > MOST_ROWS || f->cone.m > MOST_COLUMNS || f->cone.m == 0) return 0;
   if (nsdae_arena_fit(&f->memory, lay_out_farkas, f) != NSDAE_OK) return NSDAE_E_MEMORY;
-  fill(f);
+  for (int k = 0, e = 0; k < fc->n; k++) {
+    int i = nsdae_fc_member(fc, k);
+    if (gives_way(fc, i)) continue;
+    fill_column(f, e++, i, 1);
+    if (is_bilateral(fc, i)) fill_column(f, e++, i, -1);
+  }
   scale(f);
   /* ---- the combination of scaled columns, its directions in chosen */
   int k = 0;
@@ -320,7 +295,13 @@ int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *
   /* ---- the proof */
   if (k == 0 || !(holds(f, k) || (simplify(exact, k) && holds(f, k)) || is_verified(f, k)))
     return 0;
-  hand_over(f, k, l);
+  /* ---- in the rows of the whole, its largest entry about one */
+  double most = power_of_two(nsdae_largest(k, exact));
+  memset(l, 0, (size_t)fc->global->view.m * sizeof *l);
+  for (int e = 0; e < k; e++) {
+    int j = f->chosen[e];
+    l[fc->global->view.row[f->item[j]]] += f->sign[j] * (exact[e] / most);
+  }
   return 1;
 }
 

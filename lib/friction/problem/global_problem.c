@@ -116,14 +116,6 @@ static void diagonals(nsdae_fc_global *c)
   }
 }
 
-/* The part W_ji of item i that stands in its list, or NULL. */
-static const double *find(const nsdae_fc_view *view, int i, int j)
-{
-  for (int e = view->p->first[i]; e < view->p->first[i + 1]; e++)
-    if (view->p->block[e] == j) return view->p->value + view->at[e];
-  return NULL;
-}
-
 /* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
  * be positive semidefinite: there the entries themselves are compared. */
 static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
@@ -133,7 +125,9 @@ static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
   for (int i = 0; i < c->view.items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
-      const double *W = p->value + c->view.at[e], *T = find(&c->view, j, i);
+      const double *W = p->value + c->view.at[e], *T = NULL;
+      for (int f = p->first[j]; f < p->first[j + 1] && !T; f++)
+        if (p->block[f] == i) T = p->value + c->view.at[f];
       double off = 0, bound = 1e-10 * sqrt(fmax(c->d[i], 0)) * sqrt(fmax(c->d[j], 0));
       int fixed = !(c->d[i] > 0 && c->d[j] > 0);
       for (int k = 0; k < ni * nj; k++)
@@ -157,42 +151,33 @@ int nsdae_fc_touches(const nsdae_fc_global *c, int e)
   return 0;
 }
 
-/* Sets of items and, after them, of blocks (local form: of items) that they touch. */
-static void join_blocks(nsdae_fc_global *c)
+/* Disjoint sets of items and, after them, of blocks (local form: of items) that they touch; their
+ * labels, in the order of the least items that something moves. The root of a set is its least
+ * item; start has the label of that, then where the items of each island begin (counting sort). */
+static void find_islands(nsdae_fc_global *c)
 {
   const nsdae_friction_problem *p = c->view.p;
+  nsdae_fc_islands *all = &c->islands;
+  int *start = all->start, *label = all->label;
   int items = c->view.items, after = p->form == NSDAE_FRICTION_LOCAL ? 0 : items;
-  nsdae_sets_begin(c->islands.parent, items + p->blocks);
+  nsdae_sets_begin(all->parent, items + p->blocks);
   for (int i = 0; i < items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++)
-      if (nsdae_fc_touches(c, e)) nsdae_sets_join(c->islands.parent, i, after + p->block[e]);
-}
-
-/* Labels, in the order of the least items that something moves. The root of a set is its least
- * item; start has the label of that. */
-static void label_items(nsdae_fc_global *c)
-{
-  nsdae_fc_islands *all = &c->islands;
+      if (nsdae_fc_touches(c, e)) nsdae_sets_join(all->parent, i, after + p->block[e]);
   all->count = 0;
-  for (int i = 0; i < c->view.items; i++) all->start[i] = all->label[i] = -1;
-  for (int i = 0; i < c->view.items; i++) {
+  for (int i = 0; i < items; i++) start[i] = label[i] = -1;
+  for (int i = 0; i < items; i++) {
     int root = nsdae_sets_root(all->parent, i);
     if (!(c->d[i] > 0)) continue;
-    if (all->start[root] < 0) all->start[root] = all->count++;
-    all->label[i] = all->start[root];
+    if (start[root] < 0) start[root] = all->count++;
+    label[i] = start[root];
   }
-}
-
-/* Items by island (counting sort): those of k begin at start[k + 1], which goes to their end. */
-static void sort_items(nsdae_fc_global *c)
-{
-  int *start = c->islands.start, *label = c->islands.label;
-  memset(start, 0, ((size_t)c->islands.count + 2) * sizeof *start);
-  for (int i = 0; i < c->view.items; i++)
+  memset(start, 0, ((size_t)all->count + 2) * sizeof *start);
+  for (int i = 0; i < items; i++)
     if (label[i] >= 0) start[label[i] + 2]++;
-  for (int k = 0; k < c->islands.count; k++) start[k + 2] += start[k + 1];
-  for (int i = 0; i < c->view.items; i++)
-    if (label[i] >= 0) c->islands.member[start[label[i] + 1]++] = i;
+  for (int k = 0; k < all->count; k++) start[k + 2] += start[k + 1];
+  for (int i = 0; i < items; i++)
+    if (label[i] >= 0) all->member[start[label[i] + 1]++] = i;
 }
 
 /* Blocks in the order in which the items of their island come to them; items as they stand. */
@@ -272,9 +257,7 @@ int nsdae_fc_global_fill(nsdae_fc_global *c, nsdae_error *error)
   status = measure(c, error);
   if (status == NSDAE_OK && local) status = check_symmetry(c, error);
   if (status != NSDAE_OK) return status;
-  join_blocks(c);
-  label_items(c);
-  sort_items(c);
+  find_islands(c);
   number_blocks(c);
   return NSDAE_OK;
 }

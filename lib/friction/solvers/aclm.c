@@ -13,22 +13,6 @@
 static const double PROGRESS = 0.7;
 enum { FRUITLESS = 12 };
 
-/* The next s, extrapolated; the rows of normal impulses take its place for the time. Back at the
- * solution of the convex problem then. */
-static void next_s(nsdae_fc_island *s)
-{
-  nsdae_fc_anderson *anderson = &s->anderson;
-  memset(anderson->before, 0, nsdae_fc_bytes(s));
-  memset(s->fc.r, 0, nsdae_fc_bytes(s));
-  for (int k = 0; k < s->fc.n; k++) {
-    anderson->before[3 * k] = s->socp.s[k];
-    s->fc.r[3 * k] = nsdae_fc_s_of(&s->fc, k);
-  }
-  nsdae_fc_anderson_extrapolate(anderson, &s->fc);
-  for (int k = 0; k < s->fc.n; k++) s->socp.s[k] = fmax(0, s->fc.r[3 * k]);
-  nsdae_fc_set_point(s, s->socp.end);
-}
-
 int nsdae_fc_aclm(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   double tried = INFINITY, least = INFINITY;
@@ -49,7 +33,17 @@ int nsdae_fc_aclm(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budge
       if (nsdae_fc_proximal_points(s, it, b) <= b->tol) return 1;
       nsdae_fc_set_point(s, s->socp.end);
     }
-    next_s(s);
+    /* The next s, extrapolated; the rows of normal impulses take its place for the time. Back at
+     * the solution of the convex problem then. */
+    memset(s->anderson.before, 0, nsdae_fc_bytes(s));
+    memset(s->fc.r, 0, nsdae_fc_bytes(s));
+    for (int k = 0; k < s->fc.n; k++) {
+      s->anderson.before[3 * k] = s->socp.s[k];
+      s->fc.r[3 * k] = nsdae_fc_s_of(&s->fc, k);
+    }
+    nsdae_fc_anderson_extrapolate(&s->anderson, &s->fc);
+    for (int k = 0; k < s->fc.n; k++) s->socp.s[k] = fmax(0, s->fc.r[3 * k]);
+    nsdae_fc_set_point(s, s->socp.end);
   }
   return it->residual <= b->tol;
 }

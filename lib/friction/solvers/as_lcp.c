@@ -58,23 +58,18 @@ void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae
 
 /* ---- W of the rows */
 
-/* Rows that take part, the bilateral ones first. */
-static void list_rows(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
+/* Of the rows that take part, the bilateral ones first. Column by column: y := J e of that row, and
+ * its velocities; in the local form y is the column. */
+static void fill_W(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, double *y)
 {
+  const nsdae_fc_parts *parts = &fc->parts;
   int at = 0;
   for (int k = 0; k < fc->n; k++)
     if (fc->items.kind[k] == NSDAE_FC_BILATERAL) s->row[at++] = 3 * k;
   for (int k = 0; k < fc->n; k++) {
-    if (fc->items.kind[k] == NSDAE_FC_BILATERAL) continue;
-    s->row[at++] = 3 * k;
+    if (fc->items.kind[k] != NSDAE_FC_BILATERAL) s->row[at++] = 3 * k;
     if (fc->items.kind[k] == NSDAE_FC_CONE) s->row[at++] = 3 * k + 1;
   }
-}
-
-/* Column by column: y := J e of that row, and its velocities; in the local form y is the column. */
-static void fill_W(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, double *y)
-{
-  const nsdae_fc_parts *parts = &fc->parts;
   for (int j = 0; j < s->m; j++) {
     double *column = s->W + (size_t)j * (size_t)s->m;
     int from = s->row[j];
@@ -179,7 +174,6 @@ int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_b
   nsdae_fc_as_lcp *s = &island->as_lcp;
   nsdae_fc_scaled *fc = &island->fc;
   if (s->m == 0 || !nsdae_fc_spend(island, it, b, s->m)) return it->residual <= b->tol;
-  list_rows(s, fc);
   fill_W(s, fc, island->newton.y);
   if (eliminate(s) != 0) return it->residual <= b->tol;
   fill_problem(s, fc);

@@ -68,33 +68,16 @@ static void add_column(int n, const double *restrict a, double x, double *restri
 
 /* ---- residual and its rounding */
 
-/* y and s of the head of A x + b; A and b are finite, so that x_j = 0 adds nothing. */
-static void multiply(nsdae_lcp_work *w, int size)
-{
-  for (int i = 0; i < w->n; i++) {
-    w->y[i] = w->problem->b[i];
-    w->room.sizes[i] = fabs(w->y[i]);
-  }
-  for (int j = 0; j < size; j++)
-    if (w->x[w->room.index[j]] > 0)
-      add_column(w->n, scaled_column(w, w->room.index[j]), w->x[w->room.index[j]], w->y,
-                 w->room.sizes);
-}
-
-/* Whether a row without size has no term at all, rather than one that underflowed. */
-static int is_empty(const nsdae_lcp_work *w, int i, int size)
-{
-  for (int j = 0; j < size; j++)
-    if (scaled_column(w, w->room.index[j])[i] != 0 && w->x[w->room.index[j]] > 0) return 0;
-  return 1;
-}
-
-/* Whether rows of that size say something: neither infinite nor what underflow left. */
+/* Whether the rows say something: their sizes are neither infinite nor what underflow left. A row
+ * without size has no term at all, rather than one that underflowed. */
 static int are_sound(const nsdae_lcp_work *w, int size)
 {
   for (int i = 0; i < w->n; i++) {
     double s = w->room.sizes[i];
-    if (!(s >= TINY && s <= DBL_MAX) && !(s == 0 && is_empty(w, i, size))) return 0;
+    if (s >= TINY && s <= DBL_MAX) continue;
+    if (s != 0) return 0;
+    for (int j = 0; j < size; j++)
+      if (scaled_column(w, w->room.index[j])[i] != 0 && w->x[w->room.index[j]] > 0) return 0;
   }
   return 1;
 }
@@ -148,7 +131,15 @@ static double solve_active_set(nsdae_lcp_work *w, int size)
       double *x = w->x + w->room.index[j], sum = *x + w->room.rhs[j];
       if (round == 0 || *x > 0) *x = sum > 0 ? sum : 0;
     }
-    multiply(w, size);
+    /* y and s of the head of A x + b; A and b are finite, so that x_j = 0 adds nothing. */
+    for (int i = 0; i < w->n; i++) {
+      w->y[i] = w->problem->b[i];
+      w->room.sizes[i] = fabs(w->y[i]);
+    }
+    for (int j = 0; j < size; j++) {
+      double x = w->x[w->room.index[j]];
+      if (x > 0) add_column(w->n, scaled_column(w, w->room.index[j]), x, w->y, w->room.sizes);
+    }
     error = bound(w);
   }
   return error;

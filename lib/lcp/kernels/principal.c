@@ -8,14 +8,6 @@
 #include "finite.h"
 #include "residual.h"
 
-/* Whether x_i, or y_i where x_i is not basic, is below zero by more than tol. */
-static int negative(const nsdae_lcp_point *p, int i, double tol)
-{
-  const double *column = p->a + (size_t)i * (size_t)p->lda;
-  return (p->basis[i] ? p->x[i] : p->y[i]) < 0 &&
-         nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -tol;
-}
-
 static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int max_pivots,
                             int *basis, int *pivots, double *residual)
 {
@@ -24,10 +16,14 @@ static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int
     int size = nsdae_lcp_active_set(p);
     if (nsdae_lcp_point_residual(p, residual) != 0 || size < 0) return 1;
     if (*residual <= tol) return 0;
-    /* The indices that are negative, into index; their number. */
+    /* The indices of which x_i, or y_i if x_i is not basic, is below zero by more than tol. */
     int count = 0;
-    for (int i = 0; i < p->n; i++)
-      if (negative(p, i, tol)) p->index[count++] = i;
+    for (int i = 0; i < p->n; i++) {
+      const double *column = p->a + (size_t)i * (size_t)p->lda;
+      if ((p->basis[i] ? p->x[i] : p->y[i]) < 0 &&
+          nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -tol)
+        p->index[count++] = i;
+    }
     if (count == 0) return 1;
     if (*pivots == max_pivots) return 2;
     if (count < fewest) {

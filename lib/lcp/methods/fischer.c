@@ -2,7 +2,7 @@
  * and x_i y_i = 0 (Fischer, Optimization 24, 1992). Levenberg-Marquardt steps on |phi|^2 / 2 with
  * backtracking (De Luca, Facchinei, Kanzow, Math. Program. 75, 1996): a stationary point need not
  * be a solution, so the result is judged by its residual like everything else. */
-#include "fischer.h"
+#include "lcp_methods.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -5,10 +5,8 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "fischer.h"
 #include "judge.h"
 #include "lcp_methods.h"
-#include "transform.h"
 #include "vector.h"
 
 /* Starts of the semismooth Newton method. */
