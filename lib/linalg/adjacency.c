@@ -25,17 +25,6 @@ static void add_counts(int n, int *begin)
   for (int i = 0; i < n; i++) begin[i + 2] += begin[i + 1];
 }
 
-/* Lists by entries. */
-static void transpose(nsdae_adjacency *g, const nsdae_joined *lists)
-{
-  memset(g->by_entry, 0, ((size_t)g->entries + 2) * sizeof *g->by_entry);
-  for (int e = 0; e < g->joined; e++) g->by_entry[lists->entry[e] + 2]++;
-  add_counts(g->entries, g->by_entry);
-  for (int i = 0; i < lists->count; i++)
-    for (int e = lists->first[i]; e < lists->first[i + 1]; e++)
-      g->list[g->by_entry[lists->entry[e] + 1]++] = i;
-}
-
 /* Counts the neighbours of each node (index NULL), or enters each node for its neighbours: in turn,
  * so that their lists ascend. */
 static void visit(const nsdae_adjacency *g, const nsdae_joined *of, const nsdae_joined *back,
@@ -61,7 +50,12 @@ int nsdae_adjacency_build(nsdae_adjacency *g, const nsdae_joined *lists, int ent
   g->entries = entries;
   g->joined = lists->first[lists->count];
   if (nsdae_arena_fit(&g->of_lists, lay_out_lists, g) != NSDAE_OK) return NSDAE_E_MEMORY;
-  transpose(g, lists);
+  memset(g->by_entry, 0, ((size_t)entries + 2) * sizeof *g->by_entry);
+  for (int e = 0; e < g->joined; e++) g->by_entry[lists->entry[e] + 2]++;
+  add_counts(entries, g->by_entry);
+  for (int i = 0; i < lists->count; i++)
+    for (int e = lists->first[i]; e < lists->first[i + 1]; e++)
+      g->list[g->by_entry[lists->entry[e] + 1]++] = i;
   const nsdae_joined back = {entries, g->by_entry, g->list};
   const nsdae_joined *of = of_lists ? lists : &back, *other = of_lists ? &back : lists;
   memset(g->first, 0, ((size_t)g->n + 2) * sizeof *g->first);

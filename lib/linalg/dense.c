@@ -34,22 +34,17 @@ static inline int cholesky_small(int n, double *A, size_t lda)
   return 0;
 }
 
-/* The diagonal of A is gone after the factorisation, but row i of L holds its root as a norm. */
-static int first_rounded_pivot(int n, const double *L, int ldl)
-{
-  for (int i = 0; i < n; i++) {
-    double norm = cblas_dnrm2(i + 1, L + i, ldl), root = AT(L, ldl, i, i);
-    if (!(root * root > n * DBL_EPSILON * norm * norm)) return i + 1; /* NaN and infinity, too */
-  }
-  return 0;
-}
-
 int nsdae_la_cholesky(int n, double *A, int lda)
 {
   if (n == BODY && lda == BODY) return cholesky_small(BODY, A, BODY);
   if (n < NSDAE_SMALL) return cholesky_small(n, A, (size_t)lda);
   int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, A, lda);
-  return info ? info : first_rounded_pivot(n, A, lda);
+  /* The diagonal of A is gone after the factorisation, but row i of L holds its root as a norm. */
+  for (int i = 0; i < n && info == 0; i++) {
+    double norm = cblas_dnrm2(i + 1, A + i, lda), root = AT(A, lda, i, i);
+    if (!(root * root > n * DBL_EPSILON * norm * norm)) info = i + 1; /* NaN and infinity, too */
+  }
+  return info;
 }
 
 static inline void solve_lower_small(int n, const double *L, size_t ldl, double *b)

@@ -23,11 +23,6 @@ static const double TRUSTED = 1e-5;
  * off by the error of an integrator, which a division by the sine would magnify. */
 static const double DAMPING = 1e-11;
 
-static int smaller(int a, int b)
-{
-  return a < b ? a : b;
-}
-
 /* Factors of the last factorisation: of all rows, L of S = L L^T; of pivoted QR, R_11 in S; of the
  * rows of a basis, see solve_fixed. */
 enum { FULL, BY_RANK, FIXED };
@@ -48,40 +43,20 @@ void nsdae_dense_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
 
 /* ---- L, Y */
 
-static int all_diagonal(const nsdae_blocks *blocks, const double *M)
-{
-  for (int b = 0; b < blocks->count; b++) {
-    int size = nsdae_blocks_size(blocks, b);
-    if (!nsdae_la_is_diagonal(size, M + blocks->square[b], size)) return 0;
-  }
-  return 1;
-}
-
-/* The roots of a diagonal M are in the first column of L. Returns 0, or the pivot that failed. */
+/* The roots of a diagonal M are in the first column of L. Returns 0, or the pivot that failed; -1
+ * if M is not diagonal. */
 static int factor_diagonal(const nsdae_blocks *blocks, const double *M, double *root)
 {
   for (int b = 0; b < blocks->count; b++, root += nsdae_blocks_size(blocks, b - 1)) {
     size_t size = (size_t)nsdae_blocks_size(blocks, b);
-    for (size_t i = 0; i < size; i++) {
-      double entry = M[blocks->square[b] + i * (size + 1)];
-      if (!(entry > 0 && entry <= DBL_MAX)) return blocks->first[b] + (int)i + 1;
-      root[i] = sqrt(entry);
+    const double *block = M + blocks->square[b];
+    if (!nsdae_la_is_diagonal((int)size, block, (int)size)) return -1;
+    for (size_t i = 0; i < size; i++, block += size + 1) {
+      if (!(*block > 0 && *block <= DBL_MAX)) return blocks->first[b] + (int)i + 1;
+      root[i] = sqrt(*block);
     }
   }
   return 0;
-}
-
-/* The entries of a coupling, below the diagonal. */
-static void gather_coupling(const nsdae_blocks *blocks, const nsdae_coupling *C, int n, double *L)
-{
-  const double *value = C->value;
-  for (int k = 0; k < C->count; k++) {
-    int i = C->pair[2 * k], j = C->pair[2 * k + 1];
-    int rows = nsdae_blocks_size(blocks, i), columns = nsdae_blocks_size(blocks, j);
-    double *to = L + (size_t)blocks->first[j] * (size_t)n + blocks->first[i];
-    for (int c = 0; c < columns; c++, value += rows, to += n)
-      memcpy(to, value, (size_t)rows * sizeof *to);
-  }
 }
 
 static int factor_mass(nsdae_kkt *kkt, const double *M, const nsdae_coupling *C)
@@ -89,40 +64,37 @@ static int factor_mass(nsdae_kkt *kkt, const double *M, const nsdae_coupling *C)
   const nsdae_blocks *blocks = kkt->blocks;
   nsdae_dense_kkt *d = &kkt->dense;
   size_t n = (size_t)kkt->n;
-  d->diagonal = !C && all_diagonal(blocks, M);
-  if (d->diagonal) return factor_diagonal(blocks, M, d->L);
+  int pivot = C ? -1 : factor_diagonal(blocks, M, d->L);
+  d->diagonal = pivot >= 0;
+  if (d->diagonal) return pivot;
   if (blocks->count > 1) memset(d->L, 0, n * n * sizeof *M);
   for (int b = 0; b < blocks->count; b++) {
     size_t size = (size_t)nsdae_blocks_size(blocks, b), at = (size_t)blocks->first[b];
     for (size_t j = 0; j < size; j++)
       memcpy(d->L + (at + j) * n + at, M + blocks->square[b] + j * size, size * sizeof *M);
   }
-  if (C) gather_coupling(blocks, C, kkt->n, d->L);
+  const double *value = C ? C->value : NULL;
+  for (int k = 0; C && k < C->count; k++) { /* below the diagonal */
+    int i = C->pair[2 * k], j = C->pair[2 * k + 1], rows = nsdae_blocks_size(blocks, i);
+    double *to = d->L + (size_t)blocks->first[j] * n + blocks->first[i];
+    for (int c = 0; c < nsdae_blocks_size(blocks, j); c++, value += rows, to += n)
+      memcpy(to, value, (size_t)rows * sizeof *to);
+  }
   return nsdae_la_cholesky(kkt->n, d->L, kkt->n);
 }
 
-static void divide(int n, int nrhs, const double *restrict root, double *restrict B, int ldb)
+/* B [n x nrhs] := L^-1 B, or L^-T B. */
+static void solve_root(const nsdae_kkt *kkt, int transposed, int nrhs, double *restrict B, int ldb)
 {
-  for (; nrhs > 0; nrhs--, B += ldb)
-    for (int i = 0; i < n; i++) B[i] /= root[i];
-}
-
-/* B [n x nrhs] := L^-1 B. */
-static void solve_root(const nsdae_kkt *kkt, int nrhs, double *B, int ldb)
-{
-  if (kkt->dense.diagonal)
-    divide(kkt->n, nrhs, kkt->dense.L, B, ldb);
+  const double *restrict L = kkt->dense.L;
+  int n = kkt->n;
+  if (!kkt->dense.diagonal && transposed)
+    nsdae_la_solve_lower_transposed(n, nrhs, L, n, B, ldb);
+  else if (!kkt->dense.diagonal)
+    nsdae_la_solve_lower(n, nrhs, L, n, B, ldb);
   else
-    nsdae_la_solve_lower(kkt->n, nrhs, kkt->dense.L, kkt->n, B, ldb);
-}
-
-/* B [n x nrhs] := L^-T B. */
-static void solve_root_transposed(const nsdae_kkt *kkt, int nrhs, double *B, int ldb)
-{
-  if (kkt->dense.diagonal)
-    divide(kkt->n, nrhs, kkt->dense.L, B, ldb);
-  else
-    nsdae_la_solve_lower_transposed(kkt->n, nrhs, kkt->dense.L, kkt->n, B, ldb);
+    for (; nrhs > 0; nrhs--, B += ldb)
+      for (int i = 0; i < n; i++) B[i] /= L[i];
 }
 
 /* Y := L^-1 J^T */
@@ -132,31 +104,17 @@ static void transform_rows(const nsdae_kkt *kkt, const nsdae_rows *J, double *Y)
   if (kkt->blocks->count > 1) memset(Y, 0, n * (size_t)kkt->m * sizeof *Y);
   for (int i = 0; i < kkt->m; i++)
     nsdae_rows_gather(kkt->blocks, J, i, kkt->blocks->first, Y + (size_t)i * n, 1);
-  solve_root(kkt, kkt->m, Y, kkt->n);
+  solve_root(kkt, 0, kkt->m, Y, kkt->n);
 }
 
 /* ---- S */
-
-/* Squared sine of the angle between column j of Y and the span of those before it, the smallest
- * over j: what Cholesky of S leaves of each diagonal entry, since row j of its factor has the
- * norm of column j. */
-static double smallest_sine(size_t m, const double *factor)
-{
-  double smallest = 1;
-  for (size_t j = 0; j < m; j++) {
-    double sum = 0, pivot = factor[j * m + j];
-    for (size_t k = 0; k <= j; k++) sum += factor[k * m + j] * factor[k * m + j];
-    smallest = fmin(smallest, sum > 0 ? pivot * pivot / sum : 0);
-  }
-  return smallest;
-}
 
 /* Pivoted QR of Y with its columns at unit length, those that are held before all others; returns
  * the number of sines above tol. */
 static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
 {
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int n = kkt->n, m = kkt->m, most = smaller(n, m), rank = 0;
+  int n = kkt->n, m = kkt->m, most = n < m ? n : m, rank = 0;
   memcpy(p->Q, kkt->dense.Y, (size_t)n * (size_t)m * sizeof *p->Q);
   for (int j = 0; j < m; j++) {
     double *column = p->Q + (size_t)j * (size_t)n;
@@ -179,23 +137,14 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
   return rank;
 }
 
-/* The same with those held that the factorisation before found independent, as long as they are. */
-static int find_rank(nsdae_kkt *kkt)
+/* Z [m x r] := (R N)^T, long rows first; S := R_11. Householder's QR is stable row by row when long
+ * rows come first (Powell and Reid, 1969). The order holds columns of R; by insertion: m is small,
+ * and the order seldom changes. */
+static void independent_rows(nsdae_kkt *kkt, int r)
 {
-  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;
-  for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
-  if (rank < held) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
-  memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
-  for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
-  return rank;
-}
-
-/* By insertion: m is small, and the order seldom changes. Householder's QR is stable row by row
- * when long rows come first (Powell and Reid, 1969). The order holds columns of R. */
-static void sort_by_length(nsdae_kkt *kkt)
-{
-  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  nsdae_dense_kkt *d = &kkt->dense;
+  nsdae_kkt_pivoted *p = &d->pivoted;
+  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
   for (int i = 0; i < kkt->m; i++) {
     int at = i;
     double length = p->norm[p->column[i] - 1];
@@ -203,15 +152,6 @@ static void sort_by_length(nsdae_kkt *kkt)
       p->order[at] = p->order[at - 1];
     p->order[at] = i;
   }
-}
-
-/* Z [m x r] := (R N)^T, long rows first; S := R_11. */
-static void independent_rows(nsdae_kkt *kkt, int r)
-{
-  nsdae_dense_kkt *d = &kkt->dense;
-  nsdae_kkt_pivoted *p = &d->pivoted;
-  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
-  sort_by_length(kkt);
   for (size_t i = 0; i < (size_t)r; i++)
     for (size_t row = 0; row < m; row++) {
       size_t j = (size_t)p->order[row];
@@ -238,14 +178,23 @@ static void factor_by_rank(nsdae_kkt *kkt, int r)
   LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, p->Z, m, p->tau, d->work, d->lwork);
 }
 
-/* S := Y^T Y of r columns, damped and factored; returns the smallest sine, or 0 if it has no
- * factor. */
+/* S := Y^T Y of r columns, damped and factored; 0 if it has no factor, else the smallest sine of
+ * the angle between a column of Y and the span of those before it: what Cholesky of S leaves of its
+ * diagonal entry, since row j of the factor has the norm of column j. */
 static double factor_schur(nsdae_kkt *kkt, int r, double damping)
 {
   nsdae_dense_kkt *d = &kkt->dense;
+  size_t m = (size_t)r;
+  double smallest = 1;
   nsdae_la_multiply_transposed(kkt->n, r, r, d->Y, kkt->n, d->Y, kkt->n, 0, d->S, r);
-  for (size_t i = 0; i < (size_t)r && damping > 0; i++) d->S[i * (size_t)(r + 1)] *= 1 + damping;
-  return nsdae_la_cholesky(r, d->S, r) == 0 ? sqrt(smallest_sine((size_t)r, d->S)) : 0;
+  for (size_t i = 0; i < m && damping > 0; i++) d->S[i * (m + 1)] *= 1 + damping;
+  if (nsdae_la_cholesky(r, d->S, r) != 0) return 0;
+  for (size_t j = 0; j < m; j++) {
+    double sum = 0, pivot = d->S[j * m + j];
+    for (size_t k = 0; k <= j; k++) sum += d->S[k * m + j] * d->S[k * m + j];
+    smallest = fmin(smallest, sum > 0 ? pivot * pivot / sum : 0);
+  }
+  return sqrt(smallest);
 }
 
 /* M, and the rank of all rows. */
@@ -266,7 +215,15 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
   kkt->kept = factor_schur(kkt, kkt->m, 0);
-  if (kkt->kept < fmax(TRUSTED, kkt->rank_tol)) factor_by_rank(kkt, find_rank(kkt));
+  if (kkt->kept >= fmax(TRUSTED, kkt->rank_tol)) return NSDAE_OK;
+  /* Those held that the factorisation before found independent, as long as they are. */
+  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
+  int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;
+  for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
+  if (rank < held) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
+  memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
+  for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
+  factor_by_rank(kkt, rank);
   return NSDAE_OK;
 }
 
@@ -310,13 +267,14 @@ int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coupl
 
 /* ---- solutions */
 
-/* z [n] -= Q w and g [m] := l, of g = Y^T z - c. */
+/* z [n] -= Q w and g [m] := l, g holds c and becomes Y^T z - c. */
 static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
 {
   const nsdae_dense_kkt *d = &kkt->dense;
   const nsdae_kkt_pivoted *p = &d->pivoted;
   int n = kkt->n, m = kkt->m, r = kkt->rank;
   double *w = d->work, *l = d->work + m;
+  nsdae_la_multiply_transposed(n, m, 1, d->Y, n, z, n, -1, g, m);
   for (int i = 0; i < r; i++) w[i] = g[p->column[i] - 1] / p->norm[p->column[i] - 1];
   memset(g, 0, (size_t)m * sizeof *g);
   if (r == 0) return;
@@ -348,26 +306,6 @@ static void solve_fixed(const nsdae_kkt *kkt, double *z, double *c)
   if (r > 0) cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1, Z, m, sum, 1, 0, c, 1);
 }
 
-/* R [n x nrhs] holds z on entry and z - Y l on return, C [m x nrhs] c and l. */
-static void solve_schur(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
-{
-  const nsdae_dense_kkt *d = &kkt->dense;
-  int n = kkt->n, m = kkt->m;
-  if (d->form == FIXED) {
-    for (; nrhs > 0; nrhs--, R += ldr, C += ldc) solve_fixed(kkt, R, C);
-    return;
-  }
-  nsdae_la_multiply_transposed(n, m, nrhs, d->Y, n, R, ldr, -1, C, ldc);
-  if (d->form == BY_RANK) {
-    for (; nrhs > 0; nrhs--, R += ldr, C += ldc) solve_by_rank(kkt, R, C);
-    return;
-  }
-  nsdae_la_solve_lower(m, nrhs, d->S, m, C, ldc);
-  nsdae_la_solve_lower_transposed(m, nrhs, d->S, m, C, ldc);
-  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, nrhs, m, -1, d->Y, n, C, ldc, 1, R,
-              ldr);
-}
-
 void nsdae_dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
 {
   const double *L = kkt->dense.L;
@@ -378,8 +316,8 @@ void nsdae_dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
   for (int i = 0; i < kkt->n; i++) r[i] = r[i] / L[i] / L[i];
 }
 
-/* The same of one right-hand side and few velocities, in plain loops: z, c to z - Y l, l. */
-static void solve_schur_small(const nsdae_kkt *kkt, double *z, double *c)
+/* Of few velocities, in plain loops: z, c to z - Y l, l. */
+static void solve_small(const nsdae_kkt *kkt, double *z, double *c)
 {
   int n = kkt->n, m = kkt->m;
   const double *column = kkt->dense.Y;
@@ -391,18 +329,30 @@ static void solve_schur_small(const nsdae_kkt *kkt, double *z, double *c)
 
 void nsdae_dense_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
-  int n = kkt->n, m = kkt->m;
+  const nsdae_dense_kkt *d = &kkt->dense;
+  int n = kkt->n, m = kkt->m, at_once = d->form == FULL && n >= NSDAE_SMALL;
   if (m == 0 && nrhs == 1) { /* most steps of bodies without joints */
     nsdae_dense_kkt_solve_mass(kkt, R);
     return;
   }
-  solve_root(kkt, nrhs, R, ldr);
-  if (m > 0 && n < NSDAE_SMALL && kkt->dense.form == FULL)
-    for (size_t j = 0; j < (size_t)nrhs; j++)
-      solve_schur_small(kkt, R + j * (size_t)ldr, C + j * (size_t)ldc);
-  else if (m > 0)
-    solve_schur(kkt, nrhs, R, ldr, C, ldc);
-  solve_root_transposed(kkt, nrhs, R, ldr);
+  solve_root(kkt, 0, nrhs, R, ldr);
+  if (m > 0 && at_once) {
+    nsdae_la_multiply_transposed(n, m, nrhs, d->Y, n, R, ldr, -1, C, ldc);
+    nsdae_la_solve_lower(m, nrhs, d->S, m, C, ldc);
+    nsdae_la_solve_lower_transposed(m, nrhs, d->S, m, C, ldc);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, nrhs, m, -1, d->Y, n, C, ldc, 1, R,
+                ldr);
+  }
+  for (int j = 0; j < nrhs && m > 0 && !at_once; j++) {
+    double *z = R + (size_t)j * (size_t)ldr, *c = C + (size_t)j * (size_t)ldc;
+    if (d->form == FIXED)
+      solve_fixed(kkt, z, c);
+    else if (d->form == BY_RANK)
+      solve_by_rank(kkt, z, c);
+    else
+      solve_small(kkt, z, c);
+  }
+  solve_root(kkt, 1, nrhs, R, ldr);
 }
 
 /* ---- the basis */

@@ -7,7 +7,6 @@
 
 #include "dense.h"
 #include "dense_kkt.h"
-#include "sparse_whole.h"
 
 /* Velocities and rows of several blocks from which the sparse method is used. A factorisation and a
  * solution take the same time by both at 40 to 50 of chains and trees, of spherical and revolute
@@ -61,14 +60,6 @@ static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_coupling *
   return NSDAE_OK;
 }
 
-static int solve_sparse(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
-{
-  int status = NSDAE_OK;
-  for (int j = 0; j < nrhs && status == NSDAE_OK; j++, R += ldr, C += ldc)
-    status = nsdae_sparse_kkt_solve(&kkt->sparse, R, R, C);
-  return status;
-}
-
 /* ---- either */
 
 int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
@@ -92,9 +83,11 @@ int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, co
 
 int nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
-  if (kkt->is_sparse) return solve_sparse(kkt, nrhs, R, ldr, C, ldc);
-  nsdae_dense_kkt_solve(kkt, nrhs, R, ldr, C, ldc);
-  return NSDAE_OK;
+  int status = NSDAE_OK;
+  if (!kkt->is_sparse) nsdae_dense_kkt_solve(kkt, nrhs, R, ldr, C, ldc);
+  for (int j = 0; j < nrhs && kkt->is_sparse && status == NSDAE_OK; j++, R += ldr, C += ldc)
+    status = nsdae_sparse_kkt_solve(&kkt->sparse, R, R, C);
+  return status;
 }
 
 void nsdae_kkt_solve_mass(const nsdae_kkt *kkt, double *r)

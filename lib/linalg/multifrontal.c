@@ -43,21 +43,6 @@ static void lay_out_numbers(void *object, nsdae_arena *arena)
                    (int **[]){&f->work.exchange, &f->rank.forced, &f->rank.is_dropped, NULL});
 }
 
-static int block_size(const nsdae_multifrontal *f, int number)
-{
-  return f->graph.size[f->tree.node[number]];
-}
-
-static int is_same(const nsdae_multifrontal *f, int n, const int *size, const int *first,
-                   const int *index)
-{
-  size_t count = (size_t)n;
-  return f->of_numbers.base && f->graph.n == n &&
-         memcmp(f->graph.size, size, count * sizeof *size) == 0 &&
-         memcmp(f->graph.first, first, (count + 1) * sizeof *first) == 0 &&
-         memcmp(f->graph.index, index, (size_t)first[n] * sizeof *index) == 0;
-}
-
 /* Where the blocks of A lie. */
 static void place_blocks(nsdae_multifrontal *f)
 {
@@ -65,8 +50,9 @@ static void place_blocks(nsdae_multifrontal *f)
   f->order = 0;
   for (int k = 0; k < f->graph.n; k++) {
     f->place[k] = f->order;
-    f->order += block_size(f, k);
+    f->order += nsdae_multifrontal_size(f, k);
   }
+  f->place[f->graph.n] = f->order;
   for (int i = 0; i < f->graph.n; i++) {
     size_t n = (size_t)f->graph.size[i];
     f->graph.diagonal[i] = used;
@@ -124,11 +110,11 @@ static void measure_supernodes(nsdae_multifrontal *f)
     int last = last_of(f, s);
     f->super.pivots[s] = f->super.rest[s] = f->super.children[s] = 0;
     for (int k = f->super.begin[s]; k <= last; k++) {
-      f->super.pivots[s] += block_size(f, k);
+      f->super.pivots[s] += nsdae_multifrontal_size(f, k);
       owner[k] = s;
     }
     for (size_t a = t->start[last]; a < t->start[last + 1]; a++)
-      f->super.rest[s] += block_size(f, t->row[a]);
+      f->super.rest[s] += nsdae_multifrontal_size(f, t->row[a]);
     size_t p = (size_t)f->super.pivots[s], r = (size_t)f->super.rest[s];
     f->super.factor[s + 1] = f->super.factor[s] + p * (p + 2 * r);
     if ((p + r) * (p + r) > f->super.most_front) f->super.most_front = (p + r) * (p + r);
@@ -157,31 +143,32 @@ static void measure_stack(nsdae_multifrontal *f)
   }
 }
 
-static int analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
-                   const int *index)
+int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
+                               const int *index)
 {
+  size_t count = (size_t)n;
+  if (f->of_numbers.base && f->graph.n == n &&
+      memcmp(f->graph.size, size, count * sizeof *size) == 0 &&
+      memcmp(f->graph.first, first, (count + 1) * sizeof *first) == 0 &&
+      memcmp(f->graph.index, index, (size_t)first[n] * sizeof *index) == 0)
+    return NSDAE_OK;
+  f->graph.n = 0; /* no graph is known any more, if memory ends */
   if (nsdae_symbolic_analyse(&f->tree, n, first, index, f->negative) != NSDAE_OK)
     return NSDAE_E_MEMORY;
   f->graph.n = n;
   f->super.count = first[n];
-  if (nsdae_arena_fit(&f->of_graph, lay_out_graph, f) != NSDAE_OK) return NSDAE_E_MEMORY;
-  memcpy(f->graph.size, size, (size_t)n * sizeof *size);
-  memcpy(f->graph.first, first, ((size_t)n + 1) * sizeof *first);
-  memcpy(f->graph.index, index, (size_t)first[n] * sizeof *index);
-  place_blocks(f);
-  find_supernodes(f);
-  measure_supernodes(f);
-  measure_stack(f);
-  return nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f);
-}
-
-int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, const int *first,
-                               const int *index)
-{
-  if (is_same(f, n, size, first, index)) return NSDAE_OK;
-  int status = analyse(f, n, size, first, index);
-  if (status != NSDAE_OK) f->graph.n = 0; /* no graph is known any more */
-  return status;
+  if (nsdae_arena_fit(&f->of_graph, lay_out_graph, f) == NSDAE_OK) {
+    memcpy(f->graph.size, size, count * sizeof *size);
+    memcpy(f->graph.first, first, (count + 1) * sizeof *first);
+    memcpy(f->graph.index, index, (size_t)first[n] * sizeof *index);
+    place_blocks(f);
+    find_supernodes(f);
+    measure_supernodes(f);
+    measure_stack(f);
+    if (nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f) == NSDAE_OK) return NSDAE_OK;
+  }
+  f->graph.n = 0;
+  return NSDAE_E_MEMORY;
 }
 
 size_t nsdae_multifrontal_block(const nsdae_multifrontal *f, int row, int column)
@@ -201,7 +188,7 @@ size_t nsdae_multifrontal_block(const nsdae_multifrontal *f, int row, int column
 /* Adds block (i, j) of A to the front, i and j numbers. */
 static void add_block(const nsdae_multifrontal *f, double *F, int lda, size_t from, int i, int j)
 {
-  int rows = block_size(f, i), columns = block_size(f, j);
+  int rows = nsdae_multifrontal_size(f, i), columns = nsdae_multifrontal_size(f, j);
   const double *block = f->A + from;
   for (int c = 0; c < columns; c++) {
     double *to = F + (size_t)(f->work.local[j] + c) * (size_t)lda + f->work.local[i];
@@ -235,33 +222,18 @@ static void add_child(const nsdae_multifrontal *f, int child, const double *left
   int last = last_of(f, child), rest = f->super.rest[child];
   const double *column = left;
   for (size_t b = t->start[last]; b < t->start[last + 1]; b++)
-    for (int c = 0; c < block_size(f, t->row[b]); c++, column += rest) {
+    for (int c = 0; c < nsdae_multifrontal_size(f, t->row[b]); c++, column += rest) {
       double *to = F + (size_t)(f->work.local[t->row[b]] + c) * (size_t)lda;
       size_t from = f->symmetric ? b : t->start[last];
       int at = 0;
-      for (size_t a = t->start[last]; a < from; a++) at += block_size(f, t->row[a]);
+      for (size_t a = t->start[last]; a < from; a++) at += nsdae_multifrontal_size(f, t->row[a]);
       for (size_t a = from; a < t->start[last + 1]; a++) {
-        int rows = block_size(f, t->row[a]);
+        int rows = nsdae_multifrontal_size(f, t->row[a]);
         double *place = to + f->work.local[t->row[a]];
         for (int r = 0; r < rows; r++) place[r] += column[at + r];
         at += rows;
       }
     }
-}
-
-/* Where the numbers of the supernode and below it begin in its front. */
-static void place_front(nsdae_multifrontal *f, int s)
-{
-  const nsdae_symbolic *t = &f->tree;
-  int at = 0, last = last_of(f, s);
-  for (int k = f->super.begin[s]; k <= last; k++) {
-    f->work.local[k] = at;
-    at += block_size(f, k);
-  }
-  for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
-    f->work.local[t->row[a]] = at;
-    at += block_size(f, t->row[a]);
-  }
 }
 
 static void copy(int rows, int columns, const double *from, int ldf, double *to, int ldt)
@@ -309,29 +281,22 @@ static int factor_dropping(nsdae_multifrontal *f, int at, int p, double *P, int 
   return 0;
 }
 
-static int keeps_all(nsdae_multifrontal *f, int at, int p, const double *P, int lda)
-{
-  int all = 1;
-  for (int j = 0; j < p; j++) {
-    double root = P[(size_t)j * ((size_t)lda + 1)];
-    all &= !drops(f, at + j, root * root);
-    f->rank.is_dropped[at + j] = 0;
-  }
-  return all;
-}
-
 /* The pivot block of supernode s; large ones by LAPACK, and anew if a pivot is to be dropped. */
 static int factor_pivots(nsdae_multifrontal *f, int s, int p, double *P, int lda)
 {
   int at = f->place[f->super.begin[s]], dropping = f->rank.drop > 0;
   double *before = f->F + f->super.factor[s];
-  if (!dropping || p >= SMALL) {
-    if (dropping) copy(p, p, P, lda, before, p);
-    int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, lda);
-    if (!dropping) return info != 0 ? info : check_pivots(p, P, lda);
-    if (info == 0 && keeps_all(f, at, p, P, lda)) return check_pivots(p, P, lda);
-    copy(p, p, before, p, P, lda);
+  if (dropping && p < SMALL) return factor_dropping(f, at, p, P, lda);
+  if (dropping) copy(p, p, P, lda, before, p);
+  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, lda), keep = info == 0;
+  if (!dropping) return info != 0 ? info : check_pivots(p, P, lda);
+  for (int j = 0; j < p && info == 0; j++) {
+    double root = P[(size_t)j * ((size_t)lda + 1)];
+    keep &= !drops(f, at + j, root * root);
+    f->rank.is_dropped[at + j] = 0;
   }
+  if (keep) return check_pivots(p, P, lda);
+  copy(p, p, before, p, P, lda);
   return factor_dropping(f, at, p, P, lda);
 }
 
@@ -340,30 +305,22 @@ static int is_negative(const nsdae_multifrontal *f, int number)
   return f->negative > 0 && f->tree.node[number] >= f->negative;
 }
 
-/* Columns of the front of n rows that have one sign s, with numbers from k to before `end`: with
+/* The front of n rows in runs of columns of one sign s, one run if the matrix is definite: with
  * P = s L L^T, R := s R L^-T, S := S - s R R^T. */
-static int factor_run(nsdae_multifrontal *f, int s, int k, int end, int n, double *F)
-{
-  int from = f->work.local[k], p = 0;
-  double sign = is_negative(f, k) ? -1 : 1;
-  for (; k < end; k++) p += block_size(f, k);
-  int r = n - from - p;
-  double *P = F + (size_t)from * (size_t)(n + 1), *R = P + p, *S = R + (size_t)p * (size_t)n;
-  for (int c = 0; c < p && sign < 0; c++) cblas_dscal(n - from, -1, P + (size_t)c * (size_t)n, 1);
-  int info = factor_pivots(f, s, p, P, n);
-  if (info != 0 || r == 0) return info;
-  cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, P, n, R, n);
-  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, -sign, R, n, 1, S, n);
-  return 0;
-}
-
-/* The front of n rows in runs of equal sign: one, if the matrix is definite. */
 static int factor_symmetric(nsdae_multifrontal *f, int s, int n, double *F)
 {
-  int info = 0, next, end = f->super.begin[s + 1];
-  for (int k = f->super.begin[s]; k < end && info == 0; k = next) {
-    for (next = k + 1; next < end && is_negative(f, next) == is_negative(f, k);) next++;
-    info = factor_run(f, s, k, next, n, F);
+  int info = 0, end = f->super.begin[s + 1];
+  for (int k = f->super.begin[s]; k < end && info == 0;) {
+    int from = f->work.local[k], p = 0, negative = is_negative(f, k);
+    for (; k < end && is_negative(f, k) == negative; k++) p += nsdae_multifrontal_size(f, k);
+    int r = n - from - p;
+    double *P = F + (size_t)from * (size_t)(n + 1), *R = P + p, *S = R + (size_t)p * (size_t)n;
+    for (int c = 0; c < p && negative; c++) cblas_dscal(n - from, -1, P + (size_t)c * (size_t)n, 1);
+    info = factor_pivots(f, s, p, P, n);
+    if (info != 0 || r == 0) continue;
+    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, P, n, R,
+                n);
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, negative ? 1 : -1, R, n, 1, S, n);
   }
   return info;
 }
@@ -390,8 +347,16 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
 {
   int p = f->super.pivots[s], r = f->super.rest[s], n = p + r;
   double *F = f->work.front, *to = f->F + f->super.factor[s];
+  /* Where the numbers of the supernode and below it begin in its front. */
+  const nsdae_symbolic *t = &f->tree;
+  int at = 0, last = last_of(f, s);
+  for (int k = f->super.begin[s]; k <= last; at += nsdae_multifrontal_size(f, k++))
+    f->work.local[k] = at;
+  for (size_t a = t->start[last]; a < t->start[last + 1]; a++) {
+    f->work.local[t->row[a]] = at;
+    at += nsdae_multifrontal_size(f, t->row[a]);
+  }
   memset(F, 0, (size_t)n * (size_t)n * sizeof *F);
-  place_front(f, s);
   add_entries(f, s, F, n);
   for (int c = 0; c < f->super.children[s]; c++) {
     int child = waiting[--*count];
@@ -412,22 +377,17 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
   return 0;
 }
 
-/* The diagonal of A in the order of elimination, in the vector, which is free meanwhile. */
-static void gather_diagonal(nsdae_multifrontal *f)
-{
-  for (int k = 0; k < f->graph.n; k++) {
-    const double *block = f->A + f->graph.diagonal[f->tree.node[k]];
-    size_t n = (size_t)block_size(f, k);
-    for (size_t j = 0; j < n; j++) f->work.vector[(size_t)f->place[k] + j] = block[j * (n + 1)];
-  }
-}
-
 int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric)
 {
   int count = 0;
   size_t top = 0;
   f->symmetric = symmetric;
-  if (f->rank.drop > 0) gather_diagonal(f);
+  /* The diagonal of A in the order of elimination, in the vector, which is free meanwhile. */
+  for (int k = 0; k < f->graph.n && f->rank.drop > 0; k++) {
+    const double *entry = f->A + f->graph.diagonal[f->tree.node[k]];
+    int n = nsdae_multifrontal_size(f, k);
+    for (int j = 0; j < n; j++, entry += n + 1) f->work.vector[f->place[k] + j] = *entry;
+  }
   for (int s = 0; s < f->super.count; s++)
     if (factor_one(f, s, f->work.waiting, &count, &top) != 0) return s + 1;
   return 0;
@@ -440,7 +400,7 @@ static void gather_rest(const nsdae_multifrontal *f, int s, int add)
   double *g = f->work.gather;
   for (size_t a = t->start[last_of(f, s)]; a < t->start[last_of(f, s) + 1]; a++) {
     double *x = f->work.vector + f->place[t->row[a]];
-    int rows = block_size(f, t->row[a]);
+    int rows = nsdae_multifrontal_size(f, t->row[a]);
     for (int k = 0; k < rows; k++)
       if (add)
         x[k] += *g++;
@@ -479,31 +439,23 @@ static void backward(const nsdae_multifrontal *f, int s)
     cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, p, P, p, x, 1);
 }
 
-/* x in the order of the blocks into the permuted vector (in), or back. */
-static void permute(const nsdae_multifrontal *f, double *x, int in)
+void nsdae_multifrontal_permute(const nsdae_multifrontal *f, double *x, double *y, int in)
 {
-  for (int i = 0; i < f->graph.n; i++) {
-    double *y = f->work.vector + f->place[f->tree.number[i]];
-    memcpy(in ? y : x, in ? x : y, (size_t)f->graph.size[i] * sizeof *x);
-    x += f->graph.size[i];
+  for (int i = 0; i < f->graph.n; x += f->graph.size[i++]) {
+    double *part = y + f->place[f->tree.number[i]];
+    memcpy(in ? part : x, in ? x : part, (size_t)f->graph.size[i] * sizeof *x);
   }
-}
-
-/* The permuted vector := S^-1 of it. */
-static void turn_signs(const nsdae_multifrontal *f)
-{
-  for (int k = 0; k < f->graph.n; k++)
-    for (int r = f->place[k]; is_negative(f, k) && r < f->place[k] + block_size(f, k); r++)
-      f->work.vector[r] = -f->work.vector[r];
 }
 
 void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x)
 {
-  permute(f, x, 1);
+  nsdae_multifrontal_permute(f, x, f->work.vector, 1);
   for (int s = 0; s < f->super.count; s++) forward(f, s);
-  if (f->negative > 0) turn_signs(f);
+  for (int k = 0; k < f->graph.n && f->negative > 0; k++) /* S^-1 */
+    for (int r = f->place[k]; is_negative(f, k) && r < f->place[k + 1]; r++)
+      f->work.vector[r] = -f->work.vector[r];
   for (int s = f->super.count - 1; s >= 0; s--) backward(f, s);
-  permute(f, x, 0);
+  nsdae_multifrontal_permute(f, x, f->work.vector, 0);
 }
 
 void nsdae_multifrontal_release(nsdae_multifrontal *f)

@@ -60,7 +60,7 @@ typedef struct nsdae_multifrontal {
   int symmetric; /* of the last factorisation */
   double *A;     /* the matrix, to be filled by the caller */
   size_t values; /* of A */
-  int *place;    /* n: first row of number k in the permuted vectors */
+  int *place;    /* n + 1: first row of number k in the permuted vectors */
   double *F;     /* the factors */
   nsdae_multifrontal_work work;
   nsdae_multifrontal_rank rank;
@@ -79,11 +79,20 @@ size_t nsdae_multifrontal_block(const nsdae_multifrontal *f, int row, int column
 /* Factors what is in A. Returns 0, or > 0 where a pivot is zero or not positive. */
 int nsdae_multifrontal_factor(nsdae_multifrontal *f, int symmetric);
 
+/* Rows of the block with this number. */
+static inline int nsdae_multifrontal_size(const nsdae_multifrontal *f, int number)
+{
+  return f->graph.size[f->tree.node[number]];
+}
+
 /* Place of row r of block i in the permuted vectors. */
 static inline int nsdae_multifrontal_place(const nsdae_multifrontal *f, int i, int r)
 {
   return f->place[f->tree.number[i]] + r;
 }
+
+/* x in the order of the blocks into y in that of the elimination (in), or back. */
+void nsdae_multifrontal_permute(const nsdae_multifrontal *f, double *x, double *y, int in);
 
 /* x [order] := A^-1 x; the rows of the blocks in the order of the blocks. */
 void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x);

@@ -57,20 +57,18 @@ int nsdae_rank_revealing_take(nsdae_rank_revealing *d, int column)
 }
 
 /* c by L^T c = row p of the factor. */
-static void find_combination(nsdae_rank_revealing *d, int p)
-{
-  double *c = nsdae_rank_revealing_row(d, d->combination, p);
-  const double *row = nsdae_rank_revealing_row(d, d->factor, p);
-  memset(c, 0, (size_t)d->n * sizeof *c);
-  for (int l = d->before[p] - 1; l >= 0; l--) {
-    double sum = row[l];
-    for (int i = l + 1; i < d->before[p]; i++)
-      sum -= nsdae_rank_revealing_row(d, d->factor, d->taken[i])[l] * c[d->taken[i]];
-    c[d->taken[l]] = sum / nsdae_rank_revealing_row(d, d->factor, d->taken[l])[l];
-  }
-}
-
 void nsdae_rank_revealing_combine(nsdae_rank_revealing *d)
 {
-  for (int i = 0; i < d->dependent_count; i++) find_combination(d, d->dependent[i]);
+  for (int k = 0; k < d->dependent_count; k++) {
+    int p = d->dependent[k];
+    double *c = nsdae_rank_revealing_row(d, d->combination, p);
+    const double *row = nsdae_rank_revealing_row(d, d->factor, p);
+    memset(c, 0, (size_t)d->n * sizeof *c);
+    for (int l = d->before[p] - 1; l >= 0; l--) {
+      double sum = row[l];
+      for (int i = l + 1; i < d->before[p]; i++)
+        sum -= nsdae_rank_revealing_row(d, d->factor, d->taken[i])[l] * c[d->taken[i]];
+      c[d->taken[l]] = sum / nsdae_rank_revealing_row(d, d->factor, d->taken[l])[l];
+    }
+  }
 }

@@ -33,23 +33,14 @@ double nsdae_rows_largest(const nsdae_blocks *blocks, const nsdae_rows *rows, in
   return most;
 }
 
-double nsdae_rows_sum(const nsdae_blocks *blocks, const nsdae_rows *rows, int i)
-{
-  double sum = 0;
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++)
-    for (int j = 0; j < nsdae_blocks_size(blocks, rows->block[p]); j++)
-      sum += fabs(rows->value[rows->at[p] + (size_t)j * rows->stride]);
-  return sum;
-}
-
 double nsdae_rows_dot_sizes(const nsdae_blocks *blocks, const nsdae_rows *rows, int i,
                             const double *x)
 {
   double sum = 0;
   for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
-    const double *value = rows->value + rows->at[p], *part = x + blocks->first[rows->block[p]];
-    for (int j = 0; j < nsdae_blocks_size(blocks, rows->block[p]); j++)
-      sum += fabs(value[(size_t)j * rows->stride] * part[j]);
+    const double *value = rows->value + rows->at[p];
+    int at = blocks->first[rows->block[p]], end = blocks->first[rows->block[p] + 1];
+    for (int j = at; j < end; j++, value += rows->stride) sum += fabs(*value * (x ? x[j] : 1));
   }
   return sum;
 }

@@ -55,10 +55,14 @@ void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *r
 void nsdae_rows_gather(const nsdae_blocks *blocks, const nsdae_rows *rows, int i, const int *place,
                        double *out, size_t stride);
 
-/* Largest entry of a row, the sum of its entries, and row_i . x, all in absolute values. */
+/* Largest entry of a row, row_i . x (x NULL: ones), and the sum of its entries, all in absolute
+ * values. */
 double nsdae_rows_largest(const nsdae_blocks *blocks, const nsdae_rows *rows, int i);
-double nsdae_rows_sum(const nsdae_blocks *blocks, const nsdae_rows *rows, int i);
 double nsdae_rows_dot_sizes(const nsdae_blocks *blocks, const nsdae_rows *rows, int i,
                             const double *x);
+static inline double nsdae_rows_sum(const nsdae_blocks *blocks, const nsdae_rows *rows, int i)
+{
+  return nsdae_rows_dot_sizes(blocks, rows, i, NULL);
+}
 
 #endif

@@ -7,8 +7,6 @@
 #include <nsdae/status.h>
 
 #include "dense.h"
-#include "sparse_rank.h"
-#include "sparse_whole.h"
 #include "vector.h"
 
 enum { REFINEMENTS = 10 };
@@ -20,14 +18,12 @@ static const double ENOUGH = 1e-12;
 int nsdae_sparse_kkt_factor(nsdae_sparse_kkt *k, const double *M)
 {
   int status = nsdae_sparse_kkt_form_schur(k, M);
-  k->coupled = 0;
   return status < 0 ? status : nsdae_sparse_kkt_find_rank(k);
 }
 
 int nsdae_sparse_kkt_factor_in(nsdae_sparse_kkt *k, const double *M, const double *keep)
 {
   int status = nsdae_sparse_kkt_form_schur(k, M);
-  k->coupled = 0;
   return status < 0 ? status : nsdae_sparse_kkt_keep_rank(k, keep);
 }
 
@@ -134,27 +130,22 @@ static double residual_of_groups(const nsdae_sparse_kkt *k)
   return max_with_nan(forces, rows);
 }
 
-static void solve_by_schur(const nsdae_sparse_kkt *k, int n, int m)
-{
-  const nsdae_kkt_values *a = &k->at;
-  memcpy(a->z, a->g, (size_t)n * sizeof *a->z);
-  solve_masses(k, 0, a->z);
-  nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
-  nsdae_add(m, -1, a->d, a->h);
-  nsdae_sparse_kkt_solve_schur(k, a->h);
-  nsdae_sparse_kkt_add_transposed(k, a->Y, -1, a->h, a->z, NULL);
-  solve_masses(k, 1, a->z);
-}
-
 /* x += z and l += h with the solution of g and d. */
 static void correct(const nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_values *a = &k->at;
   int n = a->blocks.first[a->blocks.count], m = k->part.row_count;
-  if (k->coupled)
+  if (k->coupled) {
     nsdae_sparse_whole_solve(k);
-  else
-    solve_by_schur(k, n, m);
+  } else {
+    memcpy(a->z, a->g, (size_t)n * sizeof *a->z);
+    solve_masses(k, 0, a->z);
+    nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
+    nsdae_add(m, -1, a->d, a->h);
+    nsdae_sparse_kkt_solve_schur(k, a->h);
+    nsdae_sparse_kkt_add_transposed(k, a->Y, -1, a->h, a->z, NULL);
+    solve_masses(k, 1, a->z);
+  }
   nsdae_add(n, 1, a->z, a->x);
   nsdae_add(m, 1, a->h, a->l);
 }
@@ -167,20 +158,15 @@ static double final_error(const nsdae_sparse_kkt *k, double error)
   return max_with_nan(forces, rows);
 }
 
-/* Error at which refinement ends: a few roundings; of a matrix of Newton's method, which has larger
- * errors itself, what is enough. */
-static double small_error(const nsdae_sparse_kkt *k)
-{
-  return fmax(k->coupled ? ENOUGH : 16 * DBL_EPSILON, k->enough);
-}
-
 /* Corrections until the error is small or no longer falls; returns it. A last one that made it
- * larger is undone. */
+ * larger is undone. Small is a few roundings; of a matrix of Newton's method, which has larger
+ * errors itself, what is enough. */
 static double refine(const nsdae_sparse_kkt *k)
 {
   const nsdae_kkt_values *a = &k->at;
-  double last = INFINITY, now = residual_of_groups(k);
-  for (int i = 0; i < REFINEMENTS && now > small_error(k) && now < last / 2; i++) {
+  double last = INFINITY, now = residual_of_groups(k),
+         small = fmax(k->coupled ? ENOUGH : 16 * DBL_EPSILON, k->enough);
+  for (int i = 0; i < REFINEMENTS && now > small && now < last / 2; i++) {
     last = now;
     correct(k);
     now = residual_of_groups(k);
@@ -191,8 +177,7 @@ static double refine(const nsdae_sparse_kkt *k)
   return final_error(k, residual_of_groups(k));
 }
 
-/* The right-hand side, which is the residual of x = 0, l = 0. */
-static void set_right_hand_side(const nsdae_sparse_kkt *k, const double *r, const double *lambda)
+int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v, double *lambda)
 {
   const nsdae_kkt_values *a = &k->at;
   size_t n = (size_t)a->blocks.first[a->blocks.count], m = (size_t)k->part.row_count;
@@ -200,16 +185,11 @@ static void set_right_hand_side(const nsdae_sparse_kkt *k, const double *r, cons
     memcpy(a->r + a->blocks.first[i], r + k->part.blocks->first[k->part.block[i]],
            (size_t)nsdae_blocks_size(&a->blocks, i) * sizeof *r);
   for (int i = 0; i < k->part.row_count; i++) a->c[i] = lambda[k->part.row[i]];
+  /* It is the residual of x = 0, l = 0. */
   memcpy(a->g, a->r, n * sizeof *a->g);
   memcpy(a->d, a->c, m * sizeof *a->d);
   memset(a->x, 0, n * sizeof *a->x);
   memset(a->l, 0, m * sizeof *a->l);
-}
-
-int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v, double *lambda)
-{
-  const nsdae_kkt_values *a = &k->at;
-  set_right_hand_side(k, r, lambda);
   correct(k);
   double error = refine(k);
   if (error <= ENOUGH && k->rank.count < k->part.row_count && !k->coupled) {

@@ -6,17 +6,12 @@
 #include <nsdae/status.h>
 #include <string.h>
 
-static int size_of(const nsdae_multifrontal *f, int number)
-{
-  return f->graph.size[f->tree.node[number]];
-}
-
 /* Entries of L below block column k. */
 static size_t rows_below(const nsdae_multifrontal *f, int k)
 {
   size_t rows = 0;
   for (size_t a = f->tree.start[k]; a < f->tree.start[k + 1]; a++)
-    rows += (size_t)size_of(f, f->tree.row[a]);
+    rows += (size_t)nsdae_multifrontal_size(f, f->tree.row[a]);
   return rows;
 }
 
@@ -24,7 +19,7 @@ static size_t fill_of(const nsdae_multifrontal *f)
 {
   size_t fill = 0;
   for (int k = 0; k < f->graph.n; k++) {
-    size_t n = (size_t)size_of(f, k);
+    size_t n = (size_t)nsdae_multifrontal_size(f, k);
     fill += n * (n - 1) / 2 + n * rows_below(f, k);
   }
   return fill;
@@ -36,7 +31,8 @@ double nsdae_sparse_ldl_work(const nsdae_multifrontal *f)
   if (fill_of(f) > INT_MAX || f->values > INT_MAX) return HUGE_VAL; /* it counts in int */
   for (int k = 0; k < f->graph.n; k++) {
     double below = (double)rows_below(f, k);
-    for (int j = 0; j < size_of(f, k); j++) work += (below + j) * (below + j + 1) / 2;
+    for (int j = 0; j < nsdae_multifrontal_size(f, k); j++)
+      work += (below + j) * (below + j + 1) / 2;
   }
   return work;
 }
@@ -64,7 +60,7 @@ static void add_column(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, int k, 
   for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
     int other = f->tree.number[f->graph.index[a]];
     size_t block = f->graph.at[f->graph.twin[a]]; /* the rows of i */
-    for (int c = 0; other < k && c < size_of(f, other); c++) {
+    for (int c = 0; other < k && c < nsdae_multifrontal_size(f, other); c++) {
       l->row[at] = f->place[other] + c;
       l->from[at++] = block + (size_t)c * (size_t)n + (size_t)r;
     }
@@ -84,7 +80,7 @@ int nsdae_sparse_ldl_analyse(nsdae_sparse_ldl *l, const nsdae_multifrontal *f)
   if (nsdae_arena_fit(&l->memory, lay_out_factor, l) != NSDAE_OK) return NSDAE_E_MEMORY;
   l->first[0] = 0;
   for (int k = 0; k < f->graph.n; k++)
-    for (int r = 0; r < size_of(f, k); r++) add_column(l, f, k, r);
+    for (int r = 0; r < nsdae_multifrontal_size(f, k); r++) add_column(l, f, k, r);
   ldl_symbolic(l->order, l->first, l->row, l->begin, l->tree.parent, l->tree.count, l->tree.mark,
                NULL, NULL);
   return NSDAE_OK;
@@ -106,22 +102,13 @@ int nsdae_sparse_ldl_factor(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, do
   return 0;
 }
 
-/* x in the order of the blocks into that of the elimination (in), or back. */
-static void permute(const nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x, int in)
-{
-  for (int i = 0; i < f->graph.n; x += f->graph.size[i++]) {
-    double *y = l->x + f->place[f->tree.number[i]];
-    memcpy(in ? y : x, in ? x : y, (size_t)f->graph.size[i] * sizeof *x);
-  }
-}
-
 void nsdae_sparse_ldl_solve(const nsdae_sparse_ldl *l, const nsdae_multifrontal *f, double *x)
 {
-  permute(l, f, x, 1);
+  nsdae_multifrontal_permute(f, x, l->x, 1);
   ldl_lsolve(l->order, l->x, l->begin, l->below, l->L);
   ldl_dsolve(l->order, l->x, l->D);
   ldl_ltsolve(l->order, l->x, l->begin, l->below, l->L);
-  permute(l, f, x, 0);
+  nsdae_multifrontal_permute(f, x, l->x, 0);
 }
 
 void nsdae_sparse_ldl_release(nsdae_sparse_ldl *l)

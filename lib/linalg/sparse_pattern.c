@@ -7,16 +7,6 @@
 #include "dynamic_array.h"
 #include "sparse_kkt.h"
 
-static int reserve(nsdae_kkt_pattern *p, const nsdae_kkt_part *part)
-{
-  int room = 2 + part->blocks->count + part->J->count + part->J->first[part->J->count];
-  const nsdae_array lists[] = {NSDAE_ARRAY(p->list, 1), NSDAE_ARRAY(p->number, 1)};
-  if (room <= p->room) return NSDAE_OK;
-  int status = nsdae_arrays_grow(lists, 2, (size_t)room);
-  if (status == NSDAE_OK) p->room = room;
-  return status;
-}
-
 /* Enters a number of the pattern; returns whether it was there. */
 static int put(nsdae_kkt_pattern *p, int *at, int value)
 {
@@ -68,36 +58,6 @@ static void lay_out_part(void *object, nsdae_arena *arena)
   nsdae_arena_doubles(arena, rows, (double **[]){&a->l, &a->c, &a->d, &a->h, &a->u, &a->p, NULL});
 }
 
-/* Entries and values of J. */
-static void measure_rows(nsdae_sparse_kkt *k)
-{
-  const int *size = k->pattern.list + 2, *row = size + k->part.block_count;
-  k->nodes.parts = 0;
-  k->nodes.values = 0;
-  for (int i = 0; i < k->part.row_count; i++, row += *row + 1) {
-    k->nodes.parts += *row;
-    for (int e = 1; e <= *row; e++) k->nodes.values += (size_t)size[row[e]];
-  }
-}
-
-static void place_blocks(nsdae_sparse_kkt *k)
-{
-  nsdae_blocks *b = &k->at.blocks;
-  b->count = k->part.block_count;
-  b->first[0] = 0;
-  b->square[0] = 0;
-  for (int i = 0; i < b->count; i++) {
-    int size = k->pattern.list[2 + i];
-    b->first[i + 1] = b->first[i] + size;
-    b->square[i + 1] = b->square[i] + (size_t)size * (size_t)size;
-  }
-}
-
-static int same_blocks(const int *a, const int *b)
-{
-  return a[0] == b[0] && memcmp(a + 1, b + 1, (size_t)*a * sizeof *a) == 0;
-}
-
 static void find_nodes(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_nodes *n = &k->nodes;
@@ -105,7 +65,7 @@ static void find_nodes(nsdae_sparse_kkt *k)
   n->count = n->part[0] = 0;
   for (int i = 0; i < k->part.row_count; i++, last = row, row += *row + 1) {
     n->of_row[i] = n->count - 1;
-    if (last && same_blocks(last, row)) continue;
+    if (last && *last == *row && memcmp(last, row, ((size_t)*row + 1) * sizeof *row) == 0) continue;
     n->of_row[i] = n->count;
     n->row[n->count] = i;
     memcpy(n->block + n->part[n->count], row + 1, (size_t)*row * sizeof *row);
@@ -123,27 +83,21 @@ static void find_nodes(nsdae_sparse_kkt *k)
   }
 }
 
-/* Predicted time of the fronts, in multiplications of LDL: 600 for each front, and an eighth for
- * each of LAPACK's. Half or twice of either number makes no member of bench_chains slower by more
- * than 15 %. */
-static double work_of_fronts(const nsdae_supernodes *s)
-{
-  double work = 0;
-  for (int i = 0; i < s->count; i++) {
-    double p = s->pivots[i], r = s->rest[i];
-    work += 600 + p * (p * p / 6 + p * r / 2 + r * r / 2) / 8;
-  }
-  return work;
-}
-
 /* Fronts of two signs are factored in runs of a few columns: twice the time (chains, trees). */
 static const double SIGNED = 2;
 
+/* Predicted time of the fronts, in multiplications of LDL: 600 for each front, and an eighth for
+ * each of LAPACK's. Half or twice of either number makes no member of bench_chains slower by more
+ * than 15 %. */
 int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *k, const nsdae_multifrontal *f,
                             nsdae_sparse_ldl *ldl, int *by_ldl)
 {
   double entries = k->backend == NSDAE_KKT_SCHUR ? HUGE_VAL : nsdae_sparse_ldl_work(f);
-  double fronts = k->backend == NSDAE_KKT_LDL ? HUGE_VAL : work_of_fronts(&f->super);
+  double fronts = k->backend == NSDAE_KKT_LDL ? HUGE_VAL : 0;
+  for (int i = 0; i < f->super.count; i++) {
+    double p = f->super.pivots[i], r = f->super.rest[i];
+    fronts += 600 + p * (p * p / 6 + p * r / 2 + r * r / 2) / 8;
+  }
   if (f->negative > 0) fronts *= SIGNED;
   *by_ldl = entries < fronts;
   return *by_ldl ? nsdae_sparse_ldl_analyse(ldl, f) : NSDAE_OK;
@@ -152,9 +106,23 @@ int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *k, const nsdae_multifrontal 
 static int analyse(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_nodes *n = &k->nodes;
-  measure_rows(k);
+  nsdae_blocks *b = &k->at.blocks;
+  /* ---- entries and values of J */
+  const int *size = k->pattern.list + 2, *row = size + k->part.block_count;
+  n->parts = 0;
+  n->values = 0;
+  for (int i = 0; i < k->part.row_count; i++, row += *row + 1) {
+    n->parts += *row;
+    for (int e = 1; e <= *row; e++) n->values += (size_t)size[row[e]];
+  }
   if (nsdae_arena_fit(&k->pattern.memory, lay_out_part, k) != NSDAE_OK) return NSDAE_E_MEMORY;
-  place_blocks(k);
+  b->count = k->part.block_count;
+  b->first[0] = 0;
+  b->square[0] = 0;
+  for (int i = 0; i < b->count; i++) {
+    b->first[i + 1] = b->first[i] + size[i];
+    b->square[i + 1] = b->square[i] + (size_t)size[i] * (size_t)size[i];
+  }
   find_nodes(k);
   const nsdae_joined touched = {n->count, n->part, n->block};
   int status = nsdae_adjacency_build(&k->graph, &touched, k->part.block_count, 1);
@@ -167,7 +135,10 @@ static int analyse(nsdae_sparse_kkt *k)
 int nsdae_sparse_kkt_analyse(nsdae_sparse_kkt *k, const nsdae_kkt_part *part)
 {
   nsdae_kkt_pattern *p = &k->pattern;
-  if (reserve(p, part) != NSDAE_OK) return NSDAE_E_MEMORY;
+  int room = 2 + part->blocks->count + part->J->count + part->J->first[part->J->count];
+  const nsdae_array lists[] = {NSDAE_ARRAY(p->list, 1), NSDAE_ARRAY(p->number, 1)};
+  if (room > p->room && nsdae_arrays_grow(lists, 2, (size_t)room) < 0) return NSDAE_E_MEMORY;
+  if (room > p->room) p->room = room;
   k->part = *part;
   if (write_pattern(p, part) && k->ready) return NSDAE_OK;
   k->whole.ready = 0;

@@ -1,4 +1,4 @@
-#include "sparse_rank.h"
+#include "sparse_schur.h"
 
 #include <float.h>
 #include <math.h>
@@ -70,23 +70,6 @@ static void project(const nsdae_sparse_kkt *k, const double *u, double *out)
 
 /* ---- rank */
 
-/* u with u_row = 1 and small |Y u|: a column of N for a dropped row, else one of S^-1. */
-static void near_null(const nsdae_sparse_kkt *k, int row, int dropped)
-{
-  const nsdae_kkt_values *a = &k->at;
-  int m = k->part.row_count;
-  memset(a->p, 0, (size_t)m * sizeof *a->p);
-  a->p[row] = 1;
-  memcpy(a->u, a->p, (size_t)m * sizeof *a->u);
-  if (dropped) {
-    combine(k, a->p, a->u);
-    return;
-  }
-  nsdae_sparse_kkt_solve_schur(k, a->u);
-  double scale = 1 / a->u[row];
-  for (int i = 0; i < m; i++) a->u[i] *= scale;
-}
-
 /* |Y z| of z = u, with Y z in the vector z. */
 static double length(const nsdae_sparse_kkt *k)
 {
@@ -97,30 +80,35 @@ static double length(const nsdae_sparse_kkt *k)
   return sqrt(nsdae_dot(n, a->z, a->z));
 }
 
-/* u of smaller length, with the same u_row. */
-static void improve(const nsdae_sparse_kkt *k, int row)
-{
-  const nsdae_kkt_values *a = &k->at;
-  double *change = a->h;
-  nsdae_sparse_kkt_times(k, a->Y, a->z, change);
-  change[row] = 0;
-  nsdae_sparse_kkt_solve_schur(k, change);
-  double fixed = change[row];
-  for (int i = 0; i < k->part.row_count; i++) a->u[i] -= change[i] - fixed * a->u[i];
-}
-
 /* The sine of a row by corrected seminormal equations (Bjorck, Linear Algebra Appl. 88/89 (1987)
  * 31): the least |Y z| with z_row = 1. Y z is formed from Y alone, as S has lost half of its
- * digits. Ends when a correction gains less than a tenth. */
+ * digits. Begins with u_row = 1 and small |Y u|: a column of N for a dropped row, else one of S^-1.
+ * Ends when a correction gains less than a tenth. */
 static double measure(const nsdae_sparse_kkt *k, int row, int dropped)
 {
+  const nsdae_kkt_values *a = &k->at;
+  size_t m = (size_t)k->part.row_count;
   double square = own(k, row), last = INFINITY;
   if (!(square > 0)) return 0;
-  near_null(k, row, dropped);
+  memset(a->p, 0, m * sizeof *a->p);
+  a->p[row] = 1;
+  if (dropped) {
+    combine(k, a->p, a->u);
+  } else {
+    memcpy(a->u, a->p, m * sizeof *a->u);
+    nsdae_sparse_kkt_solve_schur(k, a->u);
+    double scale = 1 / a->u[row];
+    for (size_t i = 0; i < m; i++) a->u[i] *= scale;
+  }
   double now = length(k);
   while (now < 0.9 * last) {
     last = now;
-    improve(k, row);
+    /* u of smaller length, with the same u_row */
+    nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
+    a->h[row] = 0;
+    nsdae_sparse_kkt_solve_schur(k, a->h);
+    double fixed = a->h[row];
+    for (size_t i = 0; i < m; i++) a->u[i] -= a->h[i] - fixed * a->u[i];
     now = length(k);
   }
   return fmin(now, last) / sqrt(square);
@@ -160,60 +148,37 @@ static int mark(nsdae_sparse_kkt *k)
   return more;
 }
 
-/* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
-static void count_rank(nsdae_sparse_kkt *k)
-{
-  const nsdae_multifrontal_rank *r = &k->schur.rank;
-  int largest = -1;
-  double most = 0;
-  for (int row = 0; row < k->part.row_count; row++) {
-    int at = place(k, row);
-    if (!r->is_dropped[at]) continue;
-    k->rank.count--;
-    if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
-    if (largest >= 0 && !(r->part[at] > most)) continue;
-    most = r->part[at];
-    largest = row;
-  }
-  k->rank.left = largest < 0 ? 0 : measure(k, largest, 1);
-}
-
-static void begin_rank(nsdae_sparse_kkt *k, int chosen)
+/* All rows count so far. If LDL comes first and may, and has a factor with all pivots above
+ * `least`, that is all; returns whether it is. */
+static int factor_all(nsdae_sparse_kkt *k, int chosen, int may, double least)
 {
   k->rank =
       (nsdae_kkt_rank){.count = k->part.row_count, .chosen = chosen, .dependent = -1, .kept = 1};
+  k->by_ldl = k->ldl_first && may && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, least) == 0;
+  if (k->by_ldl) k->rank.kept = sine_of(k->ldl.smallest);
+  return k->by_ldl;
 }
 
 int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
 {
   nsdae_multifrontal_rank *r = &k->schur.rank;
   r->drop = fmax(k->rank_tol * k->rank_tol, ROUNDED);
-  begin_rank(k, 0);
-  k->by_ldl =
-      k->ldl_first && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, fmax(r->drop, CERTAIN)) == 0;
-  if (k->by_ldl) {
-    k->rank.kept = sine_of(k->ldl.smallest);
-    return NSDAE_OK;
-  }
+  if (factor_all(k, 0, 1, fmax(r->drop, CERTAIN))) return NSDAE_OK;
   memset(r->forced, 0, (size_t)k->part.row_count * sizeof *r->forced);
   do {
     if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
   } while (mark(k) > 0);
-  count_rank(k);
-  return NSDAE_OK;
-}
-
-/* Counts the rows that were dropped beside those that the choice leaves out. */
-static int count_lost(nsdae_sparse_kkt *k)
-{
-  const nsdae_multifrontal_rank *r = &k->schur.rank;
-  int lost = 0;
-  for (int i = 0; i < k->part.row_count; i++) {
-    lost += r->is_dropped[i] && !r->forced[i];
-    k->rank.count -= r->is_dropped[i];
-    if (!r->is_dropped[i]) k->rank.kept = fmin(k->rank.kept, sine_of(r->part[i]));
+  /* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
+  int largest = -1;
+  for (int row = 0; row < k->part.row_count; row++) {
+    int at = place(k, row);
+    if (!r->is_dropped[at]) continue;
+    k->rank.count--;
+    if (k->rank.dependent < 0) k->rank.dependent = k->part.row[row];
+    if (largest < 0 || r->part[at] > r->part[place(k, largest)]) largest = row;
   }
-  return lost;
+  k->rank.left = largest < 0 ? 0 : measure(k, largest, 1);
+  return NSDAE_OK;
 }
 
 int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *k, const double *keep)
@@ -221,17 +186,17 @@ int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *k, const double *keep)
   nsdae_multifrontal_rank *r = &k->schur.rank;
   int left_out = 0;
   r->drop = DBL_MIN; /* none that is positive */
-  begin_rank(k, 1);
   for (int row = 0; row < k->part.row_count; row++)
     left_out += r->forced[place(k, row)] = keep && keep[row] == 0;
-  k->by_ldl =
-      k->ldl_first && !left_out && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, r->drop) == 0;
-  if (k->by_ldl) {
-    k->rank.kept = sine_of(k->ldl.smallest);
-    return NSDAE_OK;
-  }
+  if (factor_all(k, 1, !left_out, r->drop)) return NSDAE_OK;
   if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
-  return count_lost(k) > 0 ? NSDAE_E_CONVERGENCE : NSDAE_OK;
+  int lost = 0; /* dropped beside those that the choice leaves out */
+  for (int i = 0; i < k->part.row_count; i++) {
+    lost += r->is_dropped[i] && !r->forced[i];
+    k->rank.count -= r->is_dropped[i];
+    if (!r->is_dropped[i]) k->rank.kept = fmin(k->rank.kept, sine_of(r->part[i]));
+  }
+  return lost > 0 ? NSDAE_E_CONVERGENCE : NSDAE_OK;
 }
 
 /* ---- the least norm */

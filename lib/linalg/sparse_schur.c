@@ -10,41 +10,36 @@
 
 /* ---- L, Y, S */
 
-/* M = L L^T. */
-static int factor_masses(nsdae_sparse_kkt *k, const double *M)
-{
-  nsdae_kkt_values *a = &k->at;
-  for (int i = 0; i < a->blocks.count; i++) {
-    size_t from = k->part.blocks->square[k->part.block[i]], to = a->blocks.square[i];
-    size_t square = a->blocks.square[i + 1] - to;
-    int n = nsdae_blocks_size(&a->blocks, i);
-    memcpy(a->M + to, M + from, square * sizeof *M);
-    memcpy(a->L + to, a->M + to, square * sizeof *M);
-    k->pivot = nsdae_la_cholesky(n, a->L + to, n);
-    k->bad_block = k->part.block[i];
-    if (k->pivot) return NSDAE_E_MASS;
-  }
-  return NSDAE_OK;
-}
-
-/* J, and Y = L^-1 J^T. */
-static void gather_rows(nsdae_sparse_kkt *k)
+int nsdae_sparse_kkt_transform_rows(nsdae_sparse_kkt *k, const double *M)
 {
   const nsdae_kkt_nodes *n = &k->nodes;
   const nsdae_rows *J = k->part.J;
+  nsdae_kkt_values *a = &k->at;
+  /* ---- M = L L^T */
+  for (int i = 0; i < a->blocks.count; i++) {
+    size_t from = k->part.blocks->square[k->part.block[i]], to = a->blocks.square[i];
+    size_t square = a->blocks.square[i + 1] - to;
+    int size = nsdae_blocks_size(&a->blocks, i);
+    memcpy(a->M + to, M + from, square * sizeof *M);
+    memcpy(a->L + to, a->M + to, square * sizeof *M);
+    k->pivot = nsdae_la_cholesky(size, a->L + to, size);
+    k->bad_block = k->part.block[i];
+    if (k->pivot) return NSDAE_E_MASS;
+  }
+  /* ---- J, and Y = L^-1 J^T */
   for (int i = 0; i < n->count; i++)
     for (int p = n->part[i]; p < n->part[i + 1]; p++) {
-      int size = nsdae_blocks_size(&k->at.blocks, n->block[p]);
-      double *to = k->at.J + n->at[p], *Y = k->at.Y + n->at[p];
+      int size = nsdae_blocks_size(&a->blocks, n->block[p]);
+      double *to = a->J + n->at[p], *Y = a->Y + n->at[p];
       for (int row = n->row[i]; row < n->row[i + 1]; row++) {
         int entry = J->first[k->part.row[row]] + p - n->part[i];
         const double *value = J->value + J->at[entry];
         for (int j = 0; j < size; j++) *to++ = value[(size_t)j * J->stride];
       }
-      memcpy(Y, k->at.J + n->at[p], (size_t)(n->size[i] * size) * sizeof *Y);
-      nsdae_la_solve_lower(size, n->size[i], k->at.L + k->at.blocks.square[n->block[p]], size, Y,
-                           size);
+      memcpy(Y, a->J + n->at[p], (size_t)(n->size[i] * size) * sizeof *Y);
+      nsdae_la_solve_lower(size, n->size[i], a->L + a->blocks.square[n->block[p]], size, Y, size);
     }
+  return NSDAE_OK;
 }
 
 /* C [rows x columns] += A^T B of columns of this size. */
@@ -74,29 +69,17 @@ static void form_block(const nsdae_sparse_kkt *k, int a, int b, double *C)
 }
 
 /* S = Y^T Y: its diagonal blocks, and those whose rows are eliminated after their columns. */
-static void form_blocks(nsdae_sparse_kkt *k)
+int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M)
 {
-  const nsdae_kkt_nodes *n = &k->nodes;
   const nsdae_multifrontal *f = &k->schur;
-  for (int i = 0; i < n->count; i++) {
+  int status = nsdae_sparse_kkt_transform_rows(k, M);
+  k->coupled = 0;
+  for (int i = 0; i < k->nodes.count && status == NSDAE_OK; i++) {
     form_block(k, i, i, f->A + f->graph.diagonal[i]);
     for (int e = f->graph.first[i]; e < f->graph.first[i + 1]; e++)
       if (f->tree.number[f->graph.index[e]] > f->tree.number[i])
         form_block(k, f->graph.index[e], i, f->A + f->graph.at[e]);
   }
-}
-
-int nsdae_sparse_kkt_transform_rows(nsdae_sparse_kkt *k, const double *M)
-{
-  int status = factor_masses(k, M);
-  if (status == NSDAE_OK) gather_rows(k);
-  return status;
-}
-
-int nsdae_sparse_kkt_form_schur(nsdae_sparse_kkt *k, const double *M)
-{
-  int status = nsdae_sparse_kkt_transform_rows(k, M);
-  if (status == NSDAE_OK) form_blocks(k);
   return status;
 }
 

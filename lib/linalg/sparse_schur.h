@@ -111,4 +111,35 @@ void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *kkt, const double *
 /* h [rows] := S^-1 h, zero in dropped rows. */
 void nsdae_sparse_kkt_solve_schur(const nsdae_sparse_kkt *kkt, double *h);
 
+/* ---- the rank of the rows, and the multipliers of redundant ones (sparse_rank.c) */
+
+/* Factors S and finds the rank; NSDAE_OK or NSDAE_E_NONFINITE. */
+int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *kkt);
+
+/* Factors S of the rows that keep has, see nsdae_sparse_kkt_factor_in. */
+int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *kkt, const double *keep);
+
+/* Whether the row of the part was dropped. */
+int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *kkt, int row);
+
+/* Whether the equations of the dropped rows agree with the others, of the residual d. */
+int nsdae_sparse_kkt_consistent(const nsdae_sparse_kkt *kkt);
+
+/* l := of least norm with the same J^T l, up to rounding. */
+void nsdae_sparse_kkt_shorten(const nsdae_sparse_kkt *kkt);
+
+/* ---- the whole matrix (sparse_whole.c) */
+
+/* nsdae_sparse_kkt_factor_in with A and couplings, of blocks in the part's numbers; A is positive
+ * definite or NSDAE_E_MASS (see pivot, 0 if it is of no block alone). NSDAE_E_MEMORY, if the pairs
+ * are new. */
+int nsdae_sparse_kkt_factor_coupled(nsdae_sparse_kkt *kkt, const double *A,
+                                    const nsdae_coupling *coupling, const double *keep);
+
+/* g += the products of the couplings with x. */
+void nsdae_sparse_whole_add_product(const nsdae_sparse_kkt *kkt, const double *x, double *g);
+
+/* z and h of the part := the solution of its g and d. */
+void nsdae_sparse_whole_solve(const nsdae_sparse_kkt *kkt);
+
 #endif

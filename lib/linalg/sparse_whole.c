@@ -1,4 +1,13 @@
-#include "sparse_whole.h"
+/* Blocks that are coupled, so that the Schur complement of their rows is
+ * dense. The whole matrix is factored,
+ *
+ *     [ A   J^T                       ]
+ *     [ J   -eps diag(J diag(A)^-1 J^T) ]      diag(A): blocks
+ *
+ * which is quasi-definite for eps > 0: it has factors L S L^T, with signs S by rows, in every order
+ * (Vanderbei, SIAM J. Optim. 5 (1995) 100). Rows are eliminated after one of their blocks, so that
+ * their pivots are seldom as small as eps. */
+#include "sparse_schur.h"
 
 #include <string.h>
 
@@ -47,48 +56,34 @@ static void lay_out(void *object, nsdae_arena *arena)
   w->x = NSDAE_ARENA_DOUBLES(arena, k->at.blocks.first[k->at.blocks.count] + k->part.row_count);
 }
 
-/* Pairs of neighbours: coupled blocks, and each node of rows with the blocks that it touches.
- * Returns their number. */
-static int list_edges(nsdae_sparse_kkt *k)
-{
-  nsdae_kkt_whole *w = &k->whole;
-  const nsdae_kkt_nodes *n = &k->nodes;
-  int edges = w->count;
-  memcpy(w->edge, w->pair, 2 * (size_t)w->count * sizeof *w->pair);
-  for (int i = 0; i < n->count; i++)
-    for (int p = n->part[i]; p < n->part[i + 1]; p++, edges++) {
-      w->edge[2 * edges] = n->block[p];
-      w->edge[2 * edges + 1] = k->at.blocks.count + i;
-    }
-  for (int e = 0; e <= edges; e++) w->begin[e] = 2 * e;
-  return edges;
-}
-
-static int analyse(nsdae_sparse_kkt *k)
-{
-  nsdae_kkt_whole *w = &k->whole;
-  int blocks = k->at.blocks.count, nodes = blocks + k->nodes.count;
-  for (int b = 0; b < blocks; b++) w->size[b] = size_of(k, b);
-  for (int i = 0; i < k->nodes.count; i++) w->size[blocks + i] = k->nodes.size[i];
-  const nsdae_joined edges = {list_edges(k), w->begin, w->edge};
-  int status = nsdae_adjacency_build(&w->graph, &edges, nodes, 0);
-  if (status < 0) return status;
-  w->fronts.negative = blocks;
-  status = nsdae_multifrontal_analyse(&w->fronts, nodes, w->size, w->graph.first, w->graph.index);
-  return status < 0 ? status : nsdae_sparse_kkt_choose(k, &w->fronts, &w->ldl, &w->by_ldl);
-}
-
 /* Keeps what was analysed for the same pairs. */
 static int analyse_pairs(nsdae_sparse_kkt *k, const nsdae_coupling *C)
 {
   nsdae_kkt_whole *w = &k->whole;
+  const nsdae_kkt_nodes *n = &k->nodes;
+  int blocks = k->at.blocks.count, nodes = blocks + n->count, edges = C->count;
   size_t bytes = 2 * (size_t)C->count * sizeof *C->pair;
   if (w->ready && w->count == C->count && memcmp(w->pair, C->pair, bytes) == 0) return NSDAE_OK;
   w->ready = 0;
   if (nsdae_arena_fit(&w->arena, lay_out, &(layout){k, C}) != NSDAE_OK) return NSDAE_E_MEMORY;
   w->count = C->count;
   memcpy(w->pair, C->pair, bytes);
-  int status = analyse(k);
+  for (int b = 0; b < blocks; b++) w->size[b] = size_of(k, b);
+  for (int i = 0; i < n->count; i++) w->size[blocks + i] = n->size[i];
+  /* Pairs of neighbours: coupled blocks, and each node of rows with the blocks that it touches. */
+  memcpy(w->edge, w->pair, bytes);
+  for (int i = 0; i < n->count; i++)
+    for (int p = n->part[i]; p < n->part[i + 1]; p++, edges++) {
+      w->edge[2 * edges] = n->block[p];
+      w->edge[2 * edges + 1] = blocks + i;
+    }
+  for (int e = 0; e <= edges; e++) w->begin[e] = 2 * e;
+  const nsdae_joined joined = {edges, w->begin, w->edge};
+  w->fronts.negative = blocks;
+  int status = nsdae_adjacency_build(&w->graph, &joined, nodes, 0);
+  if (status == NSDAE_OK)
+    status = nsdae_multifrontal_analyse(&w->fronts, nodes, w->size, w->graph.first, w->graph.index);
+  if (status == NSDAE_OK) status = nsdae_sparse_kkt_choose(k, &w->fronts, &w->ldl, &w->by_ldl);
   w->ready = status == NSDAE_OK;
   return status;
 }
@@ -100,30 +95,6 @@ static double *block_of(const nsdae_kkt_whole *w, int a, int b, int *by_b)
 {
   *by_b = w->fronts.tree.number[b] > w->fronts.tree.number[a];
   return w->fronts.A + nsdae_multifrontal_block(&w->fronts, *by_b ? b : a, *by_b ? a : b);
-}
-
-/* A [rows x columns], or its transpose. */
-static void put(int rows, int columns, const double *A, int transposed, double *to)
-{
-  for (int c = 0; c < columns; c++)
-    for (int r = 0; r < rows; r++, A++) to[transposed ? r * columns + c : c * rows + r] = *A;
-}
-
-static void put_blocks(const nsdae_sparse_kkt *k)
-{
-  const nsdae_kkt_whole *w = &k->whole;
-  const nsdae_blocks *b = &k->at.blocks;
-  const double *value = w->value;
-  int by_column;
-  for (int i = 0; i < b->count; i++)
-    memcpy(w->fronts.A + w->fronts.graph.diagonal[i], k->at.M + b->square[i],
-           (b->square[i + 1] - b->square[i]) * sizeof *value);
-  for (int p = 0; p < w->count; p++) {
-    int i = w->pair[2 * p], j = w->pair[2 * p + 1], rows = size_of(k, i), columns = size_of(k, j);
-    double *to = block_of(w, i, j, &by_column);
-    put(rows, columns, value, by_column, to);
-    value += rows * columns;
-  }
 }
 
 /* Row `row` of a node of rows in its blocks, zeros if it is left out. */
@@ -145,12 +116,6 @@ static void put_row(const nsdae_sparse_kkt *k, int node, int row)
   diagonal[at * (size + 1)] = part > 0 && own > 0 ? -EPS * own : -1;
 }
 
-static int factor_whole(nsdae_kkt_whole *w)
-{
-  if (w->by_ldl) return nsdae_sparse_ldl_factor(&w->ldl, &w->fronts, 0);
-  return nsdae_multifrontal_factor(&w->fronts, 1);
-}
-
 int nsdae_sparse_kkt_factor_coupled(nsdae_sparse_kkt *k, const double *A, const nsdae_coupling *C,
                                     const double *keep)
 {
@@ -163,10 +128,22 @@ int nsdae_sparse_kkt_factor_coupled(nsdae_sparse_kkt *k, const double *A, const 
   k->coupled = 1;
   k->rank = (nsdae_kkt_rank){.count = rows, .chosen = 1, .dependent = -1, .kept = 1};
   for (int i = 0; i < rows; i++) k->rank.count -= w->left_out[i] = keep && keep[i] == 0;
-  put_blocks(k);
+  const nsdae_blocks *b = &k->at.blocks;
+  const double *value = w->value;
+  for (int i = 0; i < b->count; i++)
+    memcpy(w->fronts.A + w->fronts.graph.diagonal[i], k->at.M + b->square[i],
+           (b->square[i + 1] - b->square[i]) * sizeof *value);
+  for (int p = 0; p < w->count; p++) {
+    int i = w->pair[2 * p], j = w->pair[2 * p + 1], n = size_of(k, i), by_column;
+    double *to = block_of(w, i, j, &by_column);
+    for (int c = 0; c < size_of(k, j); c++)
+      for (int r = 0; r < n; r++) to[by_column ? r * size_of(k, j) + c : c * n + r] = *value++;
+  }
   for (int i = 0; i < k->nodes.count; i++)
     for (int row = k->nodes.row[i]; row < k->nodes.row[i + 1]; row++) put_row(k, i, row);
-  return factor_whole(w) == 0 ? NSDAE_OK : NSDAE_E_MASS;
+  int info = w->by_ldl ? nsdae_sparse_ldl_factor(&w->ldl, &w->fronts, 0)
+                       : nsdae_multifrontal_factor(&w->fronts, 1);
+  return info == 0 ? NSDAE_OK : NSDAE_E_MASS;
 }
 
 /* ---- products and solutions */

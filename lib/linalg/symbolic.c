@@ -90,29 +90,22 @@ static void invert(nsdae_symbolic *e)
   for (int k = 0; k < e->n; k++) e->number[e->node[k]] = k;
 }
 
-/* Of the neighbours of a negative node that are not, the first in the order, or -1 if one is
- * placed. */
-static int leader(const nsdae_symbolic *e, int node, int negative, const int *placed)
-{
-  int best = -1;
-  for (int a = e->first[node]; a < e->first[node + 1]; a++) {
-    int other = e->index[a];
-    if (other >= negative) continue;
-    if (placed[other]) return -1;
-    if (best < 0 || e->number[other] < e->number[best]) best = other;
-  }
-  return best;
-}
-
-/* The order with the leader of each negative node before it. */
+/* The order with, before each negative node that has no other neighbour before it, the first of
+ * those that are not negative. */
 static void lead(nsdae_symbolic *e, int negative)
 {
   int *placed = e->work, *order = e->count, used = 0;
   for (int k = 0; k < e->n; k++) placed[k] = 0;
   for (int k = 0; k < e->n; k++) {
-    int node = e->node[k], first = node < negative ? -1 : leader(e, node, negative, placed);
+    int node = e->node[k], first = -1, led = node < negative;
     if (placed[node]) continue;
-    if (first >= 0) placed[order[used++] = first] = 1;
+    for (int a = e->first[node]; a < e->first[node + 1] && !led; a++) {
+      int other = e->index[a];
+      if (other >= negative) continue;
+      led = placed[other];
+      if (first < 0 || e->number[other] < e->number[first]) first = other;
+    }
+    if (!led && first >= 0) placed[order[used++] = first] = 1;
     placed[order[used++] = node] = 1;
   }
   for (int k = 0; k < e->n; k++) e->node[k] = order[k];

@@ -59,13 +59,6 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   *solver = NULL;
 }
 
-static int in_range(const nsdae_friction_options *o)
-{
-  return o->tol > 0 && o->tol <= 1 && o->stages >= 0 && o->stages <= NSDAE_FRICTION_ALL &&
-         o->max_sweeps >= 0 && o->max_iterations >= 0 && o->refine >= 0 && o->budget >= 0 &&
-         o->budget < INFINITY;
-}
-
 /* ---- memory and data */
 
 /* The problem checked and without its masses. */
@@ -79,16 +72,6 @@ static int prepare(nsdae_friction_solver *s, const nsdae_friction_problem *p, ns
   return nsdae_fc_global_fill(&s->global, error);
 }
 
-/* The info of the whole problem: the largest stage of its islands, the sum of their work. */
-static void merge(nsdae_friction_info *whole, const nsdae_friction_info *one)
-{
-  whole->islands++;
-  whole->sweeps += one->sweeps;
-  whole->iterations += one->iterations;
-  whole->factorisations += one->factorisations;
-  if (one->stage > whole->stage) whole->stage = one->stage;
-}
-
 static int lay_out_island(nsdae_friction_solver *s, int island)
 {
   s->run = (nsdae_fc_run){.island = {.fc = {.global = &s->global, .label = island},
@@ -97,14 +80,6 @@ static int lay_out_island(nsdae_friction_solver *s, int island)
                                      .proof = s->global.r},
                           .islands = s->global.islands.count};
   return nsdae_arena_fit(&s->island_memory, nsdae_fc_run_layout, &s->run);
-}
-
-/* Memory for each island, before anything of the caller's is changed. */
-static int reserve(nsdae_friction_solver *s)
-{
-  for (int island = 0; island < s->global.islands.count; island++)
-    if (lay_out_island(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
-  return NSDAE_OK;
 }
 
 int nsdae_fc_reserve(nsdae_friction_solver *s, const nsdae_friction_problem *largest)
@@ -126,8 +101,9 @@ double nsdae_fc_speed(const nsdae_friction_solver *s)
 
 /* ---- islands */
 
-/* Items that nothing moves get r = 0, all others the answer of their island, in whole.r; or that is
- * the proof that an island has none. */
+/* The info is the largest stage of the islands, the sum of their work. Items that nothing moves get
+ * r = 0, all others the answer of their island, in whole.r; or that is the proof that an island has
+ * none. */
 static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options *options,
                          const double *guess, nsdae_friction_info *info)
 {
@@ -145,7 +121,11 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
     nsdae_fc_fill(&run->island.fc, guess);
     status = nsdae_fc_run_stages(run);
     if (status == NSDAE_E_MEMORY) return status;
-    merge(info, &run->info);
+    info->islands++;
+    info->sweeps += run->info.sweeps;
+    info->iterations += run->info.iterations;
+    info->factorisations += run->info.factorisations;
+    if (run->info.stage > info->stage) info->stage = run->info.stage;
     if (run->info.outcome == NSDAE_OUTCOME_INFEASIBLE) return NSDAE_E_INFEASIBLE;
     nsdae_fc_scatter(&run->island.fc, run->iterate.r, w->r);
     nsdae_fc_scatter(&run->island.fc, run->iterate.low, w->r_low);
@@ -163,16 +143,6 @@ static int refute(const nsdae_fc_global *w, double *r, double *u, nsdae_friction
   info->residual = nsdae_fc_global_residual(w, r, NULL, u);
   memcpy(r, w->r, (size_t)w->view.m * sizeof *r);
   return NSDAE_E_INFEASIBLE;
-}
-
-/* An item that nothing moves: its own direction, against its velocity. */
-static int refute_blocked(const nsdae_fc_global *w, int item, double *r, double *u,
-                          nsdae_friction_info *info)
-{
-  int row = w->view.row[item];
-  memset(w->r, 0, (size_t)w->view.m * sizeof *w->r);
-  w->r[row] = w->q[row] < 0 ? 1 : -1;
-  return refute(w, r, u, info);
 }
 
 /* ---- solution and certificate */
@@ -202,14 +172,26 @@ static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem 
   if (!options) options = &defaults;
   if (!info) info = &own;
   *info = (nsdae_friction_info){.residual = INFINITY};
-  if (!s || !in_range(options)) return NSDAE_E_ARGUMENT;
+  if (!s || !(options->tol > 0 && options->tol <= 1) || options->stages < 0 ||
+      options->stages > NSDAE_FRICTION_ALL || options->max_sweeps < 0 ||
+      options->max_iterations < 0 || options->refine < 0 ||
+      !(options->budget >= 0 && options->budget < INFINITY))
+    return NSDAE_E_ARGUMENT;
   int status = prepare(s, problem, NULL);
   if (status != NSDAE_OK) return status;
   if (s->global.view.m > 0 && (!r || !u)) return NSDAE_E_ARGUMENT;
   s->double_double = low != NULL;
-  if (reserve(s) != NSDAE_OK) return NSDAE_E_MEMORY;
+  /* Memory for each island, before anything of the caller's is changed. */
+  for (int island = 0; island < s->global.islands.count; island++)
+    if (lay_out_island(s, island) != NSDAE_OK) return NSDAE_E_MEMORY;
   int blocked = nsdae_fc_global_blocked(&s->global);
-  if (blocked >= 0) return refute_blocked(&s->global, blocked, r, u, info);
+  if (blocked >= 0) {
+    /* An item that nothing moves: its own direction, against its velocity. */
+    int row = s->global.view.row[blocked];
+    memset(s->global.r, 0, (size_t)s->global.view.m * sizeof *r);
+    s->global.r[row] = s->global.q[row] < 0 ? 1 : -1;
+    return refute(&s->global, r, u, info);
+  }
   status = solve_islands(s, options, r, info);
   if (status == NSDAE_E_INFEASIBLE) return refute(&s->global, r, u, info);
   if (status != NSDAE_OK && status != NSDAE_E_INTERRUPTED) return status;

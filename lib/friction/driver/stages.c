@@ -73,15 +73,6 @@ static double largest(const nsdae_fc_run *run)
   return most;
 }
 
-/* Whether the residual is at rounding level: half a unit in the last place of the largest impulse
- * changes velocities by as much, half of which other impulses may compensate. Several items may
- * have a solution with smaller impulses, so that their bound is 1e-12 too. */
-static int at_rounding_level(const nsdae_fc_run *run)
-{
-  double small = run->island.fc.n > 1 ? 1e-12 : INFINITY;
-  return run->iterate.residual <= fmin(DBL_EPSILON / 4 * largest(run), small);
-}
-
 /* Whether the rounding of scaled data may decide: of large impulses the residual is not that of the
  * data as given. */
 static int doubtful(const nsdae_fc_run *run)
@@ -133,14 +124,10 @@ static int refinable(const nsdae_fc_run *run)
          (!solved(run) || doubtful(run));
 }
 
-static int dear(nsdae_fc_run *run)
-{
-  return nsdae_fc_system_ready(&run->island) && run->island.system->cost > COSTLY;
-}
-
 static int applies(nsdae_fc_run *run, int when)
 {
   const nsdae_fc_scaled *c = &run->island.fc;
+  const double *cost = &run->island.system->cost;
   return !((when & OPENS && !opens(c)) || (when & GUESSED && !guessed(run)) ||
            (when & FEW && c->n > SMALL) || (when & MORE && c->n <= SMALL) ||
            (when & SEVERAL && c->n == 1) || (when & ROUGH && run->options->tol < NEARLY) ||
@@ -149,7 +136,8 @@ static int applies(nsdae_fc_run *run, int when)
            (when & LOADED && run->first <= HYPERSTATIC) ||
            (when & SLIDING && run->first > HYPERSTATIC) ||
            (when & HUGE_PILE && (c->n < LARGE || c->local)) ||
-           (when & REFINABLE && !refinable(run)) || (when & DEAR && !dear(run)));
+           (when & REFINABLE && !refinable(run)) ||
+           (when & DEAR && !(nsdae_fc_system_ready(&run->island) && *cost > COSTLY)));
 }
 
 /* The one place that knows the order. A budget of 1 and more is in products, else it is a share of
@@ -196,26 +184,14 @@ typedef struct ended {
 
 /* ---- one row */
 
-/* The first row of the same solver. */
-static int same_solver(int i)
-{
-  int k = 0;
-  while (table[k].solve != table[i].solve) k++;
-  return k;
-}
-
-/* A solver that ended before its budget did is of no use again from the same point. The homotopy
- * always begins at r = 0, more closely each time. */
-static int in_vain(const nsdae_fc_run *run, int i, const ended *last)
-{
-  return !last->limited && table[i].solve != nsdae_fc_smoothing_homotopy &&
-         run->iterate.residual == last->began;
-}
-
-/* Only double-double arithmetic can reduce the residual further. */
+/* Whether only double-double arithmetic can reduce the residual further: it is solved, or at
+ * rounding level. Half a unit in the last place of the largest impulse changes velocities by as
+ * much, half of which other impulses may compensate. Several items may have a solution with smaller
+ * impulses, so that their bound is 1e-12 too. */
 static int done(const nsdae_fc_run *run)
 {
-  return solved(run) || at_rounding_level(run);
+  double small = run->island.fc.n > 1 ? 1e-12 : INFINITY;
+  return solved(run) || run->iterate.residual <= fmin(DBL_EPSILON / 4 * largest(run), small);
 }
 
 /* A guess that leads to no solution is put aside: the solvers that follow begin at r = 0, so that
@@ -254,9 +230,15 @@ static int run_rows(nsdae_fc_run *run, int i, int to, double growth, ended *last
 {
   for (; i < to; i++) {
     const row *at = &table[i];
-    ended *before = &last[same_solver(i)];
+    int first = 0; /* the first row of the same solver */
+    while (table[first].solve != at->solve) first++;
+    ended *before = &last[first];
     if (at->bit > NSDAE_FRICTION_WARM && run->has_guess && !done(run)) put_guess_aside(run);
-    if (!(run->options->stages & at->bit) || in_vain(run, i, before)) continue;
+    /* A solver that ended before its budget did is of no use again from the same point. The
+     * homotopy always begins at r = 0, more closely each time. */
+    int in_vain = !before->limited && at->solve != nsdae_fc_smoothing_homotopy &&
+                  run->iterate.residual == before->began;
+    if (!(run->options->stages & at->bit) || in_vain) continue;
     if (done(run) && at->solve != nsdae_fc_refine) continue;
     if (!applies(run, at->when)) continue;
     int result = run_row(run, at, growth, before);
@@ -307,21 +289,6 @@ static void begin_run(nsdae_fc_run *run)
   it->work = (nsdae_fc_work){0};
 }
 
-/* The better one of the best points with and without the guess. */
-static void keep_better_point(nsdae_fc_run *run)
-{
-  nsdae_fc_iterate *it = &run->iterate;
-  if (it->residual == INFINITY) {
-    nsdae_fc_set_point(&run->island, it->r);
-    nsdae_fc_offer(&run->island, it);
-  }
-  if (!(run->guessed < it->residual)) return;
-  memcpy(it->r, run->guess, nsdae_fc_bytes(&run->island));
-  memset(it->low, 0, nsdae_fc_bytes(&run->island));
-  it->residual = run->guessed;
-  run->info.stage = NSDAE_FRICTION_WARM;
-}
-
 /* options.refine: Newton steps from the solution on, then the projection into the cones, which
  * moves it by no more than its residual. */
 static void polish(nsdae_fc_run *run)
@@ -345,13 +312,6 @@ static void polish(nsdae_fc_run *run)
   memcpy(it->r, c->r, nsdae_fc_bytes(s));
 }
 
-/* The status of a run. */
-static int failure(const nsdae_fc_run *run)
-{
-  if (run->iterate.work.interrupted) return NSDAE_E_INTERRUPTED;
-  return run->lost && !solved(run) ? NSDAE_E_MEMORY : NSDAE_OK;
-}
-
 int nsdae_fc_run_stages(nsdae_fc_run *run)
 {
   ended last[STAGES];
@@ -367,11 +327,23 @@ int nsdae_fc_run_stages(nsdae_fc_run *run)
     run->info.proof = NSDAE_PROOF_FARKAS;
     return NSDAE_OK;
   }
-  keep_better_point(run);
+  /* The better one of the best points with and without the guess. */
+  nsdae_fc_iterate *it = &run->iterate;
+  if (it->residual == INFINITY) {
+    nsdae_fc_set_point(&run->island, it->r);
+    nsdae_fc_offer(&run->island, it);
+  }
+  if (run->guessed < it->residual) {
+    memcpy(it->r, run->guess, nsdae_fc_bytes(&run->island));
+    memset(it->low, 0, nsdae_fc_bytes(&run->island));
+    it->residual = run->guessed;
+    run->info.stage = NSDAE_FRICTION_WARM;
+  }
   if (solved(run) && run->options->refine > 0) polish(run);
   run->info.outcome = solved(run) ? NSDAE_OUTCOME_SOLVED : NSDAE_OUTCOME_UNSOLVED;
   run->info.residual = run->iterate.residual;
   run->info.sweeps = run->iterate.work.sweeps;
   run->info.iterations = run->info.factorisations = run->iterate.work.steps;
-  return failure(run);
+  if (run->iterate.work.interrupted) return NSDAE_E_INTERRUPTED;
+  return run->lost && !solved(run) ? NSDAE_E_MEMORY : NSDAE_OK;
 }

@@ -7,23 +7,15 @@
 #include "cone.h"
 #include "finite.h"
 
-/* Rows of all contacts; -1 if one has none, or more than three, or they are too many. */
-static int count_rows(const nsdae_fc_arguments *p)
-{
-  int m = 0;
-  for (int c = 0; c < p->nc; c++) {
-    int rows = nsdae_fc_arguments_rows(p, c);
-    if (rows < 1 || rows > 3 || m > INT_MAX / 16) return -1;
-    m += rows;
-  }
-  return m;
-}
-
 int nsdae_fc_arguments_check(const nsdae_fc_arguments *p, int finite, int *m)
 {
   if (p->nc < 0) return -1;
-  *m = count_rows(p);
-  if (*m < 0) return -2;
+  *m = 0;
+  for (int c = 0; c < p->nc; c++) {
+    int rows = nsdae_fc_arguments_rows(p, c);
+    if (rows < 1 || rows > 3 || *m > INT_MAX / 16) return -2; /* or they are too many */
+    *m += rows;
+  }
   if (!p->a && *m > 0) return -3;
   if (p->lda < 1 || p->lda < *m) return -4;
   if (!p->q && *m > 0) return -5;

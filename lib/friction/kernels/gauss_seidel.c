@@ -16,19 +16,15 @@ typedef struct own {
 
 enum { OWN = sizeof(own) / sizeof(double) };
 
-/* Whether D, in its frame, is positive definite: both tangents, and the normal that they leave. */
-static int is_definite(const double *D)
-{
-  return D[0] > 0 && D[4] > 0 && D[8] > 0 && D[0] - D[1] * D[1] / D[4] - D[2] * D[2] / D[8] > 0;
-}
-
-/* Returns 0, or 1 if the diagonal block is not positive definite. */
+/* Returns 0, or 1 if the diagonal block is not positive definite: both tangents, and the normal
+ * that they leave. */
 static int prepare_contact(const nsdae_fc_arguments *p, int c, int i, own *o)
 {
   nsdae_fc_arguments_diagonal(p, c, i, o->D);
   nsdae_fc_turn_matrix(o->D, o->turn);
   o->slip = 0;
-  return !is_definite(o->D);
+  return !(o->D[0] > 0 && o->D[4] > 0 && o->D[8] > 0 &&
+           o->D[0] - o->D[1] * o->D[1] / o->D[4] - o->D[2] * o->D[2] / o->D[8] > 0);
 }
 
 /* The power of two next below the largest of three sizes; 1 if they are zero. */
@@ -36,18 +32,6 @@ static double size_of(double a, double b, double c)
 {
   double most = fmax(fabs(a), fmax(fabs(b), fabs(c)));
   return most > 0 ? ldexp(1, ilogb(most)) : 1;
-}
-
-/* r [3] of u = D r + q in its frame, in numbers about one, so that squares stay in range: with
- * D = d D' and q = s q', r = s r' / d. */
-static void solve_scaled(own *o, const double *q, double mu, double *r)
-{
-  double d = size_of(o->D[0], o->D[4], o->D[8]), s = size_of(q[0], q[1], q[2]);
-  double D[9], slip = o->slip / d, scaled[3] = {q[0] / s, q[1] / s, q[2] / s};
-  for (int j = 0; j < 9; j++) D[j] = o->D[j] / d;
-  nsdae_fc_solve_contact(D, scaled, mu, 1e-15, &slip, r);
-  for (int j = 0; j < 3; j++) r[j] = r[j] / d * s;
-  o->slip = slip * d;
 }
 
 /* The r [3] that obeys the law of contact c, if with the impulse old [3] its velocity is u [3]. */
@@ -64,7 +48,14 @@ static void solve_contact(const nsdae_fc_arguments *p, int c, own *o, const doub
   nsdae_fc_turn(o->turn, 1, q);
   for (int j = 0; j < 3; j++)
     for (int k = 0; k < 3; k++) q[j] -= o->D[3 * j + k] * from[k];
-  solve_scaled(o, q, p->mu[c], r);
+  /* In its frame, in numbers about one, so that squares stay in range: with D = d D' and q = s q',
+   * r = s r' / d. */
+  double d = size_of(o->D[0], o->D[4], o->D[8]), s = size_of(q[0], q[1], q[2]);
+  double D[9], slip = o->slip / d, scaled[3] = {q[0] / s, q[1] / s, q[2] / s};
+  for (int j = 0; j < 9; j++) D[j] = o->D[j] / d;
+  nsdae_fc_solve_contact(D, scaled, p->mu[c], 1e-15, &slip, r);
+  for (int j = 0; j < 3; j++) r[j] = r[j] / d * s;
+  o->slip = slip * d;
   nsdae_fc_turn(o->turn, -1, r);
 }
 

@@ -77,16 +77,6 @@ static double smooth_min(double a, double b, double e, double *slope)
   return l > 0 ? b - plus(-l, e, &ignored) : a - plus(l, e, &ignored);
 }
 
-static void smooth_normal(double e, const double *r, const double *u, double *F, double *B,
-                          double *A)
-{
-  double slope;
-  nothing(1, r, F, B, A);
-  F[0] = smooth_min(r[0], u[0], e, &slope);
-  B[0] = 1 - slope;
-  A[0] = slope;
-}
-
 /* a - P(a - b), P the smoothed projection onto the second-order cone {|x_T| <= x_N}, and the
  * derivative of P: by the eigenvalues x_N +- |x_T| of x = a - b, those of a and b along the same
  * vectors, and what both have across them, where x has nothing: as the smaller has it. */
@@ -123,7 +113,11 @@ void nsdae_fc_smooth_map(int kind, double mu, double e, const double *r, const d
     return;
   }
   if (kind == NSDAE_FC_NORMAL) {
-    smooth_normal(e, r, u, F, B, A);
+    double slope;
+    nothing(1, r, F, B, A);
+    F[0] = smooth_min(r[0], u[0], e, &slope);
+    B[0] = 1 - slope;
+    A[0] = slope;
     return;
   }
   double square = u[1] * u[1] + u[2] * u[2], slip = sqrt(square + e * e);

@@ -40,18 +40,6 @@ static void fill_contact(const nsdae_fc_arguments *p, int m, int c, int i, doubl
   }
 }
 
-/* One whole step; returns 0, or 1 if the matrix is singular. */
-static int step(const nsdae_fc_arguments *p, int m, double alpha, double *r, const double *u,
-                double *matrix, double *F, int *pivot)
-{
-  for (int c = 0, i = 0; c < p->nc; i += nsdae_fc_arguments_rows(p, c++))
-    fill_contact(p, m, c, i, alpha, r, u, matrix, F);
-  if (nsdae_la_lu(m, matrix, m, pivot) != 0) return 1;
-  nsdae_la_lu_solve(m, matrix, m, pivot, F);
-  for (int i = 0; i < m; i++) r[i] -= F[i];
-  return 0;
-}
-
 /* Steps until the residual is below tol; the best point is left in r, its residual returned in
  * *residual. Returns info. */
 static int iterate(const nsdae_fc_arguments *p, int m, double alpha, double tol, int max_iter,
@@ -68,8 +56,13 @@ static int iterate(const nsdae_fc_arguments *p, int m, double alpha, double tol,
     }
     if (info == 0 && least <= tol) break;
     if (info == 0 && *iterations == max_iter) info = 1;
-    if (info == 0 && step(p, m, alpha, r, u, matrix, F, pivot) != 0) info = 2;
     if (info != 0) break;
+    for (int c = 0, i = 0; c < p->nc; i += nsdae_fc_arguments_rows(p, c++))
+      fill_contact(p, m, c, i, alpha, r, u, matrix, F);
+    info = nsdae_la_lu(m, matrix, m, pivot) != 0 ? 2 : 0;
+    if (info != 0) break;
+    nsdae_la_lu_solve(m, matrix, m, pivot, F);
+    for (int i = 0; i < m; i++) r[i] -= F[i];
   }
   if (least < INFINITY) memcpy(r, best, (size_t)m * sizeof *r);
   *residual = least < INFINITY ? least : NAN;

@@ -35,13 +35,6 @@ static double rescaled(const double *D, double mu, double l, const double *r)
   return (s + l) * (nsdae_fc_length(r[1], r[2]) / (mu * r[0])) - s;
 }
 
-/* Inside the bracket, whatever its ends. */
-static double middle(double low, double high, double l)
-{
-  if (!(high < INFINITY)) return 16 * l;
-  return low > 0 ? sqrt(low) * sqrt(high) : high / 256;
-}
-
 /* The root, from the guess on, kept in a bracket: secants while they halve the excess, else what it
  * would be if S were a number, else the middle. */
 static double frictional_joint(const double *D, const double *q, double mu, double guess,
@@ -60,7 +53,12 @@ static double frictional_joint(const double *D, const double *q, double mu, doub
     if (k > 0) failed = fabs(f) <= 0.5 * fabs(at_before) ? 0 : failed + 1;
     double next = failed == 0 ? l - f * ((l - before) / (f - at_before)) : rescaled(D, mu, l, r);
     before = l, at_before = f;
-    l = failed < 3 && next > low && next < high ? next : middle(low, high, l);
+    if (failed < 3 && next > low && next < high)
+      l = next;
+    else if (!(high < INFINITY)) /* inside the bracket, whatever its ends */
+      l *= 16;
+    else
+      l = low > 0 ? sqrt(low) * sqrt(high) : high / 256;
   }
   l = high < INFINITY ? high : l;
   excess(D, q, mu, l, r);

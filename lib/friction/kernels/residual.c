@@ -8,27 +8,6 @@
 #include "arguments.h"
 #include "double_double.h"
 
-/* Row i of W r + q. */
-static double velocity(const nsdae_fc_arguments *p, int m, int i, const double *r)
-{
-  double high = p->q[i], low = 0;
-  for (int j = 0; j < m; j++)
-    nsdae_dd_add(p->a[(size_t)j * (size_t)p->lda + (size_t)i], r[j], &high, &low);
-  return high + low;
-}
-
-/* That of contact c, whose first row is i. */
-static double contact_residual(const nsdae_fc_arguments *p, int c, int i, double scale,
-                               const double *r, const double *u)
-{
-  double D[9], d = nsdae_fc_arguments_diagonal(p, c, i, D), x[3] = {0}, y[3] = {0};
-  for (int k = 0; k < nsdae_fc_arguments_rows(p, c); k++) {
-    x[k] = r[i + k] * (d / scale);
-    y[k] = u[i + k] / scale;
-  }
-  return nsdae_fc_natural(nsdae_fc_arguments_kind(p, c), p->mu[c], x, NULL, y);
-}
-
 int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, const double *q,
                  const double *mu, const double *r, double *u, double *residual)
 {
@@ -40,11 +19,20 @@ int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, const double
   if (!residual) return -9;
   double worst = 0, scale = nsdae_fc_arguments_scale(&p, m), sum = 0;
   for (int i = 0; i < m; i++) {
-    u[i] = velocity(&p, m, i, r);
+    double low = 0;
+    u[i] = q[i];
+    for (int j = 0; j < m; j++)
+      nsdae_dd_add(a[(size_t)j * (size_t)lda + (size_t)i], r[j], u + i, &low);
+    u[i] += low;
     sum += fabs(u[i]) + fabs(q[i]); /* fmax passes over a NaN */
   }
   for (int c = 0, i = 0; c < nc; i += nsdae_fc_arguments_rows(&p, c++)) {
-    double one = contact_residual(&p, c, i, scale, r, u);
+    double D[9], d = nsdae_fc_arguments_diagonal(&p, c, i, D), x[3] = {0}, y[3] = {0};
+    for (int k = 0; k < nsdae_fc_arguments_rows(&p, c); k++) {
+      x[k] = r[i + k] * (d / scale);
+      y[k] = u[i + k] / scale;
+    }
+    double one = nsdae_fc_natural(nsdae_fc_arguments_kind(&p, c), mu[c], x, NULL, y);
     if (!(one <= worst) && !isnan(worst)) worst = one;
   }
   *residual = isfinite(sum) && isfinite(worst) ? worst : NAN;

@@ -10,19 +10,15 @@
 /* Contacts of a local form up to which dense algebra is the faster. */
 enum { DENSE = 24 };
 
-/* Number of the pairs of item k. */
-static size_t pairs_of(const nsdae_fc_scaled *c, int k)
-{
-  size_t n = (size_t)(c->parts.first[k + 1] - c->parts.first[k]);
-  return c->local ? n : n * n;
-}
-
 static void lay_out_system(void *object, nsdae_arena *arena)
 {
   nsdae_fc_system *m = object;
   const nsdae_fc_scaled *c = m->fc;
   m->pairs = 0;
-  for (int k = 0; k < c->n && !m->dense; k++) m->pairs += pairs_of(c, k);
+  for (int k = 0; k < c->n && !m->dense; k++) {
+    size_t parts = (size_t)(c->parts.first[k + 1] - c->parts.first[k]);
+    m->pairs += c->local ? parts : parts * parts;
+  }
   m->lu = NSDAE_ARENA_DOUBLES(arena, m->dense ? 9L * c->n * c->n : 0);
   m->pivot = NSDAE_ARENA_INTS(arena, m->dense ? 3L * c->n : 0);
   m->couple = NSDAE_ARENA_INTS(arena, c->local ? 2 * (long)m->pairs : 0);
@@ -93,39 +89,19 @@ static int build_graph(nsdae_fc_system *m)
   return nsdae_adjacency_build(&m->graph, &lists, c->blocks, 0);
 }
 
-/* Where the blocks of the pairs are: of all pairs of an item, or (local form) of it with each. */
-static void place_pairs(nsdae_fc_system *m)
-{
-  const nsdae_fc_scaled *c = m->fc;
-  const int *block = c->parts.block;
-  size_t *place = m->place;
-  for (int k = 0; k < c->n; k++)
-    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
-      if (c->local) *place++ = nsdae_multifrontal_block(&m->fronts, k, block[e]);
-      for (int f = c->parts.first[k]; f < c->parts.first[k + 1] && !c->local; f++)
-        *place++ = nsdae_multifrontal_block(&m->fronts, block[e], block[f]);
-    }
-}
-
-/* Floating-point operations of a factorisation: LU of p columns of a front of p + r. */
-static double operations(const nsdae_fc_system *m)
-{
-  double sum = 0, n = 3.0 * m->fc->n;
-  if (m->dense) return 2 * n * n * n / 3;
-  for (int s = 0; s < m->fronts.super.count; s++) {
-    double p = m->fronts.super.pivots[s], r = m->fronts.super.rest[s];
-    sum += 2 * p * (p * p / 3 + p * r + r * r);
-  }
-  return sum;
-}
-
 /* Of a factorisation, without its assembly: LAPACK does about FASTER times as many operations in a
  * second as the loops of a product. With 12 products for all else of a step, a step is counted as
- * 15 to 32 products; on walls, towers and storeys of 1000 and 8000 contacts it takes 16 to 40. */
+ * 15 to 32 products; on walls, towers and storeys of 1000 and 8000 contacts it takes 16 to 40. LU
+ * of p columns of a front of p + r. */
 static double price(const nsdae_fc_system *m)
 {
   static const double FASTER = 4;
-  return operations(m) / (2.0 * (double)m->fc->parts.values + 1) / FASTER;
+  double n = 3.0 * m->fc->n, operations = m->dense ? 2 * n * n * n / 3 : 0;
+  for (int s = 0; s < m->fronts.super.count && !m->dense; s++) {
+    double p = m->fronts.super.pivots[s], r = m->fronts.super.rest[s];
+    operations += 2 * p * (p * p / 3 + p * r + r * r);
+  }
+  return operations / (2.0 * (double)m->fc->parts.values + 1) / FASTER;
 }
 
 int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
@@ -138,7 +114,16 @@ int nsdae_fc_system_analyse(nsdae_fc_system *m, const nsdae_fc_scaled *c)
     if (status == NSDAE_OK)
       status = nsdae_multifrontal_analyse(&m->fronts, c->blocks, c->parts.size, m->graph.first,
                                           m->graph.index);
-    if (status == NSDAE_OK) place_pairs(m);
+    /* Where the blocks of the pairs are: of all pairs of an item, or (local form) of it with each.
+     */
+    const int *block = c->parts.block;
+    size_t *place = m->place;
+    for (int k = 0; k < c->n && status == NSDAE_OK; k++)
+      for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+        if (c->local) *place++ = nsdae_multifrontal_block(&m->fronts, k, block[e]);
+        for (int f = c->parts.first[k]; f < c->parts.first[k + 1] && !c->local; f++)
+          *place++ = nsdae_multifrontal_block(&m->fronts, block[e], block[f]);
+      }
   }
   if (status == NSDAE_OK) m->cost = price(m);
   return status;
@@ -223,9 +208,17 @@ int nsdae_fc_system_factor(nsdae_fc_system *m, const double *E, const double *A)
 /* ---- solution */
 
 /* dr = E^-1 b - K J^T dy with (1 + J K J^T) dy = J E^-1 b: see newton_system.h. */
-static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
+void nsdae_fc_system_solve(nsdae_fc_system *m, const double *b, double *dr)
 {
   const nsdae_fc_scaled *c = m->fc;
+  if (c->local) {
+    memcpy(dr, b, 3 * (size_t)c->n * sizeof *dr);
+    if (m->dense)
+      nsdae_la_lu_solve(3 * c->n, m->lu, 3 * c->n, m->pivot, dr);
+    else
+      nsdae_multifrontal_solve(&m->fronts, dr);
+    return;
+  }
   memset(m->dy, 0, (size_t)c->ny * sizeof *m->dy);
   for (int k = 0; k < c->n; k++) {
     apply(m->E_inverse + 9 * (size_t)k, b + 3 * k, dr + 3 * k);
@@ -242,19 +235,6 @@ static void solve_global(nsdae_fc_system *m, const double *b, double *dr)
     apply(m->K + 9 * (size_t)k, u, x);
     for (int j = 0; j < 3; j++) dr[3 * k + j] -= x[j];
   }
-}
-
-void nsdae_fc_system_solve(nsdae_fc_system *m, const double *b, double *dr)
-{
-  if (!m->fc->local) {
-    solve_global(m, b, dr);
-    return;
-  }
-  memcpy(dr, b, 3 * (size_t)m->fc->n * sizeof *dr);
-  if (m->dense)
-    nsdae_la_lu_solve(3 * m->fc->n, m->lu, 3 * m->fc->n, m->pivot, dr);
-  else
-    nsdae_multifrontal_solve(&m->fronts, dr);
 }
 
 void nsdae_fc_system_release(nsdae_fc_system *m)

@@ -9,6 +9,7 @@
 #include "cone.h"
 #include "dense.h"
 #include "double_double.h"
+#include "vector.h"
 
 /* Items and blocks of v; NULL: as they stand. */
 typedef struct span {
@@ -21,27 +22,13 @@ typedef struct impulse {
   const double *r, *low;
 } impulse;
 
-static span everything(const nsdae_fc_global *c)
-{
-  return (span){.items = c->view.items, .blocks = c->view.p->blocks};
-}
-
-static span one_island(const nsdae_fc_global *c, int island)
-{
-  int from = c->islands.start[island], first = c->islands.listed_start[island];
-  return (span){.items = c->islands.start[island + 1] - from,
-                .item = c->islands.member + from,
-                .blocks = c->islands.listed_start[island + 1] - first,
-                .block = c->islands.listed + first};
-}
-
 static int place(const int *list, int k)
 {
   return list ? list[k] : k;
 }
 
-/* Momentum f + H r; parts of zeros may be another island's block, which they leave as it is. */
-NSDAE_INLINED void momentum(const nsdae_fc_global *c, span s, impulse x)
+/* v = M^-1 (f + H r); parts of zeros may be another island's block, which they leave as it is. */
+NSDAE_INLINED void velocity(const nsdae_fc_global *c, span s, impulse x)
 {
   const nsdae_friction_problem *p = c->view.p;
   for (int k = 0; k < s.blocks; k++) {
@@ -58,17 +45,10 @@ NSDAE_INLINED void momentum(const nsdae_fc_global *c, span s, impulse x)
       if (x.low) nsdae_dd_add_product(n, rows, H, x.low + row, c->v + at, c->low + at);
     }
   }
-}
-
-/* v = M^-1 (f + H r) */
-NSDAE_INLINED void velocity(const nsdae_fc_global *c, span s, impulse x)
-{
-  momentum(c, s, x);
   for (int k = 0; k < s.blocks; k++) {
-    int b = place(s.block, k), n = c->view.p->size[b];
-    double *v = c->v + c->view.offset[b], *low = c->low + c->view.offset[b];
-    for (int i = 0; i < n; i++) v[i] += low[i];
-    nsdae_fc_divide_by_mass(c, b, v);
+    int b = place(s.block, k), at = c->view.offset[b];
+    nsdae_add(p->size[b], 1, c->low + at, c->v + at);
+    nsdae_fc_divide_by_mass(c, b, c->v + at);
   }
 }
 
@@ -116,7 +96,12 @@ NSDAE_DD_DISPATCH(relative_velocity, all_velocities,
 void nsdae_fc_island_velocities(const nsdae_fc_global *c, int island, const double *r,
                                 const double *low, double *u)
 {
-  relative_velocity(c, one_island(c, island), (impulse){r, low}, u);
+  int from = c->islands.start[island], first = c->islands.listed_start[island];
+  const span one = {.items = c->islands.start[island + 1] - from,
+                    .item = c->islands.member + from,
+                    .blocks = c->islands.listed_start[island + 1] - first,
+                    .block = c->islands.listed + first};
+  relative_velocity(c, one, (impulse){r, low}, u);
 }
 
 /* ---- residual */
@@ -149,7 +134,8 @@ double nsdae_fc_global_residual(const nsdae_fc_global *c, const double *r, const
 {
   double most = 0;
   const impulse x = {r, low};
-  relative_velocity(c, everything(c), x, u);
+  const span all = {.items = c->view.items, .blocks = c->view.p->blocks};
+  relative_velocity(c, all, x, u);
   for (int k = 0; k < c->view.m; k++)
     if (!(fabs(r[k]) <= DBL_MAX) || (low && !(fabs(low[k]) <= DBL_MAX))) return NAN;
   for (int i = 0; i < c->view.items; i++) {

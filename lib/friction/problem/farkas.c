@@ -32,12 +32,6 @@ enum { MOST_ROWS = 600, MOST_COLUMNS = 2000 };
 /* Least distance from the cone, relative, at which the target is outside it. */
 static const double OUTSIDE = 1e-9;
 
-/* Item number k of the island. */
-static int item_of(const nsdae_fc_scaled *c, int k)
-{
-  return nsdae_fc_member(c, k);
-}
-
 static int is_bilateral(const nsdae_fc_scaled *c, int i)
 {
   return i >= c->global->view.p->contacts;
@@ -56,25 +50,20 @@ static double velocity(const nsdae_fc_scaled *c, int i)
   return c->global->view.p->w[c->global->view.row[i]];
 }
 
-/* Whether v = 0 obeys the laws: then there is no l. */
-static int rests(const nsdae_fc_scaled *c)
-{
-  for (int k = 0; k < c->n; k++) {
-    int i = item_of(c, k);
-    double w = velocity(c, i);
-    if (!gives_way(c, i) && (is_bilateral(c, i) ? w != 0 : w < 0)) return 0;
-  }
-  return 1;
-}
-
 /* ---- columns of the alternative */
 
+/* Their number; 0 if v = 0 obeys the laws: then there is no l. */
 static int count_columns(const nsdae_fc_scaled *c)
 {
-  int m = 0;
-  for (int k = 0; k < c->n; k++)
-    if (!gives_way(c, item_of(c, k))) m += is_bilateral(c, item_of(c, k)) ? 2 : 1;
-  return m;
+  int m = 0, rests = 1;
+  for (int k = 0; k < c->n; k++) {
+    int i = nsdae_fc_member(c, k);
+    double w = velocity(c, i);
+    if (gives_way(c, i)) continue;
+    m += is_bilateral(c, i) ? 2 : 1;
+    if (is_bilateral(c, i) ? w != 0 : w < 0) rests = 0;
+  }
+  return rests ? 0 : m;
 }
 
 /* n rows of l, m columns: directions of the rows, their scaled copy, the active-set method, the
@@ -94,12 +83,6 @@ static void lay_out_farkas(void *object, nsdae_arena *arena)
   c->C = f->scaled;
 }
 
-/* The numbers of block b of the whole in its island: entries of v of the blocks before it. */
-static int place_of(const nsdae_fc_scaled *c, int b)
-{
-  return c->parts.offset[c->global->islands.number[b]];
-}
-
 /* The column of direction e, sign +-1: the normal row's parts, and w below. */
 static void fill_column(nsdae_fc_farkas *f, int e, int i, double sign)
 {
@@ -111,24 +94,13 @@ static void fill_column(nsdae_fc_farkas *f, int e, int i, double sign)
   for (int k = p->first[i]; k < p->first[i + 1]; k++) {
     if (!nsdae_fc_touches(c->global, k)) continue;
     int b = p->block[k], size = c->local ? nsdae_fc_rows(p, b) : p->size[b];
-    for (int d = 0; d < size; d++)
-      column[place_of(c, b) + d] = sign * p->value[view->at[k] + (size_t)d];
+    double *to = column + c->parts.offset[c->global->islands.number[b]];
+    for (int d = 0; d < size; d++) to[d] = sign * p->value[view->at[k] + (size_t)d];
   }
   column[f->cone.n - 1] = sign * velocity(c, i);
   f->item[e] = i;
   f->sign[e] = sign;
   f->cone.allowed[e] = 1;
-}
-
-static void fill(nsdae_fc_farkas *f)
-{
-  int e = 0;
-  for (int k = 0; k < f->fc->n; k++) {
-    int i = item_of(f->fc, k);
-    if (gives_way(f->fc, i)) continue;
-    fill_column(f, e++, i, 1);
-    if (is_bilateral(f->fc, i)) fill_column(f, e++, i, -1);
-  }
 }
 
 static double power_of_two(double x)
@@ -155,33 +127,15 @@ static void scale(nsdae_fc_farkas *f)
   f->target[n - 1] = -1;
 }
 
-/* ---- combinations of columns */
-
-/* The combination of scaled columns, in l; how many directions it takes, or 0: there is none. */
-static int combine(nsdae_fc_farkas *f)
-{
-  int k = 0;
-  if (nsdae_cone_separate(&f->cone, f->target) != 0) return 0;
-  if (!(sqrt(nsdae_dot(f->cone.n, f->cone.w, f->cone.w)) < OUTSIDE)) return 0;
-  for (int j = 0; j < f->cone.m; j++)
-    if (f->cone.z[j] > 0 && k < f->cone.n) f->chosen[k++] = j;
-  return k;
-}
-
 /* ---- proof by exact arithmetic */
-
-/* Entry i of the chosen columns, into a. */
-static void gather_columns(const nsdae_fc_farkas *f, const double *from, int i, int k, double *a)
-{
-  for (int e = 0; e < k; e++) a[e] = from[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i];
-}
 
 /* Whether the l of the chosen directions, in exact + n, is a proof to the last bit. */
 static int holds(nsdae_fc_farkas *f, int k)
 {
   double *a = f->exact, *l = f->exact + f->cone.n;
   for (int i = 0; i < f->cone.n; i++) {
-    gather_columns(f, f->columns, i, k, a);
+    for (int e = 0; e < k; e++)
+      a[e] = f->columns[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i];
     if (nsdae_exact_sign(k, a, 1, l) != (i < f->cone.n - 1 ? 0 : -1)) return 0;
   }
   return 1;
@@ -205,37 +159,24 @@ static int simplify(double *l, int k)
   return 0;
 }
 
-static int is_exact(nsdae_fc_farkas *f, int k)
-{
-  double *l = f->exact + f->cone.n;
-  for (int e = 0; e < k; e++) l[e] = f->cone.z[f->chosen[e]] * f->by[f->chosen[e]];
-  return holds(f, k) || (simplify(l, k) && holds(f, k));
-}
-
 /* ---- proof by a bound on the error of the combination */
 
-/* Rows in which a chosen column is not zero, into kept; how many. */
+/* Rows in which a chosen column is not zero, into kept; how many; -1 if scaling the chosen columns
+ * lost something: products with powers of two, above 1e-290. */
 static int keep_rows(nsdae_fc_farkas *f, int k)
 {
   int rows = 0;
-  for (int i = 0; i < f->cone.n; i++)
-    for (int e = 0; e < k; e++)
-      if (f->columns[(size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i] != 0) {
-        f->kept[rows++] = i;
-        break;
-      }
-  return rows;
-}
-
-/* Whether scaling the chosen columns lost nothing: products with powers of two, above 1e-290. */
-static int is_scaled_exactly(const nsdae_fc_farkas *f, int k)
-{
-  for (int e = 0; e < k; e++)
-    for (int i = 0; i < f->cone.n; i++) {
+  for (int i = 0; i < f->cone.n; i++) {
+    int any = 0;
+    for (int e = 0; e < k; e++) {
       size_t at = (size_t)f->chosen[e] * (size_t)f->cone.n + (size_t)i;
-      if (f->columns[at] != 0 && !(fabs(f->scaled[at]) > 1e-290)) return 0;
+      if (f->columns[at] == 0) continue;
+      if (!(fabs(f->scaled[at]) > 1e-290)) return -1;
+      any = 1;
     }
-  return 1;
+    if (any) f->kept[rows++] = i;
+  }
+  return rows;
 }
 
 /* G [k x k] of the kept rows into gram, R = G^-1 into inverse; 1 if G is singular. */
@@ -292,15 +233,6 @@ static void residual_of_gram(const nsdae_fc_farkas *f, int k, double *s, double 
   }
 }
 
-/* l, in target, to rounding: normal equations left it with half the digits. */
-static void improve(nsdae_fc_farkas *f, int k)
-{
-  for (int e = 0; e < k; e++) f->target[e] = f->cone.z[f->chosen[e]];
-  residual_of_gram(f, k, f->cone.s, f->exact);
-  nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->cone.s);
-  for (int e = 0; e < k; e++) f->target[e] -= f->cone.s[e];
-}
-
 /* A bound on |R| |G l - b| / (1 - defect), the largest entry. */
 static double bound_distance(nsdae_fc_farkas *f, int k, double defect)
 {
@@ -320,11 +252,15 @@ static double bound_distance(nsdae_fc_farkas *f, int k, double defect)
 /* Whether the exact combination near l is positive where it must be. */
 static int is_verified(nsdae_fc_farkas *f, int k)
 {
-  if (keep_rows(f, k) != k || f->kept[k - 1] != f->cone.n - 1 || !is_scaled_exactly(f, k)) return 0;
+  if (keep_rows(f, k) != k || f->kept[k - 1] != f->cone.n - 1) return 0;
   if (invert(f, k) != 0) return 0;
   double defect = bound_defect(f, k);
   if (!(defect < 0.5)) return 0;
-  improve(f, k);
+  /* l, in target, to rounding: normal equations left it with half the digits. */
+  for (int e = 0; e < k; e++) f->target[e] = f->cone.z[f->chosen[e]];
+  residual_of_gram(f, k, f->cone.s, f->exact);
+  nsdae_la_lu_solve(k, f->cone.factor, k, f->pivot, f->cone.s);
+  for (int e = 0; e < k; e++) f->target[e] -= f->cone.s[e];
   double distance = bound_distance(f, k, defect);
   for (int e = 0; e < k; e++) {
     int free = is_bilateral(f->fc, f->item[f->chosen[e]]);
@@ -334,31 +270,38 @@ static int is_verified(nsdae_fc_farkas *f, int k)
   return 1;
 }
 
-/* ---- result */
-
-/* The proof in the rows of the whole, its largest entry about one. */
-static void hand_over(const nsdae_fc_farkas *f, int k, double *l)
-{
-  double most = power_of_two(nsdae_largest(k, f->exact + f->cone.n));
-  memset(l, 0, (size_t)f->fc->global->view.m * sizeof *l);
-  for (int e = 0; e < k; e++) {
-    int j = f->chosen[e];
-    l[f->fc->global->view.row[f->item[j]]] += f->sign[j] * (f->exact[f->cone.n + e] / most);
-  }
-}
-
 int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *l)
 {
   f->fc = fc;
   f->cone.n = fc->ny + 1;
   f->cone.m = count_columns(fc);
-  if (f->cone.n > MOST_ROWS || f->cone.m > MOST_COLUMNS || rests(fc)) return 0;
+  if (f->cone.n > MOST_ROWS || f->cone.m > MOST_COLUMNS || f->cone.m == 0) return 0;
   if (nsdae_arena_fit(&f->memory, lay_out_farkas, f) != NSDAE_OK) return NSDAE_E_MEMORY;
-  fill(f);
+  for (int k = 0, e = 0; k < fc->n; k++) {
+    int i = nsdae_fc_member(fc, k);
+    if (gives_way(fc, i)) continue;
+    fill_column(f, e++, i, 1);
+    if (is_bilateral(fc, i)) fill_column(f, e++, i, -1);
+  }
   scale(f);
-  int k = combine(f);
-  if (k == 0 || !(is_exact(f, k) || is_verified(f, k))) return 0;
-  hand_over(f, k, l);
+  /* ---- the combination of scaled columns, its directions in chosen */
+  int k = 0;
+  if (nsdae_cone_separate(&f->cone, f->target) != 0) return 0;
+  if (!(sqrt(nsdae_dot(f->cone.n, f->cone.w, f->cone.w)) < OUTSIDE)) return 0;
+  for (int j = 0; j < f->cone.m; j++)
+    if (f->cone.z[j] > 0 && k < f->cone.n) f->chosen[k++] = j;
+  double *exact = f->exact + f->cone.n;
+  for (int e = 0; e < k; e++) exact[e] = f->cone.z[f->chosen[e]] * f->by[f->chosen[e]];
+  /* ---- the proof */
+  if (k == 0 || !(holds(f, k) || (simplify(exact, k) && holds(f, k)) || is_verified(f, k)))
+    return 0;
+  /* ---- in the rows of the whole, its largest entry about one */
+  double most = power_of_two(nsdae_largest(k, exact));
+  memset(l, 0, (size_t)fc->global->view.m * sizeof *l);
+  for (int e = 0; e < k; e++) {
+    int j = f->chosen[e];
+    l[fc->global->view.row[f->item[j]]] += f->sign[j] * (exact[e] / most);
+  }
   return 1;
 }
 

@@ -45,14 +45,7 @@ static int is_symmetric(int n, const double *M)
   return 1;
 }
 
-/* Inverts L, lower, where it is diagonal; returns whether it is. */
-static int invert_diagonal(int n, double *L)
-{
-  if (!nsdae_la_is_diagonal(n, L, n)) return 0;
-  for (int j = 0; j < n; j++, L += n + 1) *L = 1 / *L;
-  return 1;
-}
-
+/* L of a diagonal block is inverted. */
 static int factor_masses(nsdae_fc_global *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;
@@ -62,7 +55,8 @@ static int factor_masses(nsdae_fc_global *c, nsdae_error *error)
     double *L = c->L + c->view.mass_at[b];
     int n = p->size[b], symmetric = is_symmetric(n, L);
     if (symmetric && nsdae_la_cholesky(n, L, n) == 0) {
-      c->diagonal[b] = invert_diagonal(n, L);
+      c->diagonal[b] = nsdae_la_is_diagonal(n, L, n);
+      for (int j = 0; j < n && c->diagonal[b]; j++, L += n + 1) *L = 1 / *L;
       continue;
     }
     snprintf(text, sizeof text, "block %d of M is not %s", b,
@@ -122,14 +116,6 @@ static void diagonals(nsdae_fc_global *c)
   }
 }
 
-/* The part W_ji of item i that stands in its list, or NULL. */
-static const double *find(const nsdae_fc_view *view, int i, int j)
-{
-  for (int e = view->p->first[i]; e < view->p->first[i + 1]; e++)
-    if (view->p->block[e] == j) return view->p->value + view->at[e];
-  return NULL;
-}
-
 /* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
  * be positive semidefinite: there the entries themselves are compared. */
 static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
@@ -139,7 +125,9 @@ static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
   for (int i = 0; i < c->view.items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
-      const double *W = p->value + c->view.at[e], *T = find(&c->view, j, i);
+      const double *W = p->value + c->view.at[e], *T = NULL;
+      for (int f = p->first[j]; f < p->first[j + 1] && !T; f++)
+        if (p->block[f] == i) T = p->value + c->view.at[f];
       double off = 0, bound = 1e-10 * sqrt(fmax(c->d[i], 0)) * sqrt(fmax(c->d[j], 0));
       int fixed = !(c->d[i] > 0 && c->d[j] > 0);
       for (int k = 0; k < ni * nj; k++)
@@ -163,71 +151,56 @@ int nsdae_fc_touches(const nsdae_fc_global *c, int e)
   return 0;
 }
 
-/* Sets of items and, after them, of blocks (local form: of items) that they touch. */
-static void join_blocks(nsdae_fc_global *c)
+/* Disjoint sets of items and, after them, of blocks (local form: of items) that they touch; their
+ * labels, in the order of the least items that something moves. The root of a set is its least
+ * item; start has the label of that, then where the items of each island begin (counting sort). */
+static void find_islands(nsdae_fc_global *c)
 {
   const nsdae_friction_problem *p = c->view.p;
+  nsdae_fc_islands *all = &c->islands;
+  int *start = all->start, *label = all->label;
   int items = c->view.items, after = p->form == NSDAE_FRICTION_LOCAL ? 0 : items;
-  nsdae_sets_begin(c->islands.parent, items + p->blocks);
+  nsdae_sets_begin(all->parent, items + p->blocks);
   for (int i = 0; i < items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++)
-      if (nsdae_fc_touches(c, e)) nsdae_sets_join(c->islands.parent, i, after + p->block[e]);
-}
-
-/* Labels, in the order of the least items that something moves. The root of a set is its least
- * item; start has the label of that. */
-static void label_items(nsdae_fc_global *c)
-{
-  nsdae_fc_islands *all = &c->islands;
+      if (nsdae_fc_touches(c, e)) nsdae_sets_join(all->parent, i, after + p->block[e]);
   all->count = 0;
-  for (int i = 0; i < c->view.items; i++) all->start[i] = all->label[i] = -1;
-  for (int i = 0; i < c->view.items; i++) {
+  for (int i = 0; i < items; i++) start[i] = label[i] = -1;
+  for (int i = 0; i < items; i++) {
     int root = nsdae_sets_root(all->parent, i);
     if (!(c->d[i] > 0)) continue;
-    if (all->start[root] < 0) all->start[root] = all->count++;
-    all->label[i] = all->start[root];
+    if (start[root] < 0) start[root] = all->count++;
+    label[i] = start[root];
   }
-}
-
-/* Items by island (counting sort): those of k begin at start[k + 1], which goes to their end. */
-static void sort_items(nsdae_fc_global *c)
-{
-  int *start = c->islands.start, *label = c->islands.label;
-  memset(start, 0, ((size_t)c->islands.count + 2) * sizeof *start);
-  for (int i = 0; i < c->view.items; i++)
+  memset(start, 0, ((size_t)all->count + 2) * sizeof *start);
+  for (int i = 0; i < items; i++)
     if (label[i] >= 0) start[label[i] + 2]++;
-  for (int k = 0; k < c->islands.count; k++) start[k + 2] += start[k + 1];
-  for (int i = 0; i < c->view.items; i++)
-    if (label[i] >= 0) c->islands.member[start[label[i] + 1]++] = i;
-}
-
-/* Blocks of item i that are not yet numbered, from count on. */
-static int number_blocks_of(nsdae_fc_global *c, int i, int count, int *listed)
-{
-  const nsdae_friction_problem *p = c->view.p;
-  for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-    int b = p->block[e];
-    if (!nsdae_fc_touches(c, e) || c->islands.number[b] >= 0) continue;
-    listed[count] = b;
-    c->islands.number[b] = count++;
-  }
-  return count;
+  for (int k = 0; k < all->count; k++) start[k + 2] += start[k + 1];
+  for (int i = 0; i < items; i++)
+    if (label[i] >= 0) all->member[start[label[i] + 1]++] = i;
 }
 
 /* Blocks in the order in which the items of their island come to them; items as they stand. */
 static void number_blocks(nsdae_fc_global *c)
 {
-  int sets = c->view.p->form == NSDAE_FRICTION_LOCAL ? c->view.items : c->view.p->blocks;
-  for (int b = 0; b < sets; b++) c->islands.number[b] = -1;
-  c->islands.listed_start[0] = 0;
-  for (int island = 0; island < c->islands.count; island++) {
-    int count = 0, from = c->islands.listed_start[island];
-    for (int k = c->islands.start[island]; k < c->islands.start[island + 1]; k++)
-      if (c->view.p->form == NSDAE_FRICTION_LOCAL)
-        c->islands.number[c->islands.member[k]] = k - c->islands.start[island];
-      else
-        count = number_blocks_of(c, c->islands.member[k], count, c->islands.listed + from);
-    c->islands.listed_start[island + 1] = from + count;
+  const nsdae_friction_problem *p = c->view.p;
+  nsdae_fc_islands *all = &c->islands;
+  int local = p->form == NSDAE_FRICTION_LOCAL, sets = local ? c->view.items : p->blocks;
+  for (int b = 0; b < sets; b++) all->number[b] = -1;
+  all->listed_start[0] = 0;
+  for (int island = 0; island < all->count; island++) {
+    int count = 0, from = all->listed_start[island];
+    for (int k = all->start[island]; k < all->start[island + 1]; k++) {
+      int i = all->member[k];
+      if (local) all->number[i] = k - all->start[island];
+      for (int e = p->first[i]; e < p->first[i + 1] && !local; e++) {
+        int b = p->block[e];
+        if (!nsdae_fc_touches(c, e) || all->number[b] >= 0) continue;
+        all->listed[from + count] = b;
+        all->number[b] = count++;
+      }
+    }
+    all->listed_start[island + 1] = from + count;
   }
 }
 
@@ -284,9 +257,7 @@ int nsdae_fc_global_fill(nsdae_fc_global *c, nsdae_error *error)
   status = measure(c, error);
   if (status == NSDAE_OK && local) status = check_symmetry(c, error);
   if (status != NSDAE_OK) return status;
-  join_blocks(c);
-  label_items(c);
-  sort_items(c);
+  find_islands(c);
   number_blocks(c);
   return NSDAE_OK;
 }

@@ -57,7 +57,8 @@ static int check_values(nsdae_error *error, const char *argument, size_t first, 
   return NSDAE_OK;
 }
 
-/* Counts that fit what indexes them: 3 contacts + bilateral + 3 and all sums in int. */
+/* Counts, and arrays, that fit what indexes them: 3 contacts + bilateral + 3 and all sums in int.
+ */
 static int check_counts(const nsdae_friction_problem *p, nsdae_error *error)
 {
   if (p->form != NSDAE_FRICTION_GLOBAL && p->form != NSDAE_FRICTION_LOCAL)
@@ -68,11 +69,6 @@ static int check_counts(const nsdae_friction_problem *p, nsdae_error *error)
     return refuse_int(error, "bilateral", -1, p->bilateral, "in [0, 268435455]");
   if (p->blocks < 0 || (p->form == NSDAE_FRICTION_LOCAL && p->blocks > 0))
     return refuse_int(error, "blocks", -1, p->blocks, p->blocks < 0 ? ">= 0" : "0 in local form");
-  return NSDAE_OK;
-}
-
-static int check_pointers(const nsdae_friction_problem *p, nsdae_error *error)
-{
   int items = p->contacts + p->bilateral;
   if (p->contacts > 0 && !p->mu) return missing(error, "mu");
   if (items > 0 && !p->w) return missing(error, "w");
@@ -82,10 +78,17 @@ static int check_pointers(const nsdae_friction_problem *p, nsdae_error *error)
   if (p->blocks > 0 && !p->f) return missing(error, "f");
   if (items > 0 && p->first[items] > 0 && !p->block) return missing(error, "block");
   if (items > 0 && p->first[items] > 0 && !p->value) return missing(error, "value");
+  int most = p->form == NSDAE_FRICTION_GLOBAL ? p->blocks : items;
+  if (items > 0 && p->first[0] != 0) return refuse_int(error, "first", 0, p->first[0], "0");
+  for (int i = 0; i < items; i++)
+    if (p->first[i + 1] < p->first[i] || p->first[i + 1] - p->first[i] > most)
+      return refuse_int(error, "first", i + 1, p->first[i + 1],
+                        "not below the one before, and above it by no more than there are blocks");
   return NSDAE_OK;
 }
 
-/* Sizes of the blocks; those of M must add up to less than a size_t and those of v to an int. */
+/* Sizes of the blocks; those of M must add up to less than a size_t and those of v to an int. Each
+ * item touches blocks that exist, each once: lists are short, no marks are kept. */
 static int check_sizes(const nsdae_friction_problem *p, nsdae_error *error)
 {
   int nv = 0;
@@ -105,24 +108,6 @@ static int check_sizes(const nsdae_friction_problem *p, nsdae_error *error)
       return refuse_int(error, "size", b, p->size[b], "less: M overflows");
     of_mass += n * n;
   }
-  return NSDAE_OK;
-}
-
-/* Each item touches blocks that exist, each once. Lists are short: no marks are kept. */
-static int check_pattern(const nsdae_friction_problem *p, nsdae_error *error)
-{
-  int items = p->contacts + p->bilateral;
-  int most = p->form == NSDAE_FRICTION_GLOBAL ? p->blocks : items;
-  if (items > 0 && p->first[0] != 0) return refuse_int(error, "first", 0, p->first[0], "0");
-  for (int i = 0; i < items; i++)
-    if (p->first[i + 1] < p->first[i] || p->first[i + 1] - p->first[i] > most)
-      return refuse_int(error, "first", i + 1, p->first[i + 1],
-                        "not below the one before, and above it by no more than there are blocks");
-  return NSDAE_OK;
-}
-
-static int check_blocks(const nsdae_friction_problem *p, nsdae_error *error)
-{
   int items = p->contacts + p->bilateral;
   int most = p->form == NSDAE_FRICTION_GLOBAL ? p->blocks : items;
   for (int i = 0; i < items; i++)
@@ -185,13 +170,9 @@ int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error)
 {
   if (error) *error = (nsdae_error){.index = -1, .time = NAN};
   if (!p) return missing(error, "problem");
-  int (*const checks[])(const nsdae_friction_problem *, nsdae_error *) = {
-      check_counts, check_pointers, check_pattern, check_sizes, check_blocks, check_data};
-  for (int k = 0; k < 6; k++) {
-    int status = checks[k](p, error);
-    if (status != NSDAE_OK) return status;
-  }
-  return NSDAE_OK;
+  int status = check_counts(p, error);
+  if (status == NSDAE_OK) status = check_sizes(p, error);
+  return status == NSDAE_OK ? check_data(p, error) : status;
 }
 
 /* ---- view by parts */

@@ -109,15 +109,6 @@ static void fill_item(nsdae_fc_scaled *c, int k, int i, double s)
   }
 }
 
-static void fill_sizes(nsdae_fc_scaled *c)
-{
-  c->parts.offset[0] = 0;
-  for (int b = 0; b < c->blocks; b++) {
-    c->parts.size[b] = block_size(c, b);
-    c->parts.offset[b + 1] = c->parts.offset[b] + c->parts.size[b];
-  }
-}
-
 /* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
 static void fill_part(const nsdae_fc_scaled *c, int k, int e, double *J)
 {
@@ -138,6 +129,11 @@ static void fill_parts(nsdae_fc_scaled *c)
 {
   const nsdae_friction_problem *p = c->global->view.p;
   int f = 0;
+  c->parts.offset[0] = 0;
+  for (int b = 0; b < c->blocks; b++) {
+    c->parts.size[b] = block_size(c, b);
+    c->parts.offset[b + 1] = c->parts.offset[b] + c->parts.size[b];
+  }
   c->parts.at[0] = 0;
   c->parts.first[0] = 0;
   for (int k = 0; k < c->n; k++) {
@@ -154,36 +150,23 @@ static void fill_parts(nsdae_fc_scaled *c)
   }
 }
 
-/* Symmetric part of W_kk of the local form */
-static void add_listed(const double *W, double *D)
-{
-  for (int j = 0; j < 3; j++)
-    for (int l = 0; l < 3; l++) D[3 * j + l] += (W[3 * j + l] + W[3 * l + j]) / 2;
-}
-
-/* D += J^T J */
-static void add_square(int n, const double *J, double *D)
-{
-  for (int j = 0; j < 3; j++)
-    for (int l = 0; l <= j; l++) D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
-}
-
+/* The diagonal block: C + J^T J, or (local form) the symmetric part of W_kk. */
 static void diagonal(nsdae_fc_scaled *c, int k)
 {
   double *D = c->items.D + 9 * (size_t)k;
   memset(D, 0, 9 * sizeof *D);
   for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
-  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++)
-    if (!c->local)
-      add_square(c->parts.size[c->parts.block[e]], nsdae_fc_part(c, e), D);
-    else if (c->parts.block[e] == k)
-      add_listed(nsdae_fc_part(c, e), D);
+  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+    const double *J = nsdae_fc_part(c, e);
+    int n = c->parts.size[c->parts.block[e]];
+    for (int j = 0; j < 3; j++)
+      for (int l = 0; l <= j; l++)
+        if (!c->local)
+          D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
+        else if (c->parts.block[e] == k)
+          D[3 * j + l] += (J[3 * j + l] + J[3 * l + j]) / 2;
+  }
   D[1] = D[3], D[2] = D[6], D[5] = D[7];
-}
-
-static double finite_part(double x)
-{
-  return isfinite(x) ? x : 0;
 }
 
 void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
@@ -194,7 +177,6 @@ void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
   const double s = power_of_two(w->scale);
   for (int k = 0; k < c->n; k++) fill_item(c, k, nsdae_fc_member(c, k), s);
   nsdae_fc_gather(c, w->q, c->items.q);
-  fill_sizes(c);
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
@@ -203,8 +185,10 @@ void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
     nsdae_fc_invert(D, S);
     memcpy(S + 6, D, 3 * sizeof *S);
     nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
-    for (int j = 0; j < 3; j++)
-      c->r[3 * k + j] = j < rows ? finite_part(r[row + j] / c->items.factor[k]) : 0;
+    for (int j = 0; j < 3; j++) {
+      double own = j < rows ? r[row + j] / c->items.factor[k] : 0;
+      c->r[3 * k + j] = isfinite(own) ? own : 0;
+    }
   }
 }
 

@@ -13,33 +13,6 @@
 static const double PROGRESS = 0.7;
 enum { FRUITLESS = 12 };
 
-/* |mu |u_T| - s| at fc.u */
-static double error_of_s(const nsdae_fc_island *s)
-{
-  double square = 0;
-  for (int k = 0; k < s->fc.n; k++) {
-    double by = nsdae_fc_s_of(&s->fc, k) - s->socp.s[k];
-    square += by * by;
-  }
-  return sqrt(square);
-}
-
-/* The next s, extrapolated; the rows of normal impulses take its place for the time. Back at the
- * solution of the convex problem then. */
-static void next_s(nsdae_fc_island *s)
-{
-  nsdae_fc_anderson *anderson = &s->anderson;
-  memset(anderson->before, 0, nsdae_fc_bytes(s));
-  memset(s->fc.r, 0, nsdae_fc_bytes(s));
-  for (int k = 0; k < s->fc.n; k++) {
-    anderson->before[3 * k] = s->socp.s[k];
-    s->fc.r[3 * k] = nsdae_fc_s_of(&s->fc, k);
-  }
-  nsdae_fc_anderson_extrapolate(anderson, &s->fc);
-  for (int k = 0; k < s->fc.n; k++) s->socp.s[k] = fmax(0, s->fc.r[3 * k]);
-  nsdae_fc_set_point(s, s->socp.end);
-}
-
 int nsdae_fc_aclm(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   double tried = INFINITY, least = INFINITY;
@@ -47,15 +20,30 @@ int nsdae_fc_aclm(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budge
   nsdae_fc_socp_begin(s, it);
   nsdae_fc_anderson_begin(&s->anderson);
   for (int since = 0; since < FRUITLESS && nsdae_fc_socp_run(s, it, b); since++) {
-    double residual = nsdae_fc_offer(s, it), error = error_of_s(s);
+    double residual = nsdae_fc_offer(s, it), error = 0;
     if (residual <= b->tol) return 1;
+    for (int k = 0; k < s->fc.n; k++) {
+      double by = nsdae_fc_s_of(&s->fc, k) - s->socp.s[k];
+      error += by * by;
+    }
+    error = sqrt(error); /* |mu |u_T| - s| */
     if (error < PROGRESS * least) least = error, since = -1;
     if (residual < PROGRESS * tried) {
       tried = residual;
       if (nsdae_fc_proximal_points(s, it, b) <= b->tol) return 1;
       nsdae_fc_set_point(s, s->socp.end);
     }
-    next_s(s);
+    /* The next s, extrapolated; the rows of normal impulses take its place for the time. Back at
+     * the solution of the convex problem then. */
+    memset(s->anderson.before, 0, nsdae_fc_bytes(s));
+    memset(s->fc.r, 0, nsdae_fc_bytes(s));
+    for (int k = 0; k < s->fc.n; k++) {
+      s->anderson.before[3 * k] = s->socp.s[k];
+      s->fc.r[3 * k] = nsdae_fc_s_of(&s->fc, k);
+    }
+    nsdae_fc_anderson_extrapolate(&s->anderson, &s->fc);
+    for (int k = 0; k < s->fc.n; k++) s->socp.s[k] = fmax(0, s->fc.r[3 * k]);
+    nsdae_fc_set_point(s, s->socp.end);
   }
   return it->residual <= b->tol;
 }

@@ -19,19 +19,17 @@
 /* Unknowns up to which pivoting costs no more than the sweeps that it saves. */
 enum { LARGEST = 48 };
 
-/* Unknowns of item i of the whole; -1 if its cone is no polyhedron. */
-static int unknowns(const nsdae_friction_problem *p, int i)
-{
-  if (i >= p->contacts) return 0;
-  if (nsdae_fc_rows(p, i) == 1 || p->mu[i] == 0) return 1;
-  return nsdae_fc_rows(p, i) == 2 ? 4 : -1;
-}
-
+/* None, if the cone of an item is no polyhedron. */
 static void count_unknowns(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
 {
   s->m = s->bilateral = s->n = 0;
   for (int k = 0; k < fc->n; k++) {
-    int i = nsdae_fc_member(fc, k), one = unknowns(fc->global->view.p, i);
+    const nsdae_friction_problem *p = fc->global->view.p;
+    int i = nsdae_fc_member(fc, k), rows = nsdae_fc_rows(p, i), one = rows == 2 ? 4 : -1;
+    if (i >= p->contacts)
+      one = 0;
+    else if (rows == 1 || p->mu[i] == 0)
+      one = 1;
     s->bilateral += one == 0;
     s->m += one == 4 ? 2 : 1;
     s->n += one;
@@ -60,48 +58,36 @@ void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae
 
 /* ---- W of the rows */
 
-/* Rows that take part, the bilateral ones first. */
-static void list_rows(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
+/* Of the rows that take part, the bilateral ones first. Column by column: y := J e of that row, and
+ * its velocities; in the local form y is the column. */
+static void fill_W(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, double *y)
 {
+  const nsdae_fc_parts *parts = &fc->parts;
   int at = 0;
   for (int k = 0; k < fc->n; k++)
     if (fc->items.kind[k] == NSDAE_FC_BILATERAL) s->row[at++] = 3 * k;
   for (int k = 0; k < fc->n; k++) {
-    if (fc->items.kind[k] == NSDAE_FC_BILATERAL) continue;
-    s->row[at++] = 3 * k;
+    if (fc->items.kind[k] != NSDAE_FC_BILATERAL) s->row[at++] = 3 * k;
     if (fc->items.kind[k] == NSDAE_FC_CONE) s->row[at++] = 3 * k + 1;
   }
-}
-
-/* y := J e of that row; in the local form the column of W itself. */
-static void impulse(const nsdae_fc_scaled *fc, int row, double *y)
-{
-  memset(y, 0, (size_t)fc->ny * sizeof *y);
-  for (int e = fc->parts.first[row / 3]; e < fc->parts.first[row / 3 + 1]; e++) {
-    int n = fc->parts.size[fc->parts.block[e]];
-    memcpy(y + fc->parts.offset[fc->parts.block[e]], nsdae_fc_part(fc, e) + row % 3 * n,
-           (size_t)n * sizeof *y);
-  }
-}
-
-static double velocity(const nsdae_fc_scaled *fc, int row, const double *y)
-{
-  double sum = 0;
-  if (fc->local) return y[row];
-  for (int e = fc->parts.first[row / 3]; e < fc->parts.first[row / 3 + 1]; e++) {
-    int n = fc->parts.size[fc->parts.block[e]];
-    sum +=
-        nsdae_dot(n, nsdae_fc_part(fc, e) + row % 3 * n, y + fc->parts.offset[fc->parts.block[e]]);
-  }
-  return sum;
-}
-
-static void fill_W(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, double *y)
-{
   for (int j = 0; j < s->m; j++) {
     double *column = s->W + (size_t)j * (size_t)s->m;
-    impulse(fc, s->row[j], y);
-    for (int i = 0; i < s->m; i++) column[i] = velocity(fc, s->row[i], y);
+    int from = s->row[j];
+    memset(y, 0, (size_t)fc->ny * sizeof *y);
+    for (int e = parts->first[from / 3]; e < parts->first[from / 3 + 1]; e++) {
+      int n = parts->size[parts->block[e]];
+      memcpy(y + parts->offset[parts->block[e]], nsdae_fc_part(fc, e) + from % 3 * n,
+             (size_t)n * sizeof *y);
+    }
+    for (int i = 0; i < s->m; i++) {
+      int row = s->row[i];
+      column[i] = fc->local ? y[row] : 0;
+      for (int e = parts->first[row / 3]; e < parts->first[row / 3 + 1] && !fc->local; e++) {
+        int n = parts->size[parts->block[e]];
+        column[i] +=
+            nsdae_dot(n, nsdae_fc_part(fc, e) + row % 3 * n, y + parts->offset[parts->block[e]]);
+      }
+    }
     column[j] += fc->items.C[s->row[j]];
     s->W[(size_t)s->m * (size_t)s->m + (size_t)j] = fc->items.q[s->row[j]];
   }
@@ -188,7 +174,6 @@ int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_b
   nsdae_fc_as_lcp *s = &island->as_lcp;
   nsdae_fc_scaled *fc = &island->fc;
   if (s->m == 0 || !nsdae_fc_spend(island, it, b, s->m)) return it->residual <= b->tol;
-  list_rows(s, fc);
   fill_W(s, fc, island->newton.y);
   if (eliminate(s) != 0) return it->residual <= b->tol;
   fill_problem(s, fc);

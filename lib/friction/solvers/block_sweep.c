@@ -75,13 +75,6 @@ static inline void add_parts(nsdae_fc_scaled *c, int k, const double *dr)
   }
 }
 
-/* r += dr, y += J dr */
-static inline void apply(nsdae_fc_scaled *c, int k, const double *dr)
-{
-  for (int j = 0; j < 3; j++) c->r[3 * k + j] += dr[j];
-  if (!c->local) add_parts(c, k, dr);
-}
-
 /* ---- one contact */
 
 /* Whether item k, of which u are the velocities, sticks: it closes without an impulse, and with
@@ -98,12 +91,6 @@ static inline int sticks(const nsdae_fc_scaled *c, int k, const double *u, doubl
          r[1] * r[1] + r[2] * r[2] <= most * most;
 }
 
-/* Nothing presses and it does not approach. */
-static inline int stays_open(const double *r, const double *u)
-{
-  return r[0] == 0 && r[1] == 0 && r[2] == 0 && u[0] >= 0;
-}
-
 /* The new r of item k, of which u are the velocities. */
 static void solve_item(const nsdae_fc_scaled *c, int k, const double *u, double *slip, double *r)
 {
@@ -112,12 +99,12 @@ static void solve_item(const nsdae_fc_scaled *c, int k, const double *u, double 
     slip[k] = 0;
     return;
   }
-  if (c->items.kind[k] == NSDAE_FC_CONE && stays_open(c->r + 3 * k, u)) {
-    r[0] = r[1] = r[2] = 0;
+  memcpy(old, c->r + 3 * k, sizeof old);
+  if (c->items.kind[k] == NSDAE_FC_CONE && old[0] == 0 && old[1] == 0 && old[2] == 0 && u[0] >= 0) {
+    r[0] = r[1] = r[2] = 0; /* nothing presses and it does not approach */
     return;
   }
   memcpy(D, c->items.D + 9 * (size_t)k, sizeof D);
-  memcpy(old, c->r + 3 * k, sizeof old);
   for (int j = 0; j < 3; j++) D[4 * j] += NSDAE_FC_PROXIMAL;
   r[1] = r[2] = 0;
   if (c->items.kind[k] != NSDAE_FC_CONE) {
@@ -153,7 +140,8 @@ double nsdae_fc_sweep(nsdae_fc_scaled *c, double *slip)
     double most = nsdae_larger(nsdae_larger(fabs(r[0]), fabs(r[1])), fabs(r[2]));
     if (most == 0) continue;
     change = nsdae_larger(change, c->items.weight[k] * most);
-    apply(c, k, r);
+    for (int j = 0; j < 3; j++) c->r[3 * k + j] += r[j];
+    if (!c->local) add_parts(c, k, r);
   }
   return change;
 }

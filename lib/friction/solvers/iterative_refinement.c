@@ -41,18 +41,6 @@ static double relocate(nsdae_fc_island *s)
   return nsdae_fc_residual(c, c->r, c->u);
 }
 
-/* high + low += the correction at fc.r. */
-static void add(nsdae_fc_island *s)
-{
-  nsdae_fc_refinement *p = &s->refinement;
-  for (int i = 0; i < 3 * s->fc.n; i++) {
-    nsdae_dd_add(1, s->fc.r[i], p->high + i, p->low + i);
-    double sum = p->high[i] + p->low[i];
-    p->low[i] -= sum - p->high[i];
-    p->high[i] = sum;
-  }
-}
-
 /* The problem for what the point lacks, from zero on, by this solver. */
 static void correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b,
                     double residual, nsdae_fc_solve *solve)
@@ -65,7 +53,12 @@ static void correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_bud
   (void)solve(s, &inner, &closer);
   memcpy(s->fc.r, p->correction, nsdae_fc_bytes(s));
   it->work = inner.work;
-  add(s);
+  for (int i = 0; i < 3 * s->fc.n; i++) { /* high + low += the correction */
+    nsdae_dd_add(1, s->fc.r[i], p->high + i, p->low + i);
+    double sum = p->high[i] + p->low[i];
+    p->low[i] -= sum - p->high[i];
+    p->high[i] = sum;
+  }
 }
 
 /* Corrections as long as each halves the residual, and once a solver does not, by the next one; the

@@ -36,12 +36,13 @@ double nsdae_fc_newton_map(nsdae_fc_newton *s, const double *r, const double *u,
   return sum;
 }
 
-/* s->u := b - E dr - A W dr */
-static void linear_residual(nsdae_fc_newton *s, const double *b, const double *dr)
+/* E^-1 is up to 1 / alpha, and what rounding leaves of velocities is as much larger in dr: a step
+ * of iterative refinement (Skeel, Math. Comp. 35 (1980) 817) takes most of it away. */
+void nsdae_fc_newton_solve(nsdae_fc_newton *s, const double *b, double *dr)
 {
-  const nsdae_fc_scaled *c = s->fc;
-  nsdae_fc_response(c, dr, s->y, s->u);
-  for (int k = 0; k < c->n; k++) {
+  nsdae_fc_system_solve(s->system, b, dr);
+  nsdae_fc_response(s->fc, dr, s->y, s->u);
+  for (int k = 0; k < s->fc->n; k++) { /* u := b - E dr - A W dr */
     const double *E = s->E + 9 * (size_t)k, *A = s->A + 9 * (size_t)k;
     double rest[3], *u = s->u + 3 * k;
     for (int i = 0; i < 3; i++) {
@@ -50,48 +51,27 @@ static void linear_residual(nsdae_fc_newton *s, const double *b, const double *d
     }
     memcpy(u, rest, sizeof rest);
   }
-}
-
-/* E^-1 is up to 1 / alpha, and what rounding leaves of velocities is as much larger in dr: a step
- * of iterative refinement (Skeel, Math. Comp. 35 (1980) 817) takes most of it away. */
-void nsdae_fc_newton_solve(nsdae_fc_newton *s, const double *b, double *dr)
-{
-  nsdae_fc_system_solve(s->system, b, dr);
-  linear_residual(s, b, dr);
   nsdae_fc_system_solve(s->system, s->u, s->trial);
   for (size_t i = 0; i < 3 * (size_t)s->fc->n; i++) dr[i] += s->trial[i];
-}
-
-/* The trial point at this length of the step; half the square of its map. */
-static double trial_map(nsdae_fc_newton *s, double length)
-{
-  const nsdae_fc_scaled *c = s->fc;
-  for (size_t i = 0; i < 3 * (size_t)c->n; i++) s->trial[i] = c->r[i] - length * s->dr[i];
-  nsdae_fc_velocities(c, s->trial, s->y, s->u);
-  return nsdae_fc_newton_map(s, s->trial, s->u, 0);
-}
-
-static void accept_trial(nsdae_fc_newton *s)
-{
-  nsdae_fc_scaled *c = s->fc;
-  size_t m = 3 * (size_t)c->n;
-  memcpy(c->r, s->trial, m * sizeof *c->r);
-  memcpy(c->u, s->u, m * sizeof *c->u);
-  if (!c->local) memcpy(c->y, s->y, (size_t)c->ny * sizeof *c->y);
 }
 
 double nsdae_fc_newton_step(nsdae_fc_newton *s, double before)
 {
   nsdae_fc_scaled *c = s->fc;
+  size_t m = 3 * (size_t)c->n;
   double now = INFINITY, length = 1;
   nsdae_fc_newton_map(s, c->r, c->u, 1);
   if (nsdae_fc_system_factor(s->system, s->E, s->A) != 0) return NAN;
   nsdae_fc_system_solve(s->system, s->F, s->dr);
   for (int k = 0; k < 8; k++, length /= 2) {
-    now = trial_map(s, length);
+    for (size_t i = 0; i < m; i++) s->trial[i] = c->r[i] - length * s->dr[i];
+    nsdae_fc_velocities(c, s->trial, s->y, s->u);
+    now = nsdae_fc_newton_map(s, s->trial, s->u, 0);
     if (s->search ? now <= (1 - 1e-4 * length) * before : now < INFINITY) break;
   }
   if (!(now < INFINITY)) return NAN;
-  accept_trial(s);
+  memcpy(c->r, s->trial, m * sizeof *c->r);
+  memcpy(c->u, s->u, m * sizeof *c->u);
+  if (!c->local) memcpy(c->y, s->y, (size_t)c->ny * sizeof *c->y);
   return now;
 }

@@ -26,14 +26,8 @@ static double evaluate(nsdae_fc_island *s, nsdae_fc_iterate *it)
   return nsdae_fc_offer(s, it);
 }
 
-/* Whether a change that has not been halved for since sweeps does not reach tol, at that rate, in
- * the sweeps that the budget still allows. */
-static int stagnates(double change, double since, double tol, double sweeps_left)
-{
-  return since * log2(fmax(2, change / tol)) > sweeps_left;
-}
-
-/* Ends if the changes of sweeps stagnate, or are zero. */
+/* Ends if the changes of sweeps are zero, or stagnate: one that has not been halved for since
+ * sweeps does not reach tol, at that rate, in the sweeps that the budget still allows. */
 static int accelerated(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   double mark = INFINITY;
@@ -46,7 +40,8 @@ static int accelerated(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_
       evaluated = done;
     }
     if (change <= 0.5 * mark) mark = change, since = 0;
-    if (!(change > 0) || left(it, b) < 1 || stagnates(mark, since, b->tol, left(it, b))) break;
+    if (!(change > 0) || left(it, b) < 1) break;
+    if (since * log2(fmax(2, mark / b->tol)) > left(it, b)) break;
     nsdae_fc_anderson_extrapolate(&s->anderson, &s->fc);
     nsdae_fc_ratio_step(&s->anderson, &s->fc);
   }

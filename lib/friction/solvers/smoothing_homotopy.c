@@ -42,28 +42,20 @@ static int correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budg
   return isnan(now) ? 0 : steps;
 }
 
-/* The first point of the path, from r = 0. */
-static int begin_path(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b,
-                      double loose)
-{
-  int steps = INNER;
-  s->newton.alpha = NSDAE_FC_REGULAR;
-  s->newton.search = 1;
-  for (size_t k = 0; k < sizeof FIRST / sizeof *FIRST && steps == INNER; k++) {
-    memset(s->fc.r, 0, nsdae_fc_bytes(s));
-    nsdae_fc_set_point(s, s->fc.r);
-    s->newton.epsilon = FIRST[k];
-    steps = correct(s, it, b, loose);
-  }
-  return steps;
-}
-
 /* Along the path to its end; returns the residual there. */
 static double follow(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b,
                      double loose)
 {
   double shrink = 0.3, residual = INFINITY;
-  int steps = begin_path(s, it, b, loose);
+  int steps = INNER;
+  s->newton.alpha = NSDAE_FC_REGULAR;
+  s->newton.search = 1;
+  for (size_t k = 0; k < sizeof FIRST / sizeof *FIRST && steps == INNER; k++) {
+    memset(s->fc.r, 0, nsdae_fc_bytes(s)); /* the first point, from r = 0 */
+    nsdae_fc_set_point(s, s->fc.r);
+    s->newton.epsilon = FIRST[k];
+    steps = correct(s, it, b, loose);
+  }
   while (steps > 0) {
     residual = nsdae_fc_offer(s, it);
     if (residual <= b->tol) break;

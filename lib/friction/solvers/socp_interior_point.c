@@ -219,44 +219,27 @@ static void fill(nsdae_fc_newton *s, int k, const double *root, const double *d)
   }
 }
 
-/* The matrix at the point; 0 where there is none. */
-static int factor(nsdae_fc_socp *p, nsdae_fc_newton *s)
-{
-  const nsdae_fc_scaled *c = s->fc;
-  for (int k = 0; k < c->n; k++) {
-    if (bilateral(c, k))
-      p->axis[2 * k] = 1, p->axis[2 * k + 1] = 0;
-    else if (!nesterov_todd(p, k))
-      return 0;
-    fill(s, k, p->root + 3 * k, p->axis + 2 * k);
-  }
-  return nsdae_fc_system_factor(s->system, s->E, s->A) == 0;
-}
-
 /* ---- directions */
 
-/* x := W (W a \ (W^-1 db o W da)) of item k */
-static void second_order(const nsdae_fc_socp *p, int k, double x[3])
+/* What db + W^2 da is to be, with the second order W (W a \ (W^-1 db o W da)) of the step at hand
+ * or without. */
+static void set_rhs(nsdae_fc_socp *p, int k, double sigma, int corrected)
 {
+  const double *a = p->a + 3 * k, *b = p->b + 3 * k, share = sigma / determinant(a);
   const double *root = p->root + 3 * k, *d = p->axis + 2 * k;
-  double inverse[3] = {1 / root[0], 1 / root[1], 1 / root[2]}, l[3], v[3], w[3], m[3], z[3];
+  double *rhs = p->rhs + 3 * k;
+  for (int i = 0; i < 3; i++) rhs[i] = (i == 0 ? share : -share) * a[i] - b[i];
+  if (!corrected) return;
+  double inverse[3] = {1 / root[0], 1 / root[1], 1 / root[2]}, l[3], v[3], w[3], m[3], z[3], x[3];
   apply(inverse, d, p->db + 3 * k, v);
   apply(root, d, p->da + 3 * k, w);
-  apply(root, d, p->a + 3 * k, l);
+  apply(root, d, a, l);
   m[0] = product(v, w);
   for (int i = 1; i < 3; i++) m[i] = v[0] * w[i] + w[0] * v[i];
   z[0] = (l[0] * m[0] - l[1] * m[1] - l[2] * m[2]) / determinant(l);
   for (int i = 1; i < 3; i++) z[i] = (m[i] - l[i] * z[0]) / l[0];
   apply(root, d, z, x);
-}
-
-/* What db + W^2 da is to be, with the second order of the step at hand or without. */
-static void set_rhs(nsdae_fc_socp *p, int k, double sigma, int corrected)
-{
-  const double *a = p->a + 3 * k, *b = p->b + 3 * k, share = sigma / determinant(a);
-  double x[3] = {0}, *rhs = p->rhs + 3 * k;
-  if (corrected) second_order(p, k, x);
-  for (int i = 0; i < 3; i++) rhs[i] = (i == 0 ? share : -share) * a[i] - b[i] - x[i];
+  for (int i = 0; i < 3; i++) rhs[i] -= x[i];
 }
 
 /* db of item k: of its equation where W is small, else of the velocities u after the step. */
@@ -335,7 +318,14 @@ static double longest(const nsdae_fc_socp *p, const nsdae_fc_scaled *c, double s
 static double predictor_corrector(nsdae_fc_socp *p, nsdae_fc_newton *s, double now)
 {
   nsdae_fc_scaled *c = s->fc;
-  if (!factor(p, s)) return 0;
+  for (int k = 0; k < c->n; k++) { /* the matrix at the point */
+    if (bilateral(c, k))
+      p->axis[2 * k] = 1, p->axis[2 * k + 1] = 0;
+    else if (!nesterov_todd(p, k))
+      return 0;
+    fill(s, k, p->root + 3 * k, p->axis + 2 * k);
+  }
+  if (nsdae_fc_system_factor(s->system, s->E, s->A) != 0) return 0;
   newton_direction(p, s, 0, 0);
   double ratio = mean(p, c, longest(p, c, 1)) / now;
   double sigma = fmin(1, fmax(0, ratio * ratio * ratio));

@@ -56,18 +56,14 @@ static int (*const stages[])(nsdae_lcp_work *) = {try_trivial,
                                                   nsdae_lcp_try_further,
                                                   enumerate};
 
-static int run_stages(nsdae_lcp_work *w)
-{
-  for (size_t k = 0; k < sizeof stages / sizeof *stages; k++)
-    if ((w->options->stages & 1 << k) && stages[k](w)) break;
-  if (w->info->outcome == NSDAE_OUTCOME_SOLVED) return NSDAE_OK;
-  return w->info->outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE : NSDAE_E_LCP;
-}
-
 int nsdae_lcp_chain_run(nsdae_lcp_work *w)
 {
   nsdae_lcp_work_scale(w);
-  int status = run_stages(w);
+  for (size_t k = 0; k < sizeof stages / sizeof *stages; k++)
+    if ((w->options->stages & 1 << k) && stages[k](w)) break;
+  int status = w->info->outcome == NSDAE_OUTCOME_SOLVED       ? NSDAE_OK
+               : w->info->outcome == NSDAE_OUTCOME_INFEASIBLE ? NSDAE_E_INFEASIBLE
+                                                              : NSDAE_E_LCP;
   if (status != NSDAE_OK && w->ray && w->n <= NSDAE_RAY_MAX) {
     /* The ray again, from which a later stage took the arrays. */
     int pivots;

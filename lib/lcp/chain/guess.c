@@ -55,16 +55,6 @@ static const double *scaled_column(const nsdae_lcp_work *w, int j)
   return w->problem->A + (size_t)j * (size_t)w->problem->lda;
 }
 
-/* The factors of A_BB, B in w->room.index; returns the size of B, or 0 where there is nothing to
- * solve.
- */
-static int factor_active_set(nsdae_lcp_work *w)
-{
-  int size =
-      nsdae_lcp_gather(w->n, w->problem->A, w->problem->lda, w->basis, w->room.lu, w->room.index);
-  return size > 0 && nsdae_la_lu(size, w->room.lu, size, w->room.pivot) == 0 ? size : 0;
-}
-
 /* y += a x, s += |a x|. */
 static void add_column(int n, const double *restrict a, double x, double *restrict y,
                        double *restrict s)
@@ -78,33 +68,16 @@ static void add_column(int n, const double *restrict a, double x, double *restri
 
 /* ---- residual and its rounding */
 
-/* y and s of the head of A x + b; A and b are finite, so that x_j = 0 adds nothing. */
-static void multiply(nsdae_lcp_work *w, int size)
-{
-  for (int i = 0; i < w->n; i++) {
-    w->y[i] = w->problem->b[i];
-    w->room.sizes[i] = fabs(w->y[i]);
-  }
-  for (int j = 0; j < size; j++)
-    if (w->x[w->room.index[j]] > 0)
-      add_column(w->n, scaled_column(w, w->room.index[j]), w->x[w->room.index[j]], w->y,
-                 w->room.sizes);
-}
-
-/* Whether a row without size has no term at all, rather than one that underflowed. */
-static int is_empty(const nsdae_lcp_work *w, int i, int size)
-{
-  for (int j = 0; j < size; j++)
-    if (scaled_column(w, w->room.index[j])[i] != 0 && w->x[w->room.index[j]] > 0) return 0;
-  return 1;
-}
-
-/* Whether rows of that size say something: neither infinite nor what underflow left. */
+/* Whether the rows say something: their sizes are neither infinite nor what underflow left. A row
+ * without size has no term at all, rather than one that underflowed. */
 static int are_sound(const nsdae_lcp_work *w, int size)
 {
   for (int i = 0; i < w->n; i++) {
     double s = w->room.sizes[i];
-    if (!(s >= TINY && s <= DBL_MAX) && !(s == 0 && is_empty(w, i, size))) return 0;
+    if (s >= TINY && s <= DBL_MAX) continue;
+    if (s != 0) return 0;
+    for (int j = 0; j < size; j++)
+      if (scaled_column(w, w->room.index[j])[i] != 0 && w->x[w->room.index[j]] > 0) return 0;
   }
   return 1;
 }
@@ -158,7 +131,15 @@ static double solve_active_set(nsdae_lcp_work *w, int size)
       double *x = w->x + w->room.index[j], sum = *x + w->room.rhs[j];
       if (round == 0 || *x > 0) *x = sum > 0 ? sum : 0;
     }
-    multiply(w, size);
+    /* y and s of the head of A x + b; A and b are finite, so that x_j = 0 adds nothing. */
+    for (int i = 0; i < w->n; i++) {
+      w->y[i] = w->problem->b[i];
+      w->room.sizes[i] = fabs(w->y[i]);
+    }
+    for (int j = 0; j < size; j++) {
+      double x = w->x[w->room.index[j]];
+      if (x > 0) add_column(w->n, scaled_column(w, w->room.index[j]), x, w->y, w->room.sizes);
+    }
     error = bound(w);
   }
   return error;
@@ -211,8 +192,11 @@ static int is_pushed(const nsdae_lcp_work *w, int size)
 
 int nsdae_lcp_guess_basis(nsdae_lcp_work *w)
 {
-  int stages = w->options->stages, size = stages & NSDAE_LCP_WARM ? factor_active_set(w) : 0;
-  if (size == 0) return 0;
+  const nsdae_lcp_problem *p = w->problem;
+  int stages = w->options->stages;
+  if (!(stages & NSDAE_LCP_WARM)) return 0;
+  int size = nsdae_lcp_gather(w->n, p->A, p->lda, w->basis, w->room.lu, w->room.index);
+  if (size == 0 || nsdae_la_lu(size, w->room.lu, size, w->room.pivot) != 0) return 0;
   double residual = solve_active_set(w, size);
   if (!(residual <= w->options->tol) || !are_sound(w, size)) return 0;
   residual = fmax(residual, sensitivity(w, size) / NSDAE_LCP_FAR);

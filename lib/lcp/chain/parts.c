@@ -99,30 +99,26 @@ static void scatter_island(const parts *p, const part *one)
   }
 }
 
-/* The certificate of the whole: the worst of all; of the stages the last. */
-static void merge(nsdae_lcp_info *whole, const nsdae_lcp_info *one)
-{
-  whole->pivots += one->pivots;
-  whole->residual = fmax(whole->residual, one->residual);
-  if (one->ray && !whole->ray) whole->ray = one->ray;
-  if (one->outcome == NSDAE_OUTCOME_SOLVED && one->stage > whole->stage) whole->stage = one->stage;
-}
-
 /* ---- all islands */
 
-/* All islands; returns the first that is proved to have no solution, or else the first that was not
- * solved, or -1. */
+/* All islands; the certificate of the whole is the worst of all, of the stages the last. Returns
+ * the first that is proved to have no solution, or else the first that was not solved, or -1. */
 static int solve_all(const parts *p, int *proved)
 {
   part one;
+  nsdae_lcp_info *info = p->whole->info;
   int failed = -1, n = p->whole->n;
-  *p->whole->info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
+  *info = (nsdae_lcp_info){.outcome = NSDAE_OUTCOME_SOLVED};
   for (int island = 0; island < n; island++) {
     if (p->label[island] != island) continue;
     int m = nsdae_islands_members(n, p->label, island, p->member);
     int status = solve_part(p, &one, m);
     scatter_island(p, &one);
-    merge(p->whole->info, &one.info);
+    info->pivots += one.info.pivots;
+    info->residual = fmax(info->residual, one.info.residual);
+    if (!info->ray) info->ray = one.info.ray;
+    if (one.info.outcome == NSDAE_OUTCOME_SOLVED && one.info.stage > info->stage)
+      info->stage = one.info.stage;
     if (status == NSDAE_OK || *proved || (failed >= 0 && status != NSDAE_E_INFEASIBLE)) continue;
     failed = island;
     *proved = status == NSDAE_E_INFEASIBLE;
@@ -174,17 +170,6 @@ static int report(const parts *p, int failed)
   return status;
 }
 
-/* All islands, or the whole where there is one, or where an int is too small for the size of the
- * workspace: that begins at some 18 000 rows. */
-static int run_islands(const parts *p, int islands, int lwork)
-{
-  if (islands < 2 || doubles_for(largest_island(p)) > lwork) return nsdae_lcp_chain_run(p->whole);
-  int proved = 0, failed = solve_all(p, &proved);
-  int stands = proved && !is_rounding(p, failed);
-  if (failed < 0 || (!stands && judge_whole(p))) return NSDAE_OK;
-  return report(p, failed);
-}
-
 int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork)
 {
   int *label = iwork + ints_for(w->n);
@@ -196,5 +181,11 @@ int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork
   if (nsdae_lcp_guess_nothing(w) || (w->n <= FEW && nsdae_lcp_guess_basis(w))) return NSDAE_OK;
   int islands = nsdae_islands_find(w->n, w->problem->A, w->problem->lda, label);
   if (islands < 2 && w->n > FEW && nsdae_lcp_guess_basis(w)) return NSDAE_OK;
-  return run_islands(&p, islands, lwork);
+  /* The whole where there is one island, or where an int is too small for the size of the
+   * workspace: that begins at some 18 000 rows. */
+  if (islands < 2 || doubles_for(largest_island(&p)) > lwork) return nsdae_lcp_chain_run(w);
+  int proved = 0, failed = solve_all(&p, &proved);
+  int stands = proved && !is_rounding(&p, failed);
+  if (failed < 0 || (!stands && judge_whole(&p))) return NSDAE_OK;
+  return report(&p, failed);
 }

@@ -43,19 +43,15 @@ int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
   return NSDAE_OK;
 }
 
-static int in_range(const nsdae_lcp_options *o)
-{
-  return o->tol > 0 && o->tol <= 1 && o->max_pivots >= 0 && o->stages >= 0 &&
-         o->stages <= NSDAE_LCP_ALL && o->enumerate_max >= 0 && o->enumerate_max <= 24;
-}
-
 /* Status of what both ways of calling take. */
-static int check_solve(const nsdae_lcp_problem *p, const nsdae_lcp_options *options,
-                       const double *x, const double *y)
+static int check_solve(const nsdae_lcp_problem *p, const nsdae_lcp_options *o, const double *x,
+                       const double *y)
 {
   if (!p || p->n < 0 || p->n > LARGEST || p->lda < 1 || p->lda < p->n) return NSDAE_E_ARGUMENT;
   if (p->n > 0 && (!p->A || !p->b || !x || !y)) return NSDAE_E_ARGUMENT;
-  if (!in_range(options)) return NSDAE_E_ARGUMENT;
+  if (!(o->tol > 0 && o->tol <= 1) || o->max_pivots < 0 || o->stages < 0 ||
+      o->stages > NSDAE_LCP_ALL || o->enumerate_max < 0 || o->enumerate_max > 24)
+    return NSDAE_E_ARGUMENT;
   int finite = nsdae_lcp_finite(p->n, 1, p->b, 1) && nsdae_lcp_finite(p->n, p->n, p->A, p->lda);
   return finite ? NSDAE_OK : NSDAE_E_NONFINITE;
 }

@@ -13,22 +13,6 @@ int nsdae_dictionary_size(int n, int block)
   return n * (n + 2) + (block > 0 ? (2 * n + 1) * (block + 1) + block : 0);
 }
 
-static void lay_out_dictionary(nsdae_dictionary *t, int n, int block, double *work)
-{
-  size_t size = (size_t)n, wide = (size_t)block;
-  t->n = n;
-  t->block = block;
-  t->pending = 0;
-  t->D = work;
-  t->q = work + size * (size + 1);
-  if (block == 0) return;
-  t->U = t->q + size;
-  t->V = t->U + size * wide;
-  t->column = t->V + (size + 1) * wide;
-  t->row = t->column + size;
-  t->along = t->row + size + 1;
-}
-
 static double *dictionary_column(const nsdae_dictionary *t, int j)
 {
   return t->D + (size_t)j * (size_t)t->n;
@@ -53,7 +37,15 @@ static void start_column(int n, const double *restrict a, double factor, const d
 int nsdae_dictionary_start(nsdae_dictionary *t, int n, int block, const double *a, int lda,
                            const double *b, const double *d, int r, double *work)
 {
-  lay_out_dictionary(t, n, block, work);
+  size_t size = (size_t)n, wide = (size_t)block;
+  *t = (nsdae_dictionary){.n = n, .block = block, .D = work, .q = work + size * (size + 1)};
+  if (block > 0) {
+    t->U = t->q + size;
+    t->V = t->U + size * wide;
+    t->column = t->V + (size + 1) * wide;
+    t->row = t->column + size;
+    t->along = t->row + size + 1;
+  }
   double *cover = dictionary_column(t, n), by = d ? d[r] : 1;
   for (int i = 0; i < n; i++) {
     cover[i] = d ? d[i] : 1;
@@ -104,24 +96,15 @@ void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c)
 
 /* ---- pivots, at once or delayed */
 
-static void pivot_at_once(nsdae_dictionary *t, int r, int e)
+static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
 {
   int n = t->n;
-  double *entering = dictionary_column(t, e), by = entering[r];
-  for (int j = 0; j <= n; j++) {
-    double *column = dictionary_column(t, j), factor = -column[r] / by;
-    if (j == e || factor == 0) continue;
-    add_scaled(n, factor, entering, column);
-    column[r] = factor;
-  }
-  for (int i = 0; i < n; i++) entering[i] /= by;
-  entering[r] = 1 / by;
-}
-
-/* t->row = row r of C; row r of D and U become zero. */
-static void take_row(nsdae_dictionary *t, int r)
-{
-  int n = t->n;
+  double *u = t->U + (size_t)t->pending * (size_t)n;
+  double *v = t->V + (size_t)t->pending * ((size_t)n + 1);
+  double by = c[r];
+  for (int i = 0; i < n; i++) u[i] = c[i];
+  u[r] = 1;
+  /* t->row = row r of C; row r of D and U become zero. */
   for (int j = 0; j <= n; j++) {
     double *at = dictionary_column(t, j) + r;
     t->row[j] = *at;
@@ -133,17 +116,6 @@ static void take_row(nsdae_dictionary *t, int r)
     *at = 0;
   }
   nsdae_la_add_product(n + 1, t->pending, t->V, n + 1, t->along, t->row);
-}
-
-static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
-{
-  int n = t->n;
-  double *u = t->U + (size_t)t->pending * (size_t)n;
-  double *v = t->V + (size_t)t->pending * ((size_t)n + 1);
-  double by = c[r];
-  for (int i = 0; i < n; i++) u[i] = c[i];
-  u[r] = 1;
-  take_row(t, r);
   /* Column e is zero from now on. */
   double *column = dictionary_column(t, e);
   for (int i = 0; i < t->n; i++) column[i] = 0;
@@ -157,9 +129,19 @@ static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
 
 void nsdae_dictionary_pivot(nsdae_dictionary *t, int r, int e, const double *c)
 {
+  int n = t->n;
   nsdae_dictionary_move(t, r, c);
-  if (t->block == 0)
-    pivot_at_once(t, r, e);
-  else
+  if (t->block > 0) {
     pivot_later(t, r, e, c);
+    return;
+  }
+  double *entering = dictionary_column(t, e), by = entering[r];
+  for (int j = 0; j <= n; j++) {
+    double *column = dictionary_column(t, j), factor = -column[r] / by;
+    if (j == e || factor == 0) continue;
+    add_scaled(n, factor, entering, column);
+    column[r] = factor;
+  }
+  for (int i = 0; i < n; i++) entering[i] /= by;
+  entering[r] = 1 / by;
 }

@@ -27,13 +27,15 @@ static double try_set(const nsdae_lcp_point *p, double tol, int *singular)
   return residual_of(p);
 }
 
-static int check_dlcpenum(int n, const double *a, int lda, const double *b, double tol,
-                          const int *set, const double *x, const double *residual,
-                          const double *work, int lwork, const int *iwork)
+int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol, int *set,
+                   double *x, double *residual, double *work, int lwork, int *iwork)
 {
   if (n < 0 || n > LARGEST) return -1;
   if (!work) return -9;
-  if (lwork == -1) return 0;
+  if (lwork == -1) {
+    work[0] = (double)n * (n + 2);
+    return 0;
+  }
   if (lda < 1 || lda < n) return -3;
   if (!nsdae_lcp_finite(n, n, a, lda)) return -2;
   if (!nsdae_lcp_finite(n, 1, b, n)) return -4;
@@ -42,18 +44,7 @@ static int check_dlcpenum(int n, const double *a, int lda, const double *b, doub
   if (!x && n > 0) return -7;
   if (!residual) return -8;
   if (lwork < n * (n + 2)) return -10;
-  return iwork ? 0 : -11;
-}
-
-int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol, int *set,
-                   double *x, double *residual, double *work, int lwork, int *iwork)
-{
-  int info = check_dlcpenum(n, a, lda, b, tol, set, x, residual, work, lwork, iwork);
-  if (info != 0) return info;
-  if (lwork == -1) {
-    work[0] = (double)n * (n + 2);
-    return 0;
-  }
+  if (!iwork) return -11;
   double *y = work + (size_t)n * (size_t)n;
   const nsdae_lcp_point p = {n, lda, a, b, x, work, y, y + n, iwork, iwork + n, iwork + 2 * n};
   int singular = 0;

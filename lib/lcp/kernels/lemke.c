@@ -151,30 +151,10 @@ static int pivot_to_the_end(method *m, int row, int max_pivots, int *pivots)
   }
 }
 
-/* x and basis, until they have what they are for, hold the bounds and is_x. */
-static void start_lemke(method *m, int n, const double *b, double *x, int *basis, int *iwork)
-{
-  m->n = n;
-  m->basic = iwork;
-  m->place = iwork + n;
-  m->is_x = basis;
-  m->bound = x;
-  m->slack_y = slack * nsdae_largest(n, b);
-  m->slack_x = 0;
-  for (int i = 0; i < n; i++) {
-    m->basic[i] = i;
-    m->place[i] = ~i;
-    m->is_x[i] = 0;
-  }
-}
-
 static int read_solution(const method *m, double *x, int *basis)
 {
   int finite = 1;
-  for (int i = 0; i < m->n; i++) {
-    x[i] = 0;
-    basis[i] = 0;
-  }
+  for (int i = 0; i < m->n; i++) x[i] = basis[i] = 0;
   for (int i = 0; i < m->n; i++) {
     int variable = m->basic[i] - m->n;
     finite &= isfinite(m->t.q[i]) != 0;
@@ -200,30 +180,42 @@ int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, con
   if (row < 0) {
     /* b >= 0: x = 0. */
     if (!nsdae_lcp_finite(n, n, a, lda)) return -2;
-    for (int i = 0; i < n; i++) {
-      x[i] = 0;
-      basis[i] = 0;
-    }
+    for (int i = 0; i < n; i++) x[i] = basis[i] = 0;
     *pivots = 0;
     return 0;
   }
   if (nsdae_dictionary_start(&m.t, n, block, a, lda, b, d, row, work) != 0) return -2;
-  start_lemke(&m, n, b, x, basis, iwork);
+  /* x and basis, until they have what they are for, hold the bounds and is_x. */
+  m.n = n;
+  m.basic = iwork;
+  m.place = iwork + n;
+  m.is_x = basis;
+  m.bound = x;
+  m.slack_y = slack * nsdae_largest(n, b);
+  m.slack_x = 0;
+  for (int i = 0; i < n; i++) {
+    m.basic[i] = i;
+    m.place[i] = ~i;
+    m.is_x[i] = 0;
+  }
   *pivots = 0;
   if (max_pivots > 0) info = pivot_to_the_end(&m, row, max_pivots, pivots);
   return read_solution(&m, x, basis) ? info : 3;
 }
 
-static int check_dlemke(int n, const double *a, int lda, const double *b, const double *d,
-                        int max_pivots, const double *x, const int *basis, const int *pivots,
-                        const double *work, int lwork, const int *iwork)
+int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
+                 double *x, int *basis, int *pivots, double *work, int lwork, int *iwork)
 {
   if (n < 0 || n > 32000) return -1;
+  int block = nsdae_lemke_block(n), best = nsdae_dictionary_size(n, block);
   if (!work) return -10;
-  if (lwork == -1) return 0;
+  if (lwork == -1) {
+    work[0] = best;
+    return 0;
+  }
   if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
-  if (n > 0 && !nsdae_lcp_finite(n, 1, b, n)) return -4;
+  if (!nsdae_lcp_finite(n, 1, b, n)) return -4;
   for (int i = 0; d && i < n; i++)
     if (!(d[i] > 0 && d[i] < INFINITY)) return -5;
   if (max_pivots < 0) return -6;
@@ -231,19 +223,7 @@ static int check_dlemke(int n, const double *a, int lda, const double *b, const 
   if (!basis && n > 0) return -8;
   if (!pivots) return -9;
   if (lwork < nsdae_dictionary_size(n, 0)) return -11;
-  return iwork ? 0 : -12;
-}
-
-int nsdae_dlemke(int n, const double *a, int lda, const double *b, const double *d, int max_pivots,
-                 double *x, int *basis, int *pivots, double *work, int lwork, int *iwork)
-{
-  int info = check_dlemke(n, a, lda, b, d, max_pivots, x, basis, pivots, work, lwork, iwork);
-  if (info != 0) return info;
-  int block = nsdae_lemke_block(n), best = nsdae_dictionary_size(n, block);
-  if (lwork == -1) {
-    work[0] = best;
-    return 0;
-  }
+  if (!iwork) return -12;
   return nsdae_lemke(n, lwork < best ? 0 : block, a, lda, b, d, max_pivots, x, basis, pivots, work,
                      iwork);
 }

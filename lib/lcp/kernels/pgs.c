@@ -19,13 +19,16 @@ static void sweep(int n, const double *a, int lda, double omega, double *x, doub
   }
 }
 
-static int check_dlcppgs(int n, const double *a, int lda, const double *b, double omega, double tol,
-                         int max_iter, const double *x, const int *iterations,
-                         const double *residual, const double *work, int lwork)
+int nsdae_dlcppgs(int n, const double *a, int lda, const double *b, double omega, double tol,
+                  int max_iter, double *x, int *iterations, double *residual, double *work,
+                  int lwork)
 {
   if (n < 0 || n > INT_MAX / 2) return -1;
   if (!work) return -11;
-  if (lwork == -1) return 0;
+  if (lwork == -1) {
+    work[0] = 2.0 * n;
+    return 0;
+  }
   if (lda < 1 || lda < n) return -3;
   if (!nsdae_lcp_finite(n, n, a, lda)) return -2;
   if (!nsdae_lcp_finite(n, 1, b, n)) return -4;
@@ -35,20 +38,7 @@ static int check_dlcppgs(int n, const double *a, int lda, const double *b, doubl
   if (!nsdae_lcp_finite(n, 1, x, n)) return -8;
   if (!iterations) return -9;
   if (!residual) return -10;
-  return lwork < 2 * n ? -12 : 0;
-}
-
-int nsdae_dlcppgs(int n, const double *a, int lda, const double *b, double omega, double tol,
-                  int max_iter, double *x, int *iterations, double *residual, double *work,
-                  int lwork)
-{
-  int info =
-      check_dlcppgs(n, a, lda, b, omega, tol, max_iter, x, iterations, residual, work, lwork);
-  if (info != 0) return info;
-  if (lwork == -1) {
-    work[0] = 2.0 * n;
-    return 0;
-  }
+  if (lwork < 2 * n) return -12;
   for (int i = 0; i < n; i++)
     if (!(a[(size_t)i * (size_t)lda + (size_t)i] > 0)) return 2;
   for (int i = 0; i < n; i++) x[i] = fmax(0, x[i]);

@@ -8,14 +8,6 @@
 #include "finite.h"
 #include "residual.h"
 
-/* Whether x_i, or y_i where x_i is not basic, is below zero by more than tol. */
-static int negative(const nsdae_lcp_point *p, int i, double tol)
-{
-  const double *column = p->a + (size_t)i * (size_t)p->lda;
-  return (p->basis[i] ? p->x[i] : p->y[i]) < 0 &&
-         nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -tol;
-}
-
 static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int max_pivots,
                             int *basis, int *pivots, double *residual)
 {
@@ -24,10 +16,14 @@ static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int
     int size = nsdae_lcp_active_set(p);
     if (nsdae_lcp_point_residual(p, residual) != 0 || size < 0) return 1;
     if (*residual <= tol) return 0;
-    /* The indices that are negative, into index; their number. */
+    /* The indices of which x_i, or y_i if x_i is not basic, is below zero by more than tol. */
     int count = 0;
-    for (int i = 0; i < p->n; i++)
-      if (negative(p, i, tol)) p->index[count++] = i;
+    for (int i = 0; i < p->n; i++) {
+      const double *column = p->a + (size_t)i * (size_t)p->lda;
+      if ((p->basis[i] ? p->x[i] : p->y[i]) < 0 &&
+          nsdae_lcp_entry_error(p->n, column, i, p->x[i], p->y[i], p->sizes) < -tol)
+        p->index[count++] = i;
+    }
     if (count == 0) return 1;
     if (*pivots == max_pivots) return 2;
     if (count < fewest) {
@@ -40,21 +36,16 @@ static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int
   }
 }
 
-static int zero_or_one(int n, const int *basis)
-{
-  if (n > 0 && !basis) return 0;
-  for (int i = 0; i < n; i++)
-    if (basis[i] != 0 && basis[i] != 1) return 0;
-  return 1;
-}
-
-static int check_dlcpppm(int n, const double *a, int lda, const double *b, double tol, int block,
-                         int max_pivots, const double *x, const int *basis, const int *pivots,
-                         const double *residual, const double *work, int lwork, const int *iwork)
+int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, double tol, int block,
+                  int max_pivots, double *x, int *basis, int *pivots, double *residual,
+                  double *work, int lwork, int *iwork)
 {
   if (n < 0 || n > 32000) return -1; /* n (n + 2) is an int */
   if (!work) return -12;
-  if (lwork == -1) return 0;
+  if (lwork == -1) {
+    work[0] = (double)n * (n + 2);
+    return 0;
+  }
   if (lda < 1 || lda < n) return -3;
   if (!nsdae_lcp_finite(n, n, a, lda)) return -2;
   if (!nsdae_lcp_finite(n, 1, b, n)) return -4;
@@ -62,27 +53,16 @@ static int check_dlcpppm(int n, const double *a, int lda, const double *b, doubl
   if (block < 0) return -6;
   if (max_pivots < 0) return -7;
   if (!x && n > 0) return -8;
-  if (!zero_or_one(n, basis)) return -9;
+  if (!basis && n > 0) return -9;
+  for (int i = 0; i < n; i++)
+    if (basis[i] != 0 && basis[i] != 1) return -9;
   if (!pivots) return -10;
   if (!residual) return -11;
   if (lwork < n * (n + 2)) return -13;
-  return iwork ? 0 : -14;
-}
-
-int nsdae_dlcpppm(int n, const double *a, int lda, const double *b, double tol, int block,
-                  int max_pivots, double *x, int *basis, int *pivots, double *residual,
-                  double *work, int lwork, int *iwork)
-{
-  int info = check_dlcpppm(n, a, lda, b, tol, block, max_pivots, x, basis, pivots, residual, work,
-                           lwork, iwork);
-  if (info != 0) return info;
-  if (lwork == -1) {
-    work[0] = (double)n * (n + 2);
-    return 0;
-  }
+  if (!iwork) return -14;
   double *y = work + (size_t)n * (size_t)n;
   const nsdae_lcp_point p = {n, lda, a, b, x, work, y, y + n, basis, iwork, iwork + n};
-  info = pivot_to_the_end(&p, tol, block, max_pivots, basis, pivots, residual);
+  int info = pivot_to_the_end(&p, tol, block, max_pivots, basis, pivots, residual);
   if (info != 0) return info;
   /* Rounding below zero off; the residual is that of what is returned. */
   for (int i = 0; i < n; i++) x[i] = fmax(0, x[i]);

@@ -4,23 +4,7 @@
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-/* y := A x + b and size_i := |b_i| + sum_j |a_ij x_j|, column by column. */
-static void product(int n, const double *a, int lda, const double *b, const double *x,
-                    double *restrict y, double *restrict size)
-{
-  for (int i = 0; i < n; i++) {
-    y[i] = b[i];
-    size[i] = fabs(b[i]);
-  }
-  for (int j = 0; j < n; j++) {
-    const double *restrict column = a + (size_t)j * (size_t)lda;
-    for (int i = 0; i < n; i++) { /* x_j = 0 included: a NaN of A must show */
-      double term = column[i] * x[j];
-      y[i] += term;
-      size[i] += fabs(term);
-    }
-  }
-}
+#include "vector.h"
 
 /* Row i of A x + b in twice the precision (Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26, 2005). */
 static double sum_carefully(int n, const double *row, int lda, double b, const double *x)
@@ -35,13 +19,23 @@ static double sum_carefully(int n, const double *row, int lda, double b, const d
   return sum + rest;
 }
 
-/* y and sy. */
+/* y := A x + b and size_i := |b_i| + sum_j |a_ij x_j|, column by column; then sy. */
 static void product_and_sizes(int n, const double *a, int lda, const double *b, const double *x,
-                              double *y, double *size)
+                              double *restrict y, double *restrict size)
 {
-  double largest = 0;
-  for (int i = 0; i < n; i++) largest = fmax(largest, fabs(b[i]));
-  product(n, a, lda, b, x, y, size);
+  double largest = nsdae_largest(n, b);
+  for (int i = 0; i < n; i++) {
+    y[i] = b[i];
+    size[i] = fabs(b[i]);
+  }
+  for (int j = 0; j < n; j++) {
+    const double *restrict column = a + (size_t)j * (size_t)lda;
+    for (int i = 0; i < n; i++) { /* x_j = 0 included: a NaN of A must show */
+      double term = column[i] * x[j];
+      y[i] += term;
+      size[i] += fabs(term);
+    }
+  }
   for (int i = 0; i < n; i++) {
     if (size[i] > NSDAE_LCP_FAR * largest && isfinite(size[i])) {
       y[i] = sum_carefully(n, a + i, lda, b[i], x);
@@ -57,37 +51,25 @@ static double relative(double value, double size)
   return size > 0 ? value / size : value;
 }
 
-/* sx_j: how large x_j must be to change some row. */
-static double column_size(int n, const double *column, const double *sy)
-{
-  double least = INFINITY;
-  for (int k = 0; k < n; k++) {
-    double size = column[k] != 0 ? sy[k] / fabs(column[k]) : INFINITY;
-    least = size < least ? size : least;
-  }
-  return least;
-}
-
 double nsdae_lcp_entry_error(int n, const double *column, int i, double x, double y,
                              const double *sizes)
 {
-  double of_y = relative(y, sizes[i]);
+  double of_y = relative(y, sizes[i]), least = INFINITY;
   if (isnan(x + y) || !isfinite(sizes[i])) return NAN;
   if (x >= 0 && of_y <= 0) return of_y; /* whatever sx is */
-  double of_x = x == 0 ? 0 : relative(x, column_size(n, column, sizes));
+  /* sx: how large x must be to change some row. */
+  for (int k = 0; k < n && x != 0; k++) {
+    double size = column[k] != 0 ? sizes[k] / fabs(column[k]) : INFINITY;
+    least = size < least ? size : least;
+  }
+  double of_x = x == 0 ? 0 : relative(x, least);
   return of_x < of_y ? of_x : of_y;
 }
 
-/* Whether |min(x / sx, y / sy)| is not above worst, whatever sx is. */
-static int is_within(double x, double y, double sy, double worst)
+int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x, double *y,
+                  double *residual, double *work)
 {
-  double of_y = relative(y, sy);
-  return isfinite(sy) && x >= 0 && isfinite(x) && of_y >= -worst && (x == 0 || of_y <= worst);
-}
-
-static int check_dlcpres(int n, const double *a, int lda, const double *b, const double *x,
-                         const double *y, const double *residual, const double *work)
-{
+  double worst = 0;
   if (n < 0) return -1;
   if (!a && n > 0) return -2;
   if (lda < 1 || lda < n) return -3;
@@ -95,18 +77,13 @@ static int check_dlcpres(int n, const double *a, int lda, const double *b, const
   if (!x && n > 0) return -5;
   if (!y && n > 0) return -6;
   if (!residual) return -7;
-  return work || n == 0 ? 0 : -8;
-}
-
-int nsdae_dlcpres(int n, const double *a, int lda, const double *b, const double *x, double *y,
-                  double *residual, double *work)
-{
-  int info = check_dlcpres(n, a, lda, b, x, y, residual, work);
-  if (info != 0) return info;
-  double worst = 0;
+  if (!work && n > 0) return -8;
   product_and_sizes(n, a, lda, b, x, y, work);
   for (int i = 0; i < n && !isnan(worst); i++) {
-    if (is_within(x[i], y[i], work[i], worst)) continue;
+    double of_y = relative(y[i], work[i]);
+    if (isfinite(work[i]) && x[i] >= 0 && isfinite(x[i]) && of_y >= -worst &&
+        (x[i] == 0 || of_y <= worst))
+      continue; /* |min(x / sx, y / sy)| is not above worst, whatever sx is */
     double error = fabs(nsdae_lcp_entry_error(n, a + (size_t)i * (size_t)lda, i, x[i], y[i], work));
     if (!(error <= worst)) worst = error;
   }

@@ -2,7 +2,7 @@
  * and x_i y_i = 0 (Fischer, Optimization 24, 1992). Levenberg-Marquardt steps on |phi|^2 / 2 with
  * backtracking (De Luca, Facchinei, Kanzow, Math. Program. 75, 1996): a stationary point need not
  * be a solution, so the result is judged by its residual like everything else. */
-#include "fischer.h"
+#include "lcp_methods.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -77,22 +77,6 @@ static double backtrack(newton *f, double *x, double *y, double bound)
   return -1;
 }
 
-static double worst_of(const double *last, int memory)
-{
-  double worst = 0;
-  for (int k = 0; k < memory; k++) worst = fmax(worst, last[k]);
-  return worst;
-}
-
-/* One step; returns the new norm, or a negative number where there is none to be made. */
-static double improve(newton *f, double *x, double *y, double norm, double bound)
-{
-  double nu = 1e-10 + 1e-6 * norm;
-  jacobian(f, x, y);
-  while (direction(f, nu) != 0 && nu < 1) nu *= 100; /* singular to rounding */
-  return nu < 1 ? backtrack(f, x, y, bound) : -1;
-}
-
 double nsdae_fischer(int n, const double *A, const double *b, int iterations, int memory, double *x,
                      double *y, double *work)
 {
@@ -106,7 +90,10 @@ double nsdae_fischer(int n, const double *A, const double *b, int iterations, in
   double norm = evaluate_fischer(&f, x, y, f.phi), scale = norm;
   for (int k = 0; k < memory; k++) last[k] = norm;
   for (int i = 0; i < iterations && norm > 1e-15 * scale; i++) {
-    double fresh = improve(&f, x, y, norm, worst_of(last, memory));
+    double nu = 1e-10 + 1e-6 * norm;
+    jacobian(&f, x, y);
+    while (direction(&f, nu) != 0 && nu < 1) nu *= 100; /* singular to rounding */
+    double fresh = nu < 1 ? backtrack(&f, x, y, nsdae_largest(memory, last)) : -1;
     if (fresh < 0) break;
     last[i % memory] = norm = fresh;
     if (i % PATIENCE != PATIENCE - 1) continue;

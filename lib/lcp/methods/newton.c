@@ -5,23 +5,12 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "fischer.h"
 #include "judge.h"
 #include "lcp_methods.h"
-#include "transform.h"
 #include "vector.h"
 
 /* Starts of the semismooth Newton method. */
 enum { STARTS = 24, EARLY = 4, ITERATIONS = 60, LARGE = 100 };
-
-/* Scaled x of the start of that number: zero, the size of b, then at random up to it. */
-static void start_point(nsdae_lcp_work *w, int number, unsigned long long *seed, double *x)
-{
-  double most = nsdae_largest(w->n, w->scaled.b);
-  nsdae_lcp_scatter(w->n, w->room.cover, seed);
-  for (int i = 0; i < w->n; i++)
-    x[i] = number == 0 ? 0 : number == 1 ? fmax(-w->scaled.b[i], 0) : most * w->room.cover[i];
-}
 
 /* Lemke's method from the active set in w->room.trial, which need not be right: on the problem in
  * which its x and y have changed places. */
@@ -43,25 +32,22 @@ static int lemke_from_trial(nsdae_lcp_work *w, int stage)
   return nsdae_lcp_judge_basis(w, w->room.trial, stage);
 }
 
-/* The iterate itself, and what it takes for positive, solved at once. */
-static int judge_iterate(nsdae_lcp_work *w, const double *x, const double *y, int stage)
-{
-  for (int i = 0; i < w->n; i++) w->room.trial[i] = x[i] > y[i];
-  if (nsdae_lcp_judge_basis(w, w->room.trial, stage)) return 1;
-  for (int i = 0; i < w->n; i++) w->x[i] = fmax(x[i], 0);
-  return nsdae_lcp_judge(w, w->room.trial, stage);
-}
-
-/* The method from the starts first .. end - 1. */
+/* The method from the starts first .. end - 1: x = 0, the size of b, then at random up to it. What
+ * an iterate takes for positive is solved at once, then the iterate itself is judged. */
 static int run_starts(nsdae_lcp_work *w, int first, int end, int stage)
 {
   unsigned long long seed = 7 + (unsigned long long)first;
-  double *x = w->room.point, *y = w->room.point + w->n;
+  double *x = w->room.point, *y = w->room.point + w->n, most = nsdae_largest(w->n, w->scaled.b);
   for (int k = first; k < end; k++) {
-    start_point(w, k, &seed, x);
+    nsdae_lcp_scatter(w->n, w->room.cover, &seed);
+    for (int i = 0; i < w->n; i++)
+      x[i] = k == 0 ? 0 : k == 1 ? fmax(-w->scaled.b[i], 0) : most * w->room.cover[i];
     int memory = k % 2 == 0 ? 1 : NSDAE_FISCHER_MEMORY;
     nsdae_fischer(w->n, w->scaled.A, w->scaled.b, ITERATIONS, memory, x, y, w->room.wide);
-    if (judge_iterate(w, x, y, stage) || lemke_from_trial(w, stage)) return 1;
+    for (int i = 0; i < w->n; i++) w->room.trial[i] = x[i] > y[i];
+    if (nsdae_lcp_judge_basis(w, w->room.trial, stage)) return 1;
+    for (int i = 0; i < w->n; i++) w->x[i] = fmax(x[i], 0);
+    if (nsdae_lcp_judge(w, w->room.trial, stage) || lemke_from_trial(w, stage)) return 1;
   }
   return 0;
 }

@@ -1,7 +1,7 @@
 /* Cottle, Pang, Stone, "The Linear Complementarity Problem", 1992, section 2.3. Column by column: a
  * column (A_B, A_N) that stays becomes (-X, A_N - A_NB X) with X = A_BB^-1 A_B, one that changes
  * places (X, A_NB X) with X = A_BB^-1 e_k. */
-#include "transform.h"
+#include "lcp_methods.h"
 
 #include <stddef.h>
 

@@ -99,15 +99,6 @@ static void even_means(int n, double *A, double *row, double *column, double *wo
 
 /* ---- sizes of independent blocks */
 
-/* Rows (i) and columns (n + j) in disjoint sets: those that entries join. */
-static void join_entries(int n, const double *A, int *set)
-{
-  nsdae_sets_begin(set, 2 * n);
-  for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++, A++)
-      if (*A != 0) nsdae_sets_join(set, i, n + j);
-}
-
 /* Multiplies the rows of a block by the power of two, and divides the columns by it, that brings
  * its largest b_i to the size of one: A stays, and x and y shrink alike. */
 static void shift_block(int n, const double *b, double *row, double *column, const int *node,
@@ -129,13 +120,6 @@ static void shift_block(int n, const double *b, double *row, double *column, con
     else
       *of_column = ldexp(*of_column, -shift);
   }
-}
-
-/* Whether b is far from the ends of the range, or zero. */
-static int is_moderate(int n, const double *b)
-{
-  double most = nsdae_largest(n, b);
-  return most == 0 || (most > 0x1p-500 && most < 0x1p500);
 }
 
 /* ---- largest entries */
@@ -163,14 +147,19 @@ void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column,
   /* Even: the largest entries of all rows and columns that are not zero are near enough to one. */
   largest_entries(n, A, work, work + n);
   int even = !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
-  if (even && is_moderate(n, b)) return;
+  double most = nsdae_largest(n, b); /* moderate: far from the ends of the range, or zero */
+  if (even && (most == 0 || (most > 0x1p-500 && most < 0x1p500))) return;
   if (!even) {
     even_means(n, A, row, column, work);
     even_sizes(n, A, row, column, work);
   }
-  /* Blocks that no entry joins have no common scale but that of b. */
+  /* Rows (i) and columns (n + j) in disjoint sets, those that entries join: blocks have no common
+   * scale but that of b. */
   int *set = iwork, *node = iwork + 2 * n;
-  join_entries(n, A, set);
+  nsdae_sets_begin(set, 2 * n);
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      if (A[(size_t)j * (size_t)n + (size_t)i] != 0) nsdae_sets_join(set, i, n + j);
   for (int root = 0; root < n; root++) {
     int count = 0;
     for (int k = root; k < 2 * n && set[root] == root; k++)

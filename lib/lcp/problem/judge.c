@@ -47,11 +47,12 @@ int nsdae_lcp_judge(nsdae_lcp_work *w, const int *basis, int stage)
   return nsdae_lcp_is_settled(w);
 }
 
-/* x on the active set: A_BB x_B = -b_B, all else zero. Returns 0, or 1 where A_BB is singular. One
+/* x on the active set: A_BB x_B = -b_B, all else zero. One
  * refinement makes every row exact to its own terms, not to the largest (Skeel, Math. Comput. 35,
  * 1980). */
-static int solve_basis(nsdae_lcp_work *w, const int *basis, double *x)
+int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage)
 {
+  double *x = w->x;
   int n = w->n;
   const nsdae_lcp_point p = {.n = n,
                              .lda = n,
@@ -63,7 +64,7 @@ static int solve_basis(nsdae_lcp_work *w, const int *basis, double *x)
                              .pivot = w->room.pivot,
                              .index = w->room.index};
   int size = nsdae_lcp_active_set(&p);
-  if (size < 0) return 1;
+  if (size < 0) return 0;
   for (int i = 0; i < size; i++) w->room.rhs[i] = -p.b[p.index[i]];
   for (int j = 0; j < size; j++) {
     const double *from = p.a + (size_t)p.index[j] * (size_t)n;
@@ -71,17 +72,18 @@ static int solve_basis(nsdae_lcp_work *w, const int *basis, double *x)
   }
   nsdae_la_lu_solve(size, p.lu, size, p.pivot, w->room.rhs);
   for (int j = 0; j < size; j++) x[p.index[j]] = fmax(x[p.index[j]] + w->room.rhs[j], 0);
-  return 0;
+  return nsdae_lcp_judge(w, basis, stage); /* zeros of x too */
 }
 
-int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage)
+void nsdae_lcp_hand_over(nsdae_lcp_work *w)
 {
-  return solve_basis(w, basis, w->x) == 0 && nsdae_lcp_judge(w, basis, stage); /* zeros of x too */
-}
-
-/* Rows and columns as the problem was given; y is that of x as it can be written. */
-static void scale_back(nsdae_lcp_work *w)
-{
+  int found = w->info->residual < INFINITY, proof = w->info->proof == NSDAE_PROOF_FARKAS;
+  if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
+      memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
+    for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
+    w->info->residual = point_residual(w);
+  }
+  /* Rows and columns as the problem was given; y is that of x as it can be written. */
   int rounded = 0;
   double residual;
   for (int i = 0; i < w->n; i++) {
@@ -96,16 +98,5 @@ static void scale_back(nsdae_lcp_work *w)
     w->x[i] *= w->scaled.column[i];
     w->y[i] /= w->scaled.row[i];
   }
-}
-
-void nsdae_lcp_hand_over(nsdae_lcp_work *w)
-{
-  int found = w->info->residual < INFINITY, proof = w->info->proof == NSDAE_PROOF_FARKAS;
-  if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
-      memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
-    for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
-    w->info->residual = point_residual(w);
-  }
-  scale_back(w);
   for (int i = 0; proof && i < w->n; i++) w->y[i] = w->room.point[i];
 }

@@ -9,6 +9,7 @@
 #include "dictionary.h"
 #include "equilibrate.h"
 #include "lemke.h"
+#include "vector.h"
 
 /* The workspace that nsdae_dlemke asks for. */
 static int lemke_size(int n)
@@ -26,10 +27,17 @@ int nsdae_lcp_work_ints(int n)
   return 6 * n + 1;
 }
 
-static void lay_out_room(nsdae_lcp_room *r, size_t n, double *work, int *iwork)
+void nsdae_lcp_work_lay_out(nsdae_lcp_work *w, double *work, int *iwork)
 {
+  nsdae_lcp_room *r = &w->room;
+  size_t n = (size_t)w->n;
+  w->scaled.A = work;
+  w->scaled.b = w->scaled.A + n * n;
+  w->scaled.row = w->scaled.b + n;
+  w->scaled.column = w->scaled.row + n;
+  w->best = w->scaled.column + n;
   r->lemke_size = lemke_size((int)n);
-  r->lu = work;
+  r->lu = w->best + n;
   r->wide = r->lu + n * n;
   r->cover = r->wide + 2 * n * n + 4 * n;
   r->rhs = r->cover + n;
@@ -42,17 +50,6 @@ static void lay_out_room(nsdae_lcp_room *r, size_t n, double *work, int *iwork)
   r->allowed = r->index + 2 * n + 1;
 }
 
-void nsdae_lcp_work_lay_out(nsdae_lcp_work *w, double *work, int *iwork)
-{
-  size_t n = (size_t)w->n;
-  w->scaled.A = work;
-  w->scaled.b = w->scaled.A + n * n;
-  w->scaled.row = w->scaled.b + n;
-  w->scaled.column = w->scaled.row + n;
-  w->best = w->scaled.column + n;
-  lay_out_room(&w->room, n, w->best + n, iwork);
-}
-
 void nsdae_lcp_work_scale(nsdae_lcp_work *w)
 {
   size_t n = (size_t)w->n;
@@ -62,10 +59,6 @@ void nsdae_lcp_work_scale(nsdae_lcp_work *w)
   for (size_t i = 0; i < n; i++) w->scaled.b[i] = w->problem->b[i];
   nsdae_equilibrate(w->n, w->scaled.A, w->scaled.b, w->scaled.row, w->scaled.column, w->room.point,
                     w->room.index);
-  double before = 0, after = 0;
-  for (size_t i = 0; i < n; i++) {
-    before = fmax(before, fabs(w->problem->b[i]));
-    after = fmax(after, fabs(w->scaled.b[i]));
-  }
+  double before = nsdae_largest(w->n, w->problem->b), after = nsdae_largest(w->n, w->scaled.b);
   w->scaled.out_of_range = before > 0 && !(after > 0x1p-900 && after < 0x1p900);
 }

@@ -43,23 +43,20 @@ static int holds(const nsdae_lcp_work *w, const double *u)
   return 1;
 }
 
-static int is_whole(int n, const double *w, double factor)
-{
-  for (int i = 0; i < n; i++)
-    if (fabs(factor * w[i] - round(factor * w[i])) > 1e-6) return 0;
-  return 1;
-}
-
 /* Data that are small integers have a w whose entries are in the ratio of integers: those, the
  * least ones, or else 24 places below the largest entry. */
 static void simplify(int n, double *w)
 {
   enum { LARGEST = 4096 };
-  double most = nsdae_largest(n, w);
-  int k = 1;
-  while (k <= LARGEST && !is_whole(n, w, k / most)) k++;
-  double factor = k <= LARGEST ? k : 0x1p24;
-  for (int i = 0; i < n; i++) w[i] = round(factor / most * w[i]);
+  double most = nsdae_largest(n, w), factor = 0;
+  for (int k = 1, whole = 0; k <= LARGEST && !whole; k++) {
+    factor = k / most;
+    whole = 1;
+    for (int i = 0; i < n && whole; i++)
+      whole = !(fabs(factor * w[i] - round(factor * w[i])) > 1e-6);
+    if (!whole && k == LARGEST) factor = 0x1p24 / most;
+  }
+  for (int i = 0; i < n; i++) w[i] = round(factor * w[i]);
 }
 
 /* ---- nearest point */
@@ -104,19 +101,6 @@ static int excluded(nsdae_lcp_work *w)
   return separates(w, 1e-8) || separates(w, 1e-4) || separates(w, 0);
 }
 
-/* A row without a positive entry: y_i <= b_i < 0. */
-static int hopeless_row(const nsdae_lcp_work *w)
-{
-  const nsdae_lcp_problem *p = w->problem;
-  for (int i = 0; i < w->n; i++) {
-    int j = 0;
-    if (!(p->b[i] < 0)) continue;
-    while (j < w->n && p->A[(size_t)j * (size_t)p->lda + (size_t)i] <= 0) j++;
-    if (j == w->n) return i;
-  }
-  return -1;
-}
-
 static int proved(nsdae_lcp_work *w, int proof, int stage)
 {
   w->info->outcome = NSDAE_OUTCOME_INFEASIBLE;
@@ -134,9 +118,14 @@ static void allow_all(nsdae_lcp_work *w)
 
 int nsdae_lcp_prove(nsdae_lcp_work *w)
 {
-  int row = hopeless_row(w);
-  for (int i = 0; i < w->n; i++) w->room.cover[i] = i == row;
-  if (row >= 0) return proved(w, NSDAE_PROOF_FARKAS, NSDAE_LCP_PROVE);
+  const nsdae_lcp_problem *p = w->problem;
+  for (int i = 0; i < w->n; i++) { /* a row without a positive entry: y_i <= b_i < 0 */
+    int j = p->b[i] < 0 ? 0 : w->n + 1;
+    while (j < w->n && p->A[(size_t)j * (size_t)p->lda + (size_t)i] <= 0) j++;
+    if (j != w->n) continue;
+    for (int k = 0; k < w->n; k++) w->room.cover[k] = k == i;
+    return proved(w, NSDAE_PROOF_FARKAS, NSDAE_LCP_PROVE);
+  }
   if (w->n > NSDAE_PROOF_MAX) return 0;
   allow_all(w);
   return excluded(w) && proved(w, NSDAE_PROOF_FARKAS, NSDAE_LCP_PROVE);

@@ -16,19 +16,6 @@
 #include "dense.h"
 #include "exact.h"
 
-/* Rows index[0 .. size] of the columns index[0 .. size - 1] of A and of d = 1, factored. */
-static int factor_ray(nsdae_lcp_work *w, int size)
-{
-  size_t order = (size_t)size + 1;
-  for (size_t j = 0; j <= (size_t)size; j++)
-    for (size_t i = 0; i < order; i++)
-      w->room.lu[j * order + i] =
-          j == (size_t)size
-              ? 1
-              : w->scaled.A[(size_t)w->room.index[j] * (size_t)w->n + (size_t)w->room.index[i]];
-  return nsdae_la_lu(size + 1, w->room.lu, size + 1, w->room.pivot);
-}
-
 /* The direction, to the problem's own scale, in w->room.cover: index[size] is the pair out of the
  * basis, of which x (or y) grows at the rate one. */
 static void direction(nsdae_lcp_work *w, int size, int of_x)
@@ -70,7 +57,14 @@ void nsdae_lcp_read_ray(nsdae_lcp_work *w)
   for (int k = 0; k < w->n; k++) {
     if (w->room.trial[k]) continue;
     w->room.index[size] = k;
-    if (factor_ray(w, size) != 0) continue;
+    /* Rows index[0 .. size] of the columns index[0 .. size - 1] of A and of d = 1, factored. */
+    double *to = w->room.lu;
+    for (int j = 0; j <= size; j++)
+      for (int i = 0; i <= size; i++) {
+        size_t column = (size_t)w->room.index[j] * (size_t)w->n;
+        *to++ = j == size ? 1 : w->scaled.A[column + (size_t)w->room.index[i]];
+      }
+    if (nsdae_la_lu(size + 1, w->room.lu, size + 1, w->room.pivot) != 0) continue;
     for (int of_x = 0; of_x < 2; of_x++) {
       direction(w, size, of_x);
       /* Small negative entries are rounding: the point with zeros for them is a candidate as good.

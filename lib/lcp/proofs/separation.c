@@ -17,30 +17,6 @@ static const double *cone_column(const nsdae_cone *c, int j)
   return c->C + (size_t)j * (size_t)c->n;
 }
 
-static void cone_residual(const nsdae_cone *c, const double *b)
-{
-  for (int i = 0; i < c->n; i++) c->w[i] = -b[i];
-  for (int j = 0; j < c->m; j++)
-    if (c->z[j] > 0)
-      for (int i = 0; i < c->n; i++) c->w[i] += c->z[j] * cone_column(c, j)[i];
-}
-
-/* The column along which the norm falls fastest; -1 where it falls along none. */
-static int steepest(const nsdae_cone *c)
-{
-  double most = 1e-13;
-  int best = -1;
-  for (int j = 0; j < c->m; j++) {
-    if (!c->allowed[j] || c->state[j] != OUT) continue;
-    double slope = -nsdae_dot(c->n, cone_column(c, j), c->w);
-    if (slope > most) {
-      most = slope;
-      best = j;
-    }
-  }
-  return best;
-}
-
 /* ---- Cholesky factor of the passive columns */
 
 /* Row p of the lower triangle of the products of the passive columns. */
@@ -64,16 +40,6 @@ static int extend(const nsdae_cone *c, int p)
   }
   c->factor[row * n + row] = sqrt(rest);
   return !(rest > c->n * DBL_EPSILON * square);
-}
-
-/* The factor anew, after columns have left. */
-static int factor_passive(const nsdae_cone *c, int size)
-{
-  for (int k = 0; k < size; k++) {
-    size_t from = (size_t)k * (size_t)c->n + (size_t)k;
-    memcpy(c->factor + from, c->gram + from, (size_t)(size - k) * sizeof *c->gram);
-  }
-  return nsdae_la_cholesky(size, c->factor, c->n);
 }
 
 /* s = least squares on the passive columns. */
@@ -133,7 +99,11 @@ static int add_column(const nsdae_cone *c, int size, int j, const double *b)
   size++;
   while (size > 0 && !all_positive(c->s, size)) {
     size = retreat(c, size);
-    if (factor_passive(c, size) != 0) return -1;
+    for (int k = 0; k < size; k++) { /* the factor anew */
+      size_t from = (size_t)k * (size_t)c->n + (size_t)k;
+      memcpy(c->factor + from, c->gram + from, (size_t)(size - k) * sizeof *c->gram);
+    }
+    if (nsdae_la_cholesky(size, c->factor, c->n) != 0) return -1;
     solve_passive(c, size, b);
   }
   for (int k = 0; k < size; k++) c->z[c->order[k]] = c->s[k];
@@ -148,8 +118,19 @@ int nsdae_cone_separate(const nsdae_cone *c, const double *b)
   memset(c->z, 0, (size_t)c->m * sizeof *c->z);
   for (int j = 0; j < c->m; j++) c->state[j] = OUT;
   for (int i = 0; i < 10 * c->m + 10; i++) {
-    cone_residual(c, b);
-    int j = size < c->n ? steepest(c) : -1;
+    for (int k = 0; k < c->n; k++) c->w[k] = -b[k];
+    for (int k = 0; k < c->m; k++)
+      if (c->z[k] > 0) nsdae_add(c->n, c->z[k], cone_column(c, k), c->w);
+    /* The column along which the norm falls fastest; -1 where it falls along none. */
+    double most = 1e-13;
+    int j = -1;
+    for (int k = 0; k < c->m && size < c->n; k++) {
+      if (!c->allowed[k] || c->state[k] != OUT) continue;
+      double slope = -nsdae_dot(c->n, cone_column(c, k), c->w);
+      if (!(slope > most)) continue;
+      most = slope;
+      j = k;
+    }
     if (j < 0) return 0;
     size = add_column(c, size, j, b);
     if (size < 0) return 1;

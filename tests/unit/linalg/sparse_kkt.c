@@ -9,7 +9,7 @@
 
 #include "allocator.h"
 #include "kkt.h"
-#include "sparse_whole.h"
+#include "sparse_schur.h"
 #include "support/joint_families.h"
 
 /* Vectors of a whole system. */
