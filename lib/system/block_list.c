@@ -123,14 +123,6 @@ static int refuse_block(nsdae_block_list *l, int status, const char *argument, i
   return status;
 }
 
-/* product += X_ij x_j */
-static void multiply(nsdae_block_list *l, int row, int column, const double *X)
-{
-  const int *first = l->system->blocks.first;
-  for (int j = first[column]; j < first[column + 1]; j++)
-    for (int i = first[row]; i < first[row + 1]; i++) l->product[i] += *X++ * l->x[j];
-}
-
 /* A_bb += scale (X + X^T) / 2 */
 static void add_diagonal(nsdae_block_list *l, int b, const double *X)
 {
@@ -164,9 +156,11 @@ int nsdae_block_add(nsdae_block_list *l, int row, int column, const double *valu
   for (int i = 0; i < size; i++)
     if (!isfinite(value[i]))
       return refuse_block(l, NSDAE_E_NONFINITE, "value", row, column, "an entry is not finite");
-  if (l->x)
-    multiply(l, row, column, value);
-  else if (row == column)
+  const int *first = blocks->first;
+  for (int j = first[column]; l->x && j < first[column + 1]; j++) /* product += X_ij x_j */
+    for (int i = first[row]; i < first[row + 1]; i++) l->product[i] += *value++ * l->x[j];
+  if (l->x) return NSDAE_OK;
+  if (row == column)
     add_diagonal(l, row, value);
   else
     add_pair(l, row, column, value);

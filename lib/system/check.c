@@ -152,26 +152,22 @@ static int check_term(check *c, int term)
 
 /* ---- directions of friction */
 
-static int bad_tangent(check *c, int contact, int column, const char *why)
-{
-  nsdae_system *s = c->system;
-  char called[NSDAE_CALLED_SIZE];
-  c->worst = (nsdae_check){.term = "gap_tangent", .column = column, .error = INFINITY};
-  return nsdae_error_set(&s->error, NSDAE_E_DERIVATIVE, "nsdae_system_check", "gap_tangent",
-                         "gap_tangent: column %d (%s) %s", column,
-                         nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
-}
-
 /* Directions of friction, and what of them is doubtful. */
 static int check_tangents(check *c)
 {
   nsdae_system *s = c->system;
   nsdae_directions *d = &c->directions;
-  char why[NSDAE_TANGENT_TEXT];
+  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
   if (!s->call.gap_tangent) return NSDAE_OK;
   int code = nsdae_directions_at(d, c->t, c->q), column = -1;
   if (!code) column = nsdae_directions_wrong(d, c->tol, why);
-  if (column >= 0) return bad_tangent(c, column / s->dims.nt, column, why);
+  if (column >= 0) {
+    int contact = column / s->dims.nt;
+    c->worst = (nsdae_check){.term = "gap_tangent", .column = column, .error = INFINITY};
+    return nsdae_error_set(&s->error, NSDAE_E_DERIVATIVE, "nsdae_system_check", "gap_tangent",
+                           "gap_tangent: column %d (%s) %s", column,
+                           nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
+  }
   if (!code) code = nsdae_directions_doubt(d, c->tol, s->doubt, sizeof s->doubt);
   return nsdae_check_callback(c, code, d->callback);
 }

@@ -25,17 +25,6 @@ static void rotation_of(double w, double x, double y, double z, double R[3][3])
   memcpy(R, rows, sizeof rows);
 }
 
-static void find_frames(const double e[4], turner *t)
-{
-  memset(t->C, 0, sizeof t->C);
-  for (int i = 0; i < 3; i++) t->C[0][i][i] = 1;
-  rotation_of(e[0], e[1], e[2], e[3], t->C[1]);
-  rotation_of(e[3], e[0], e[1], e[2], t->C[3]);
-  for (int f = 1; f < FRAMES; f += 2)
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) t->C[f + 1][i][j] = t->C[f][j][i];
-}
-
 /* The four coordinates that three columns of H move; 0 where they are not four. */
 static int four_of(int nq, const double *H, int at[4])
 {
@@ -80,8 +69,11 @@ static int read_turner(const nsdae_moment_arms *arms, int j, double *H, turner *
   int at[4];
   if (!find_turned(arms, j, H, at, code)) return 0;
   const double e[4] = {arms->q[at[0]], arms->q[at[1]], arms->q[at[2]], arms->q[at[3]]};
-  t->first = j;
-  find_frames(e, t);
+  *t = (turner){.first = j, .C = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  rotation_of(e[0], e[1], e[2], e[3], t->C[1]);
+  rotation_of(e[3], e[0], e[1], e[2], t->C[3]);
+  for (int f = 1; f < FRAMES; f += 2)
+    for (int i = 0; i < 9; i++) t->C[f + 1][i / 3][i % 3] = t->C[f][i % 3][i / 3];
   return 1;
 }
 

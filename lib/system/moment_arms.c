@@ -141,21 +141,6 @@ static void other_sense(const nsdae_system *s, const arm *x, const sense *seen, 
            nsdae_system_called(s, NSDAE_NAME_CONTACT, seen->contact, other));
 }
 
-/* Neither gap nor directions change along the turn, and it is no disc's: it moves the body and
- * turns nothing. */
-static int moves_along(const arm *x, double small)
-{
-  return fabs(x->a) > small && fabs(x->bend) <= small && fabs(x->rate.arm) <= small &&
-         fabs(x->rate.normal) <= small;
-}
-
-/* s of (1), where a is long enough to tell; it should be -1 or 1. */
-static int find_sense(const arm *x, double *s)
-{
-  *s = (x->rate.arm + x->rate.normal * x->a) / (x->turns * x->a);
-  return fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(*s);
-}
-
 /* What differences may be off. */
 static double small_of(const arm *x, double tol)
 {
@@ -165,11 +150,18 @@ static double small_of(const arm *x, double tol)
 static void judge(const nsdae_system *s, const arm *x, double tol, sense *seen, char *text,
                   size_t size)
 {
-  double small = small_of(x, tol), sign = 0, found;
-  if (!isfinite(x->bend) || moves_along(x, small)) return;
+  double small = small_of(x, tol), sign = 0;
+  /* s of (1), where a is long enough to tell; it should be -1 or 1 */
+  double found = (x->rate.arm + x->rate.normal * x->a) / (x->turns * x->a);
+  int tells = fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(found);
+  /* neither gap nor directions change along the turn, and it is no disc's: it moves the body and
+   * turns nothing */
+  int moves_along = fabs(x->a) > small && fabs(x->bend) <= small && fabs(x->rate.arm) <= small &&
+                    fabs(x->rate.normal) <= small;
+  if (!isfinite(x->bend) || moves_along) return;
   if (x->bend > fabs(x->b) + small) {
     too_short(s, x, text, size);
-  } else if (find_sense(x, &found)) {
+  } else if (tells) {
     if (fabs(fabs(found) - 1) > 0.01) no_point(s, x, text, size);
     sign = -found;
   } else if (x->bend > -fabs(x->b) * (1 - 1e-3) && fabs(x->b) > tol) {
@@ -198,20 +190,15 @@ static int doubt_one(nsdae_moment_arms *arms, int i, int of, int j, double tol, 
   return code;
 }
 
-/* Whether velocity j may turn something: not where its unit is a length per second. */
-static int may_turn(const nsdae_system *s, int j)
-{
-  const char *unit = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
-  size_t length = strlen(unit);
-  return length < 3 || strcmp(unit + length - 3, "m/s") != 0;
-}
-
 /* Whether contact i has to do with velocity j, which moves alone, beside the body that `of` moves,
  * which slides there. */
 static int concerns(const nsdae_contact_directions *c, int i, int of, int j, double tol)
 {
   if (!(c->system->contact[i].mu > 0) || c->set[j] == NSDAE_TANGENT_COUPLED) return 0;
-  if (!may_turn(c->system, j)) return 0;
+  /* not what has a length per second as its unit */
+  const char *unit = nsdae_system_get_unit(c->system, NSDAE_NAME_VELOCITY, j);
+  size_t length = strlen(unit);
+  if (length >= 3 && strcmp(unit + length - 3, "m/s") == 0) return 0;
   if (c->normal[j] == 0 && c->other[j] == 0 && c->tangent[j] == 0) return 0;
   if (!nsdae_tangent_translates(c, of, of, tol) || nsdae_tangent_translates(c, of, j, tol))
     return 0;

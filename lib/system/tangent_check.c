@@ -142,17 +142,7 @@ static int wrong_along(const directions *c, int of, int j, double tol, char *why
                   velocity);
 }
 
-static int same_column(int n, const double *a, const double *b)
-{
-  int same = 1, opposite = 1;
-  for (int i = 0; i < n; i++) {
-    same = same && a[i] == b[i];
-    opposite = opposite && a[i] == -b[i];
-  }
-  return same || opposite;
-}
-
-/* The same up to the rounding of differences, up to the sign. */
+/* The same up to tol, the rounding of differences, and up to the sign. */
 static int near_column(int n, const double *a, const double *b, double tol)
 {
   double plus = 0, minus = 0;
@@ -183,7 +173,7 @@ int nsdae_tangent_useless(const directions *c, int j, double tol, char why[NSDAE
   if (n > 1 && near_column(n, t, c->normal, tol))
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "is equal to the normal (gap_normal): it must be a tangential direction");
-  if (j > 0 && n > 1 && same_column(n, t, t - n))
+  if (j > 0 && n > 1 && near_column(n, t, t - n, 0))
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "is equal to the one before it: the two must be perpendicular");
   return 0;
