@@ -69,13 +69,6 @@ static int deepest(const nsdae_terms *T, double tol, double *bound)
   return found;
 }
 
-/* 'contact 3 "stop"'; a contact of a list by its id. */
-static const char *contact_called(const nsdae_terms *T, int i, char text[NSDAE_CALLED_SIZE])
-{
-  return T->system->by_list ? nsdae_system_called_id(T->system, T->by.list.id[i], text)
-                            : nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, text);
-}
-
 /* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
  * keeps the overlap of a start, as nothing in it moves bodies apart. */
 static int check_gaps(const nsdae_terms *T, int method, double tol)
@@ -86,12 +79,16 @@ static int check_gaps(const nsdae_terms *T, int method, double tol)
   double bound = 0;
   int i = method == NSDAE_METHOD_PENALTY ? -1 : deepest(T, tol, &bound);
   if (i < 0) return NSDAE_OK;
+  if (T->system->by_list)
+    nsdae_system_called_id(T->system, T->by.list.id[i], called);
+  else
+    nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, called);
   nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
                   event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
                           "start_tol); nsdae_sim_project corrects it"
                         : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
                           "the method keeps this overlap; nsdae_sim_project corrects it",
-                  contact_called(T, i, called), -T->gap[i], bound);
+                  called, -T->gap[i], bound);
   return nsdae_error_at(T->error, status, i, nsdae_terms_time(T));
 }
 

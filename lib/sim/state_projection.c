@@ -230,15 +230,8 @@ void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
 
 /* ---- constraints and contacts */
 
-/* Appends row i, W_i . d = -c. Returns |c| in units of its rounding, that of the terms it is made
+/* Rows W_i . d = -c; worst: the largest |c| in units of its rounding, that of the terms it is made
  * of: eps (1 + |W_i|_1 max |x|). */
-static double append_row(nsdae_projector *p, const nsdae_rows *rows, int i, double c, double x)
-{
-  nsdae_least_append(&p->least, rows, i, c);
-  double sum = nsdae_rows_sum(&p->tools->system->blocks, rows, i);
-  return fabs(c) / (DBL_EPSILON * (1 + sum * x));
-}
-
 static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst, int *worst_row)
 {
   const nsdae_dims *d = &T->system->dims;
@@ -251,7 +244,10 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
     const nsdae_rows *rows = contact < 0 ? &T->by.jacobian : &T->by.normal;
     double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
-    double off = append_row(p, rows, contact < 0 ? i : contact, missing, x);
+    int row = contact < 0 ? i : contact;
+    nsdae_least_append(&p->least, rows, row, missing);
+    double sum = nsdae_rows_sum(&p->tools->system->blocks, rows, row);
+    double off = fabs(missing) / (DBL_EPSILON * (1 + sum * x));
     if (contact < 0 && p->contacts_alone) off = 0;
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
