@@ -16,8 +16,7 @@
 /* "disc", "box" */
 const char *nsdae_solid_name(int shape);
 
-/* Corners of a solid: one where it has no extent but its rounding; and its edges (in space). */
-int nsdae_solid_corners(const nsdae_solid_of *solid);
+/* The number of edges of a solid (in space). */
 int nsdae_solid_edges(const nsdae_solid_of *solid);
 /* The edges of two solids that can be the nearest of both. */
 void nsdae_find_facing(const nsdae_couple *two, nsdae_facing *facing);

@@ -47,22 +47,6 @@ static int exists(int dimension, int shape)
   }
 }
 
-/* Twice the signed area of the triangle of three corners. */
-static double doubled_area(const double *a, const double *b, const double *c)
-{
-  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-/* The first corner where the polygon does not turn left, or -1 */
-static int not_convex(const nsdae_solid *s)
-{
-  for (int i = 0; i < s->points; i++)
-    if (!(doubled_area(s->point + 2 * i, s->point + 2 * ((i + 1) % s->points),
-                       s->point + 2 * ((i + 2) % s->points)) > 0))
-      return (i + 1) % s->points;
-  return -1;
-}
-
 /* How often the edges of a polygon that turns left at every corner go around: as often as their
  * direction comes from below (or from straight left) to above. A star of five goes twice. */
 static int count_turns(const nsdae_solid *s)
@@ -90,12 +74,17 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
       return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",
                              "corner %d of the polygon is at %g, which is not a finite number",
                              i / 2, s->point[i]);
-  int bad = not_convex(s);
-  if (bad >= 0)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                           "corner %d of the polygon is no left turn: the polygon must be convex, "
-                           "its corners in anticlockwise order",
-                           bad);
+  for (int i = 0; i < s->points; i++) {
+    int middle = (i + 1) % s->points;
+    const double *a = s->point + 2 * i, *b = s->point + 2 * middle;
+    const double *c = s->point + 2 * ((i + 2) % s->points);
+    if (!((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0))
+      return nsdae_error_set(
+          error, NSDAE_E_ARGUMENT, where, "point",
+          "corner %d of the polygon is no left turn: the polygon must be convex, "
+          "its corners in anticlockwise order",
+          middle);
+  }
   int turns = count_turns(s);
   if (turns == 1) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
@@ -197,6 +186,14 @@ static void measure_edges(nsdae_solid_of *s)
   }
 }
 
+static int check_material(nsdae_bodies *b, const char *what, int index, int material)
+{
+  if (material >= 0 && material < NSDAE_MATERIALS) return NSDAE_OK;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "material", index,
+                             "material = %d is outside its range: it must be 0 .. %d", material,
+                             NSDAE_MATERIALS - 1);
+}
+
 int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 {
   int status = nsdae_bodies_open(b, s, "solid");
@@ -209,11 +206,8 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
                                "body = %d is not a body: there are %d, from 0, and the ground (%d)",
                                body, b->body.count, NSDAE_GROUND);
-  if (s->material < 0 || s->material >= NSDAE_MATERIALS)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "material", index,
-                               "material = %d is outside its range: it must be 0 .. %d",
-                               s->material, NSDAE_MATERIALS - 1);
-  status = check_solid(s, &b->error);
+  status = check_material(b, "solid", index, s->material);
+  if (status == NSDAE_OK) status = check_solid(s, &b->error);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
   if (status == NSDAE_OK)
@@ -240,11 +234,6 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 }
 
 /* ---- features of a pair of solids */
-
-static nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
-{
-  return (nsdae_solid_of *)b->solid.at + i;
-}
 
 /* Whether its corners alone can touch a convex solid: it is a point with a rounding. */
 static int is_round(const nsdae_solid_of *s)
@@ -275,8 +264,7 @@ static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, i
 
 static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other)
 {
-  int count = nsdae_solid_corners(&solids[other]);
-  for (int i = 0; i < count; i++) add_feature(s, 0, base, other, 0, i);
+  for (int i = 0; i < solids[other].points; i++) add_feature(s, 0, base, other, 0, i);
 }
 
 static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j,
@@ -351,11 +339,11 @@ static int check_contact(nsdae_bodies *b, int i, int j, const pairing *p)
   if (i < 0 || i >= count || j < 0 || j >= count)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d: there are %d, from 0", i, j, count);
-  if (solid_of(b, i)->body == solid_of(b, j)->body)
+  if (nsdae_solid_at(b, i)->body == nsdae_solid_at(b, j)->body)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d belong to the same body, %d", i, j,
-                               solid_of(b, i)->body);
-  if (is_base(solid_of(b, i)) && is_base(solid_of(b, j)))
+                               nsdae_solid_at(b, i)->body);
+  if (is_base(nsdae_solid_at(b, i)) && is_base(nsdae_solid_at(b, j)))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", i, j);
   return check_coefficients(b, what, index, p->mu, p->e_n, p->e_t);
@@ -367,13 +355,9 @@ int nsdae_bodies_set_pair(nsdae_bodies *b, int material0, int material1, double 
   int status = nsdae_bodies_open(b, b, "bodies");
   if (status < 0) return status;
   int index = b->pair.count;
-  const int material[2] = {material0, material1};
-  for (int i = 0; i < 2; i++)
-    if (material[i] < 0 || material[i] >= NSDAE_MATERIALS)
-      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "pair", "material", index,
-                                 "material = %d is outside its range: it must be 0 .. %d",
-                                 material[i], NSDAE_MATERIALS - 1);
-  status = check_coefficients(b, "pair", index, mu, e_n, e_t);
+  status = check_material(b, "pair", index, material0);
+  if (status == NSDAE_OK) status = check_material(b, "pair", index, material1);
+  if (status == NSDAE_OK) status = check_coefficients(b, "pair", index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_bodies_pair *pair = nsdae_list_add(b, &b->pair, sizeof *pair);
   if (!pair) return NSDAE_E_MEMORY;
