@@ -4,7 +4,6 @@
 
 #include "broad_phase.h"
 #include "errors.h"
-#include "narrow_phase.h"
 
 static int mass_blocks(double t, const double *q, double *M, void *user)
 {
@@ -180,27 +179,17 @@ static int contacts(double t, const double *q, const double *v, double reach,
   return b->own.contacts ? b->own.contacts(t, q, v, reach, list, b->own.user) : 0;
 }
 
-static int set_partition(const nsdae_bodies *b, nsdae_system *system)
+int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
 {
   int own = b->own.dims.nq > 0, count = b->body.count + own;
   int *sizes = calloc(2 * (size_t)count, sizeof *sizes);
   if (!sizes) return NSDAE_E_MEMORY;
-  for (int i = 0; i < b->body.count; i++) {
-    sizes[i] = nsdae_body_nq(b);
-    sizes[count + i] = nsdae_body_nv(b);
-  }
-  if (own) {
-    sizes[count - 1] = b->own.dims.nq;
-    sizes[2 * count - 1] = b->own.dims.nv;
+  for (int i = 0; i < count; i++) {
+    sizes[i] = i < b->body.count ? nsdae_body_nq(b) : b->own.dims.nq;
+    sizes[count + i] = i < b->body.count ? nsdae_body_nv(b) : b->own.dims.nv;
   }
   int status = nsdae_system_set_blocks(system, count, sizes, sizes + count);
   free(sizes);
-  return status;
-}
-
-int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
-{
-  int status = set_partition(b, system);
   if (status == NSDAE_OK) status = nsdae_system_set_mass_blocks(system, mass_blocks);
   return status < 0 ? status : nsdae_bodies_set_force_derivatives(b, system);
 }

@@ -306,21 +306,6 @@ int nsdae_bodies_locate(const nsdae_bodies *b, const double *q, int body, const 
   return NSDAE_OK;
 }
 
-/* What cannot be with contacts by list. */
-static int check_form(nsdae_bodies *b)
-{
-  const nsdae_user_rows *own = &b->own;
-  const char *what = b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
-                     : b->frictional_joint.count > 0 ? "friction of a slot"
-                     : own->dims.k + own->dims.f > 0
-                         ? "fixed contacts or frictional joints in user rows"
-                         : NULL;
-  if (b->pair.count == 0 || !what) return NSDAE_OK;
-  return nsdae_error_set(
-      &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
-      "with nsdae_bodies_set_pair the system has a contact list, and supports no %s", what);
-}
-
 int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
 {
   nsdae_dims dims;
@@ -330,8 +315,15 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (b->body.count + b->own.dims.nq == 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
                            "there is no body: call nsdae_bodies_add first");
-  status = check_form(b);
-  if (status < 0) return status;
+  const char *what = b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
+                     : b->frictional_joint.count > 0 ? "friction of a slot"
+                     : b->own.dims.k + b->own.dims.f > 0
+                         ? "fixed contacts or frictional joints in user rows"
+                         : NULL;
+  if (b->pair.count > 0 && what)
+    return nsdae_error_set(
+        &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
+        "with nsdae_bodies_set_pair the system has a contact list, and supports no %s", what);
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;

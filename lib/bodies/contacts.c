@@ -1,5 +1,4 @@
 /* Contacts as callbacks: each walks the features; contacts of one's own follow. */
-#include "narrow_phase.h"
 #include "bodies_impl.h"
 
 /* ---- one contact */
@@ -94,7 +93,7 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
 
 /* ---- accelerations */
 
-/* xi, and its rate with v' = 0: see feature.h. */
+/* xi, and its rate with v' = 0: see narrow_phase.h. */
 static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose pose[2])
 {
   nsdae_jet3 xi = {{{0, 0, 0}}};

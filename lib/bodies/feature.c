@@ -1,7 +1,6 @@
-#include "feature.h"
+#include "narrow_phase.h"
 
 #include "separating_axis.h"
-#include "narrow_phase.h"
 
 int nsdae_solid_edges(const nsdae_solid_of *s)
 {

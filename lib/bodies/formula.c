@@ -113,18 +113,6 @@ static void write_place(formula *f, const nsdae_bodies *b, int body, const doubl
   add_term(f, axis == 0 ? -s[1] : s[0], sine);
 }
 
-/* With nine digits where there is no room for all. */
-static formula place_formula(const nsdae_bodies *b, int body, const double *s, int axis)
-{
-  formula f = {.digits = 0};
-  if (b->dimension == 2 && axis == 2) return f;
-  write_place(&f, b, body, s, axis);
-  if (f.used < LENGTH) return f;
-  f = (formula){.digits = 9};
-  write_place(&f, b, body, s, axis);
-  return f;
-}
-
 /* Part i of the body's quaternion times the solid's. */
 static formula quaternion(int body, const double *turn, int i)
 {
@@ -159,7 +147,12 @@ static void set_point(const nsdae_bodies *b, int body, const double *s, formula 
                       const char *text[3])
 {
   for (int i = 0; i < b->dimension; i++) {
-    f[i] = place_formula(b, body, s, i);
+    f[i] = (formula){.digits = 0};
+    write_place(&f[i], b, body, s, i);
+    if (f[i].used >= LENGTH) { /* with nine digits where there is no room for all */
+      f[i] = (formula){.digits = 9};
+      write_place(&f[i], b, body, s, i);
+    }
     text[i] = f[i].text;
   }
 }

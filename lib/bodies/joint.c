@@ -5,26 +5,6 @@
 
 #include "bodies_impl.h"
 
-static const struct {
-  const char *name;
-  int planar, spatial, axis, driven;
-} kinds[] = {
-    [NSDAE_JOINT_REVOLUTE] = {"revolute", 1, 1, 0, 1},
-    [NSDAE_JOINT_PRISMATIC] = {"prismatic", 1, 1, 1, 1},
-    [NSDAE_JOINT_WELD] = {"weld", 1, 1, 0, 0},
-    [NSDAE_JOINT_DISTANCE] = {"distance", 1, 1, 0, 1},
-    [NSDAE_JOINT_SLOT] = {"slot", 1, 0, 1, 1},
-    [NSDAE_JOINT_GEAR] = {"gear", 1, 0, 0, 1},
-    [NSDAE_JOINT_SPHERICAL] = {"spherical", 0, 1, 0, 0},
-    [NSDAE_JOINT_CYLINDRICAL] = {"cylindrical", 0, 1, 1, 1},
-    [NSDAE_JOINT_UNIVERSAL] = {"universal", 0, 1, 1, 0},
-};
-
-const char *nsdae_joint_name(int kind)
-{
-  return kinds[kind].name;
-}
-
 /* A joint being taken apart: its frame a, b, c in space, a along the axis. */
 typedef struct assembly {
   nsdae_bodies *bodies;
@@ -183,13 +163,26 @@ static void universal(const assembly *s)
   keep_square(s, 0, 1);
 }
 
-static void (*const assemble[])(const assembly *) = {
-    [NSDAE_JOINT_REVOLUTE] = revolute,   [NSDAE_JOINT_PRISMATIC] = prismatic,
-    [NSDAE_JOINT_WELD] = weld,           [NSDAE_JOINT_DISTANCE] = distance,
-    [NSDAE_JOINT_SLOT] = slot,           [NSDAE_JOINT_GEAR] = gear,
-    [NSDAE_JOINT_SPHERICAL] = coincide,  [NSDAE_JOINT_CYLINDRICAL] = cylindrical,
-    [NSDAE_JOINT_UNIVERSAL] = universal,
+static const struct {
+  const char *name;
+  void (*assemble)(const assembly *);
+  int planar, spatial, axis, driven;
+} kinds[] = {
+    [NSDAE_JOINT_REVOLUTE] = {"revolute", revolute, 1, 1, 0, 1},
+    [NSDAE_JOINT_PRISMATIC] = {"prismatic", prismatic, 1, 1, 1, 1},
+    [NSDAE_JOINT_WELD] = {"weld", weld, 1, 1, 0, 0},
+    [NSDAE_JOINT_DISTANCE] = {"distance", distance, 1, 1, 0, 1},
+    [NSDAE_JOINT_SLOT] = {"slot", slot, 1, 0, 1, 1},
+    [NSDAE_JOINT_GEAR] = {"gear", gear, 1, 0, 0, 1},
+    [NSDAE_JOINT_SPHERICAL] = {"spherical", coincide, 0, 1, 0, 0},
+    [NSDAE_JOINT_CYLINDRICAL] = {"cylindrical", cylindrical, 0, 1, 1, 1},
+    [NSDAE_JOINT_UNIVERSAL] = {"universal", universal, 0, 1, 1, 0},
 };
+
+const char *nsdae_joint_name(int kind)
+{
+  return kinds[kind].name;
+}
 
 /* ---- frame and checks */
 
@@ -282,7 +275,7 @@ int nsdae_bodies_add_joint(nsdae_bodies *b, const nsdae_joint *joint)
   status = check_joint(b, index, joint);
   if (status == NSDAE_OK) status = set_frame(&s, index);
   if (status < 0) return status;
-  assemble[joint->kind](&s);
+  kinds[joint->kind].assemble(&s);
   b->joints++;
   return b->error.status < 0 ? b->error.status : index;
 }

@@ -8,44 +8,29 @@
 
 static const double pi = 3.14159265358979323846;
 
-static const char *const names[] = {
-    [NSDAE_SHAPE_POINT] = "point",     [NSDAE_SHAPE_DISC] = "disc",
-    [NSDAE_SHAPE_SEGMENT] = "segment", [NSDAE_SHAPE_POLYGON] = "polygon",
-    [NSDAE_SHAPE_PATH] = "path",       [NSDAE_SHAPE_SPHERE] = "sphere",
-    [NSDAE_SHAPE_CAPSULE] = "capsule", [NSDAE_SHAPE_BOX] = "box",
-    [NSDAE_SHAPE_PLANE] = "plane",
+/* Solids in the plane, in space; their corners (a polygon has its own number), and what is above 0:
+ * the radius, bit i of lengths for length[i]. */
+static const struct {
+  const char *name;
+  int planar, spatial, corners, rounded, lengths;
+} kinds[] = {
+    [NSDAE_SHAPE_POINT] = {"point", 1, 1, 1, 0, 0},
+    [NSDAE_SHAPE_DISC] = {"disc", 1, 0, 1, 1, 0},
+    [NSDAE_SHAPE_SEGMENT] = {"segment", 1, 0, 2, 0, 1},
+    [NSDAE_SHAPE_POLYGON] = {"polygon", 1, 0, 0, 0, 0},
+    [NSDAE_SHAPE_PATH] = {"path", 0, 0, 0, 0, 0},
+    [NSDAE_SHAPE_SPHERE] = {"sphere", 0, 1, 1, 1, 0},
+    [NSDAE_SHAPE_CAPSULE] = {"capsule", 0, 1, 2, 1, 1 << 2},
+    [NSDAE_SHAPE_BOX] = {"box", 0, 1, 8, 0, 7},
+    [NSDAE_SHAPE_PLANE] = {"plane", 1, 1, 0, 0, 0},
 };
 
 const char *nsdae_solid_name(int shape)
 {
-  return names[shape];
-}
-
-static int has_radius(int shape)
-{
-  return shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
+  return kinds[shape].name;
 }
 
 /* ---- checks of a solid */
-
-static int exists(int dimension, int shape)
-{
-  switch (shape) {
-  case NSDAE_SHAPE_POINT:
-  case NSDAE_SHAPE_PLANE:
-    return 1;
-  case NSDAE_SHAPE_DISC:
-  case NSDAE_SHAPE_SEGMENT:
-  case NSDAE_SHAPE_POLYGON:
-    return dimension == 2;
-  case NSDAE_SHAPE_SPHERE:
-  case NSDAE_SHAPE_CAPSULE:
-  case NSDAE_SHAPE_BOX:
-    return dimension == 3;
-  default:
-    return 0;
-  }
-}
 
 /* How often the edges of a polygon that turns left at every corner go around: as often as their
  * direction comes from below (or from straight left) to above. A star of five goes twice. */
@@ -95,17 +80,14 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
 /* What is wrong with a solid's own numbers, into the record. */
 static int check_solid(const nsdae_solid *s, nsdae_error *error)
 {
-  const char *where = "nsdae_solid", *name = names[s->shape];
-  if (!(isfinite(s->radius) && s->radius >= 0) || (has_radius(s->shape) && s->radius == 0))
+  const char *where = "nsdae_solid", *name = kinds[s->shape].name;
+  int rounded = kinds[s->shape].rounded;
+  if (!(isfinite(s->radius) && s->radius >= 0) || (rounded && s->radius == 0))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius",
                            "radius = %g of a %s is not a number %s 0", s->radius, name,
-                           has_radius(s->shape) ? "above" : "of at least");
-  int first = s->shape == NSDAE_SHAPE_CAPSULE ? 2 : 0;
-  int last = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2;
-  int long_one = s->shape == NSDAE_SHAPE_SEGMENT || s->shape == NSDAE_SHAPE_CAPSULE ||
-                 s->shape == NSDAE_SHAPE_BOX;
-  for (int i = first; i <= last && long_one; i++)
-    if (!(isfinite(s->length[i]) && s->length[i] > 0))
+                           rounded ? "above" : "of at least");
+  for (int i = 0; i < 3; i++)
+    if (kinds[s->shape].lengths >> i & 1 && !(isfinite(s->length[i]) && s->length[i] > 0))
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
                              "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
                              name);
@@ -114,24 +96,7 @@ static int check_solid(const nsdae_solid *s, nsdae_error *error)
 
 /* ---- a solid in its body */
 
-/* Number of corners, and those of the shape in its own frame. */
-static int count_corners(const nsdae_solid *s)
-{
-  switch (s->shape) {
-  case NSDAE_SHAPE_SEGMENT:
-  case NSDAE_SHAPE_CAPSULE:
-    return 2;
-  case NSDAE_SHAPE_POLYGON:
-    return s->points;
-  case NSDAE_SHAPE_BOX:
-    return 8;
-  case NSDAE_SHAPE_PLANE:
-    return 0;
-  default:
-    return 1;
-  }
-}
-
+/* Corner i of the shape in its own frame. */
 static void own_corner(const nsdae_solid *s, int i, double *x)
 {
   double side = i ? 0.5 : -0.5;
@@ -143,17 +108,6 @@ static void own_corner(const nsdae_solid *s, int i, double *x)
     x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
 }
 
-static double reach_of(const nsdae_solid_of *s)
-{
-  double most = 0;
-  for (int i = 0; i < s->points; i++) {
-    double d[3];
-    for (int j = 0; j < 3; j++) d[j] = s->point[3 * i + j] - s->origin[j];
-    most = fmax(most, sqrt(nsdae_dot3(d, d)));
-  }
-  return most + s->radius;
-}
-
 static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
   memcpy(made->turn, s->quaternion, sizeof made->turn);
@@ -163,13 +117,18 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   else
     nsdae_rotation_spatial(made->turn, made->R);
   memcpy(made->origin, s->position, sizeof made->origin);
+  made->size = 0;
   for (int i = 0; i < made->points; i++) {
-    double x[3], *corner = made->point + 3 * i;
+    double x[3], d[3], *corner = made->point + 3 * i;
     own_corner(s, i, x);
     nsdae_turn(made->R, x, corner);
-    for (int j = 0; j < 3; j++) corner[j] += made->origin[j];
+    for (int j = 0; j < 3; j++) {
+      corner[j] += made->origin[j];
+      d[j] = corner[j] - made->origin[j];
+    }
+    made->size = fmax(made->size, sqrt(nsdae_dot3(d, d)));
   }
-  made->size = reach_of(made);
+  made->size += made->radius;
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
@@ -199,7 +158,8 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   int status = nsdae_bodies_open(b, s, "solid");
   if (status < 0) return status;
   int index = b->solid.count;
-  if (!exists(b->dimension, s->shape))
+  int known = s->shape >= 0 && s->shape < (int)(sizeof kinds / sizeof *kinds);
+  if (!known || !(b->dimension == 2 ? kinds[s->shape].planar : kinds[s->shape].spatial))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "shape", index,
                                "shape = %d is no solid in %d dimensions", s->shape, b->dimension);
   if (body < NSDAE_GROUND || body >= b->body.count)
@@ -213,7 +173,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_turn(b, "solid", index, s->angle, s->quaternion);
   if (status < 0) return status;
-  int points = count_corners(s);
+  int points = s->shape == NSDAE_SHAPE_POLYGON ? s->points : kinds[s->shape].corners;
   double *corners = calloc((size_t)points + 1, 7 * sizeof *corners); /* and edges */
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
@@ -427,7 +387,7 @@ int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, doub
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "density",
                            "density = %g is not a number above 0", density);
   if (s->shape < 0 || s->shape > NSDAE_SHAPE_PLANE || s->hollow ||
-      (!has_radius(s->shape) && s->shape != NSDAE_SHAPE_POLYGON && s->shape != NSDAE_SHAPE_BOX))
+      (!kinds[s->shape].rounded && s->shape != NSDAE_SHAPE_POLYGON && s->shape != NSDAE_SHAPE_BOX))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
                            "shape = %d has no mass by density (disc, polygon, sphere, capsule, box "
                            "have)",

@@ -120,18 +120,6 @@ static int work_of_step(nsdae_point *before, nsdae_point *point)
   return NSDAE_OK;
 }
 
-/* By the integrator. */
-static void work_of_motion(const nsdae_point *before, nsdae_point *point)
-{
-  const nsdae_result *r = &point->result;
-  double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
-  nsdae_work *w = &point->work;
-  *w = before->work;
-  w->forces = w->inertia = w->driven = w->power = 0;
-  w->sum += gain - r->work;
-  w->gained = nsdae_larger(w->gained, -point->record.dissipated);
-}
-
 static inline void worst(double value, int item, double *most, int *of)
 {
   if (!(value > *most)) return;
@@ -255,11 +243,18 @@ int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
 
 int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
+  const nsdae_result *r = &point->result;
+  nsdae_work *w = &point->work;
   int status = NSDAE_OK;
-  if (point->result.located)
-    work_of_motion(before, point);
-  else
+  if (r->located) { /* by the integrator */
+    double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
+    *w = before->work;
+    w->forces = w->inertia = w->driven = w->power = 0;
+    w->sum += gain - r->work;
+    w->gained = nsdae_larger(w->gained, -point->record.dissipated);
+  } else {
     status = work_of_step(before, point);
+  }
   if (status == NSDAE_OK) status = measure_certificate(sim, point);
   keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
   return status;

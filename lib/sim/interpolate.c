@@ -9,7 +9,6 @@
  *
  * A method that integrates goes from the state before to t, into a point aside. */
 #include "errors.h"
-#include "guard.h"
 #include "sim_impl.h"
 
 #include <string.h>

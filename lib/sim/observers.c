@@ -5,7 +5,6 @@
 
 #include "errors.h"
 #include "refusal.h"
-#include "guard.h"
 #include "sim_impl.h"
 
 static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)

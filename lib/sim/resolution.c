@@ -1,4 +1,4 @@
-/* Scales of a start: those that warnings are held against (monitors.h), and what doubles and
+/* Scales of a start: those that warnings are held against (monitors.c), and what doubles and
  * tolerances cannot resolve, which is refused.
  *
  * Time. The user's times near t0 are r = eps |t0| apart, or less: a shorter dt gives two steps the
@@ -15,7 +15,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "monitors.h"
 #include "sim_impl.h"
 #include "vector.h"
 

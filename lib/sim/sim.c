@@ -5,12 +5,9 @@
 #include <string.h>
 
 #include "errors.h"
-#include "options.h"
 #include "callback_guard.h"
 #include "refusal.h"
-#include "guard.h"
 #include "sim_impl.h"
-#include "initial_conditions.h"
 #include "system_impl.h"
 
 static void layout_sim(void *object, nsdae_arena *arena)

@@ -3,8 +3,6 @@
 
 #include "clock.h"
 #include "errors.h"
-#include "guard.h"
-#include "monitors.h"
 #include "sim_impl.h"
 
 void nsdae_sim_commit(nsdae_sim *sim)
@@ -221,17 +219,6 @@ int nsdae_sim_step(nsdae_sim *sim)
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step_once(sim));
 }
 
-/* One step on the way to t_end, a time of the user: to the first of the simulation's times that is
- * seen at t_end or later; one that would end within rounding of t_end
- * ends there. */
-static int step_towards(nsdae_sim *sim, double t_end)
-{
-  double t1 = grid_time(sim, 1), end = t_end - sim->model.epoch, most = hair(sim);
-  while (nsdae_system_time(&sim->model, end) < t_end) end = nextafter(end, INFINITY);
-  if (t1 < end - most || nsdae_system_time(&sim->model, t1) == t_end) return step_to(sim, t1, 0);
-  return step_to(sim, end, fabs(t1 - end) > most);
-}
-
 /* to_event: until one happens. */
 static int run_to(nsdae_sim *sim, const char *where, double t_end, int to_event)
 {
@@ -246,7 +233,12 @@ static int run_to(nsdae_sim *sim, const char *where, double t_end, int to_event)
   nsdae_error warning = {0}; /* the first of the run */
   int status = begin_step(sim);
   while (status == NSDAE_OK && nsdae_terms_time(&sim->now->result.end) < t_end) {
-    status = step_towards(sim, t_end);
+    /* to the first of the simulation's times that is seen at t_end or later; a step that would end
+     * within rounding of t_end ends there */
+    double t1 = grid_time(sim, 1), end = t_end - sim->model.epoch, most = hair(sim);
+    while (nsdae_system_time(&sim->model, end) < t_end) end = nextafter(end, INFINITY);
+    int on_grid = t1 < end - most || nsdae_system_time(&sim->model, t1) == t_end;
+    status = step_to(sim, on_grid ? t1 : end, !on_grid && fabs(t1 - end) > most);
     if (status >= 0 && sim->stage.warning.status > 0 && warning.status == NSDAE_OK)
       warning = sim->stage.warning;
     if (status == NSDAE_OK && to_event) status = happened(&sim->now->result);

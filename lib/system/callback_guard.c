@@ -123,23 +123,19 @@ static int is_among(const char *callback, const char *const names[], size_t coun
   return i < count;
 }
 
-/* Derivatives that are compared with differences afterwards are judged there. */
-static int compared(const char *callback, int output)
+static int check_finite(probe *p)
 {
+  /* derivatives that are compared with differences afterwards are judged there */
   static const char *const names[] = {"mass",           "constraint_jacobian",  "constraint_bias",
                                       "gap_normal",     "contact_acceleration", "force_damping",
                                       "force_stiffness"};
-  return is_among(callback, names, sizeof names / sizeof *names) ||
-         (strcmp(callback, "contact_bias") == 0 && output == 0);
-}
-
-static int check_finite(probe *p)
-{
-  for (int i = 0; i < p->callback->outputs; i++) {
+  const char *callback = p->callback->name;
+  if (is_among(callback, names, sizeof names / sizeof *names)) return NSDAE_OK;
+  for (int i = strcmp(callback, "contact_bias") == 0; i < p->callback->outputs; i++) {
     const array *a = &p->array[i];
     size_t entry = 0;
     while (entry < a->size && isfinite(a->first[entry])) entry++;
-    if (entry == a->size || compared(p->callback->name, i)) continue;
+    if (entry == a->size) continue;
     int status = found(p, i, (long)entry, NSDAE_E_NONFINITE,
                        isnan(a->first[entry]) ? "gave NaN in" : "gave an infinity in");
     nsdae_system_explain(p->of->system, p->of->t, p->of->q, p->of->v, p->of->error);

@@ -221,17 +221,6 @@ static int check_arguments(nsdae_system *system, const double *q, const double *
   return nsdae_system_complete(system, &system->error);
 }
 
-/* Each callback alone. */
-static int check_alone(nsdae_system *system, double t, const double *q, const double *v)
-{
-  double *work = malloc((nsdae_callback_guard_size(system) + 1) * sizeof *work);
-  if (!work) return nsdae_error_memory(&system->error, "nsdae_system_check");
-  int status = nsdae_callback_guard_callbacks(
-      &(nsdae_callback_guard){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
-  free(work);
-  return status;
-}
-
 int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v, double tol,
                        nsdae_check *worst)
 {
@@ -241,7 +230,13 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   int status = check_arguments(system, q, v, tol);
   if (worst) *worst = (nsdae_check){0};
   system->doubt[0] = '\0';
-  if (status == NSDAE_OK) status = check_alone(system, t, q, v);
+  if (status < 0) return status;
+  /* Each callback alone. */
+  double *work = malloc((nsdae_callback_guard_size(system) + 1) * sizeof *work);
+  if (!work) return nsdae_error_memory(&system->error, "nsdae_system_check");
+  status = nsdae_callback_guard_callbacks(
+      &(nsdae_callback_guard){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
+  free(work);
   if (status < 0) return status;
   check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};
   c.differences.system = system;

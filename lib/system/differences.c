@@ -198,7 +198,7 @@ static int contact_offsets(nsdae_differences *d, double t, const double *q, doub
   return judge(d, code, "contact_bias", k, u_n);
 }
 
-/* u: of contacts along the normal (unless W_N is of differences: see normal_accelerations) and the
+/* u: of contacts along the normal (unless W_N is of differences) and the
  * tangents, and of frictional joints. */
 static int add_all_velocities(nsdae_differences *d, double t, const double *q, const double *v,
                               double *const u[3])
@@ -216,17 +216,6 @@ static int add_all_velocities(nsdae_differences *d, double t, const double *q, c
   if (code || f == 0 || !call->frictional_joint_tangent) return code;
   code = call->frictional_joint_tangent(t, q, no_directions(d, f), n, u[2], s->user);
   return add_velocities(d, code, "frictional_joint_tangent", f, v, u[2]);
-}
-
-/* Where W_N is of differences too, g'' of the gap itself: another difference of those would have
- * their error over its step. */
-static int normal_accelerations(nsdae_differences *d, double t, const double *q, const double *v,
-                                double *omega_n)
-{
-  const nsdae_system *s = d->system;
-  int k = s->dims.k;
-  if (k == 0 || s->call.gap_normal) return 0;
-  return judge(d, nsdae_differences_second(d, s->call.gap, k, t, q, v, omega_n), "gap", k, omega_n);
 }
 
 /* omega += weight u(t + s, q + s H v) */
@@ -260,7 +249,12 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   double s = nsdae_differences_step(dims->nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer[1]));
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
-  return code ? code : normal_accelerations(d, t, q, v, omega_n);
+  const nsdae_calls *call = &d->system->call;
+  if (code || dims->k == 0 || call->gap_normal) return code;
+  /* Where W_N is of differences too, g'' of the gap itself: another difference of those would have
+   * their error over its step. */
+  code = nsdae_differences_second(d, call->gap, dims->k, t, q, v, omega_n);
+  return judge(d, code, "gap", dims->k, omega_n);
 }
 
 static int rates_used(const nsdae_system *s)

@@ -221,27 +221,23 @@ static int bad_index(nsdae_system *system, const char *setter, const char *name,
                              name, index, count - 1);
 }
 
-/* Conditions are written so that NaN fails. */
-static int check_coefficients(nsdae_system *s, int i, double mu, double e_n, double e_t)
-{
-  char called[NSDAE_CALLED_SIZE];
-  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(s, "contact", "mu", mu, "at least 0, finite");
-  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(s, "contact", "e_n", e_n, "0 .. 1");
-  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(s, "contact", "e_t", e_t, "0 .. 1");
-  if (s->dims.nt > 0 || mu == 0) return NSDAE_OK;
-  return nsdae_system_refuse(
-      s, NSDAE_E_ARGUMENT, "contact", "mu",
-      "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) or 2 "
-      "(space) (%s)",
-      mu, nsdae_system_called(s, NSDAE_NAME_CONTACT, i, called));
-}
-
 int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)
 {
   if (!system) return NSDAE_E_ARGUMENT;
   if (i < 0 || i >= system->dims.k) return bad_index(system, "contact", "i", i, system->dims.k);
-  int status = check_coefficients(system, i, mu, e_n, e_t);
-  if (status == NSDAE_OK) status = nsdae_system_open(system, "contact");
+  char called[NSDAE_CALLED_SIZE];
+  /* conditions are written so that NaN fails */
+  if (!(mu >= 0) || isinf(mu))
+    return bad_coefficient(system, "contact", "mu", mu, "at least 0, finite");
+  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(system, "contact", "e_n", e_n, "0 .. 1");
+  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(system, "contact", "e_t", e_t, "0 .. 1");
+  if (system->dims.nt == 0 && mu > 0)
+    return nsdae_system_refuse(
+        system, NSDAE_E_ARGUMENT, "contact", "mu",
+        "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) or "
+        "2 (space) (%s)",
+        mu, nsdae_system_called(system, NSDAE_NAME_CONTACT, i, called));
+  int status = nsdae_system_open(system, "contact");
   if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
   return status;
 }

@@ -31,25 +31,22 @@ static int same_mass(const nsdae_system *s, const double *mass, const int *set, 
   return !*a || !*b || strcmp(a, b) == 0;
 }
 
-/* The coordinates that move as `first` does: all of that mass where they are as many as there are
- * directions, or else, of bodies that are alike, those that stand side by side. */
-static void decide(const nsdae_system *s, const double *mass, int *set, int first)
-{
-  int n = s->dims.nv, nt = s->dims.nt, all = 0, end = first, count = 0;
-  for (int i = 0; i < n; i++) all += same_mass(s, mass, set, first, i);
-  while (end < n && same_mass(s, mass, set, first, end)) end++;
-  if (all == nt + 1) end = n;
-  for (int i = first; i < end; i++) count += same_mass(s, mass, set, first, i);
-  for (int i = end - 1; i >= first; i--)
-    if (same_mass(s, mass, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
-}
-
 void nsdae_tangent_sets(const nsdae_system *s, const double *mass, int *set)
 {
-  int n = s->dims.nv;
+  int n = s->dims.nv, nt = s->dims.nt;
   for (int i = 0; i < n; i++) set[i] = mass[i] > 0 ? UNDECIDED : COUPLED;
-  for (int i = 0; i < n; i++)
-    if (set[i] == UNDECIDED) decide(s, mass, set, i);
+  /* The coordinates that move as `first` does: all of that mass where they are as many as there are
+   * directions, or else, of bodies that are alike, those that stand side by side. */
+  for (int first = 0; first < n; first++) {
+    int all = 0, end = first, count = 0;
+    if (set[first] != UNDECIDED) continue;
+    for (int i = 0; i < n; i++) all += same_mass(s, mass, set, first, i);
+    while (end < n && same_mass(s, mass, set, first, end)) end++;
+    if (all == nt + 1) end = n;
+    for (int i = first; i < end; i++) count += same_mass(s, mass, set, first, i);
+    for (int i = end - 1; i >= first; i--)
+      if (same_mass(s, mass, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
+  }
 }
 
 directions nsdae_tangent_contact(const directions *all, int i)
