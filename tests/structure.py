@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Structure of the C sources: no circle of includes, no header name twice; prints the ratio of comments.
 
-A file is its header and its source together: feature.h and feature.c. usage: structure.py SOURCE_DIR
+A file is its header and its source together: block_list.h and block_list.c. usage: structure.py SOURCE_DIR
 """
 import collections
 import pathlib

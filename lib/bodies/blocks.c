@@ -4,37 +4,17 @@
 
 #include "broad_phase.h"
 #include "errors.h"
-#include "narrow_phase.h"
-
-static void mass_planar(const nsdae_bodies *b, double *M)
-{
-  const nsdae_rigid_body *body = b->body.at;
-  for (int i = 0; i < b->body.count; i++, M += 9) {
-    M[0] = M[4] = body[i].mass;
-    M[8] = body[i].inertia[2];
-  }
-}
-
-static void mass_spatial(const nsdae_bodies *b, double *M)
-{
-  const nsdae_rigid_body *body = b->body.at;
-  for (int i = 0; i < b->body.count; i++, M += 36)
-    for (int j = 0; j < 3; j++) {
-      M[7 * j] = body[i].mass;
-      M[7 * (j + 3)] = body[i].inertia[j];
-    }
-}
 
 static int mass_blocks(double t, const double *q, double *M, void *user)
 {
   const nsdae_bodies *b = user;
-  size_t nv = (size_t)nsdae_body_nv(b);
-  if (b->dimension == 2)
-    mass_planar(b, M);
-  else
-    mass_spatial(b, M);
-  if (!b->own.mass) return 0;
-  return b->own.mass(t, q, M + (size_t)b->body.count * nv * nv, b->own.dims.nv, b->own.user);
+  int nv = nsdae_body_nv(b), d = b->dimension;
+  for (int i = 0; i < b->body.count; i++, M += nv * nv)
+    for (int j = 0; j < nv; j++) {
+      const nsdae_rigid_body *body = nsdae_body_at(b, i);
+      M[j * (nv + 1)] = j < d ? body->mass : body->inertia[d == 2 ? 2 : j - 3];
+    }
+  return b->own.mass ? b->own.mass(t, q, M, b->own.dims.nv, b->own.user) : 0;
 }
 
 /* Pairs on their way into the list. */
@@ -199,27 +179,17 @@ static int contacts(double t, const double *q, const double *v, double reach,
   return b->own.contacts ? b->own.contacts(t, q, v, reach, list, b->own.user) : 0;
 }
 
-static int set_partition(const nsdae_bodies *b, nsdae_system *system)
+int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
 {
   int own = b->own.dims.nq > 0, count = b->body.count + own;
   int *sizes = calloc(2 * (size_t)count, sizeof *sizes);
   if (!sizes) return NSDAE_E_MEMORY;
-  for (int i = 0; i < b->body.count; i++) {
-    sizes[i] = nsdae_body_nq(b);
-    sizes[count + i] = nsdae_body_nv(b);
-  }
-  if (own) {
-    sizes[count - 1] = b->own.dims.nq;
-    sizes[2 * count - 1] = b->own.dims.nv;
+  for (int i = 0; i < count; i++) {
+    sizes[i] = i < b->body.count ? nsdae_body_nq(b) : b->own.dims.nq;
+    sizes[count + i] = i < b->body.count ? nsdae_body_nv(b) : b->own.dims.nv;
   }
   int status = nsdae_system_set_blocks(system, count, sizes, sizes + count);
   free(sizes);
-  return status;
-}
-
-int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
-{
-  int status = set_partition(b, system);
   if (status == NSDAE_OK) status = nsdae_system_set_mass_blocks(system, mass_blocks);
   return status < 0 ? status : nsdae_bodies_set_force_derivatives(b, system);
 }

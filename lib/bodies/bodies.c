@@ -135,19 +135,14 @@ int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double
   return NSDAE_OK;
 }
 
-static int check_body(nsdae_bodies *b, int index, int body)
-{
-  if (body >= NSDAE_GROUND && body < b->body.count) return NSDAE_OK;
-  return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies", "body",
-                         "number %d: body = %d is not a body: there are %d, from 0, and the ground "
-                         "(%d)",
-                         index, body, b->body.count, NSDAE_GROUND);
-}
-
 int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const int *body)
 {
   for (int i = 0; i < 2; i++)
-    if (check_body(b, index, body[i]) < 0) return b->error.status;
+    if (body[i] < NSDAE_GROUND || body[i] >= b->body.count)
+      return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies", "body",
+                             "number %d: body = %d is not a body: there are %d, from 0, and the "
+                             "ground (%d)",
+                             index, body[i], b->body.count, NSDAE_GROUND);
   if (body[0] != body[1]) return NSDAE_OK;
   return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "body", index,
                              "both are body %d: they must be two different bodies", body[0]);
@@ -204,8 +199,8 @@ int nsdae_bodies_set_gravity(nsdae_bodies *b, const double *gravity)
 nsdae_pose nsdae_bodies_pose(const nsdae_bodies *b, int body, const double *q, const double *v)
 {
   if (body == NSDAE_GROUND) return nsdae_pose_ground();
-  if (b->dimension == 2) return nsdae_pose_planar(q + 3 * body, v ? v + 3 * body : NULL);
-  return nsdae_pose_spatial(q + 7 * body, v ? v + 6 * body : NULL);
+  return nsdae_pose_of(b->dimension, q + nsdae_body_nq(b) * body,
+                       v ? v + nsdae_body_nv(b) * body : NULL);
 }
 
 /* Its q and v at the start. */
@@ -229,7 +224,7 @@ nsdae_pose nsdae_bodies_start_pose(const nsdae_bodies *b, int body)
   double q[7], v[6];
   if (body == NSDAE_GROUND) return nsdae_pose_ground();
   body_start(b, body, q, v);
-  return b->dimension == 2 ? nsdae_pose_planar(q, v) : nsdae_pose_spatial(q, v);
+  return nsdae_pose_of(b->dimension, q, v);
 }
 
 void nsdae_bodies_own_point(const nsdae_bodies *b, int body, const double *x, double *s)
@@ -311,21 +306,6 @@ int nsdae_bodies_locate(const nsdae_bodies *b, const double *q, int body, const 
   return NSDAE_OK;
 }
 
-/* What cannot be with contacts by list. */
-static int check_form(nsdae_bodies *b)
-{
-  const nsdae_user_rows *own = &b->own;
-  const char *what = b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
-                     : b->frictional_joint.count > 0 ? "friction of a slot"
-                     : own->dims.k + own->dims.f > 0
-                         ? "fixed contacts or frictional joints in user rows"
-                         : NULL;
-  if (b->pair.count == 0 || !what) return NSDAE_OK;
-  return nsdae_error_set(
-      &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
-      "with nsdae_bodies_set_pair the system has a contact list, and supports no %s", what);
-}
-
 int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
 {
   nsdae_dims dims;
@@ -335,8 +315,15 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (b->body.count + b->own.dims.nq == 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
                            "there is no body: call nsdae_bodies_add first");
-  status = check_form(b);
-  if (status < 0) return status;
+  const char *what = b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
+                     : b->frictional_joint.count > 0 ? "friction of a slot"
+                     : b->own.dims.k + b->own.dims.f > 0
+                         ? "fixed contacts or frictional joints in user rows"
+                         : NULL;
+  if (b->pair.count > 0 && what)
+    return nsdae_error_set(
+        &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
+        "with nsdae_bodies_set_pair the system has a contact list, and supports no %s", what);
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;

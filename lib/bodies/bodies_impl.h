@@ -10,7 +10,7 @@
 #include <stddef.h>
 
 #include "constraint_primitives.h"
-#include "feature.h"
+#include "narrow_phase.h"
 
 /* An array that grows: count entries of the same size. */
 typedef struct nsdae_list {

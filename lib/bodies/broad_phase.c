@@ -6,11 +6,6 @@
 /* Beyond this many times the median radius a solid is large. */
 static const double ordinary = 4;
 
-static const nsdae_solid_of *solids_of(const nsdae_bodies *b)
-{
-  return b->solid.at;
-}
-
 static int is_endless(const nsdae_solid_of *s)
 {
   return s->shape == NSDAE_SHAPE_PLANE || s->hollow;
@@ -26,7 +21,7 @@ long nsdae_broad_features(const nsdae_bodies *b)
 {
   long corners = 1, edges = 0;
   for (int i = 0; i < b->solid.count; i++) {
-    long n = nsdae_solid_corners(&solids_of(b)[i]), e = nsdae_solid_edges(&solids_of(b)[i]);
+    long n = nsdae_solid_at(b, i)->points, e = nsdae_solid_edges(nsdae_solid_at(b, i));
     if (n > corners) corners = n;
     if (e > edges) edges = e;
   }
@@ -35,30 +30,34 @@ long nsdae_broad_features(const nsdae_bodies *b)
 
 /* ---- memory */
 
+static void lay_out_broad(void *object, nsdae_arena *arena)
+{
+  nsdae_broad *p = object;
+  p->pose = nsdae_arena_take(arena, p->bodies + 1L, sizeof *p->pose);
+  p->radius = NSDAE_ARENA_DOUBLES(arena, p->solids);
+  p->centre = NSDAE_ARENA_DOUBLES(arena, 3L * p->solids);
+  p->cell = NSDAE_ARENA_INTS(arena, 3L * p->solids);
+  p->next = NSDAE_ARENA_INTS(arena, p->solids);
+  p->large = NSDAE_ARENA_INTS(arena, p->solids);
+  p->head = NSDAE_ARENA_INTS(arena, p->buckets);
+}
+
 static nsdae_broad *make(const nsdae_bodies *b)
 {
   nsdae_broad *p = calloc(1, sizeof *p);
   if (!p) return NULL;
-  size_t n = (size_t)b->solid.count + 1;
   p->bodies = b->body.count;
   p->solids = b->solid.count;
   for (p->buckets = 1; p->buckets < 2 * p->solids;) p->buckets *= 2;
-  p->pose = calloc((size_t)p->bodies + 1, sizeof *p->pose);
-  p->radius = calloc(n, sizeof *p->radius);
-  p->centre = calloc(3 * n, sizeof *p->centre);
-  p->cell = calloc(3 * n, sizeof *p->cell);
-  p->next = calloc(n, sizeof *p->next);
-  p->large = calloc(n, sizeof *p->large);
-  p->head = calloc((size_t)p->buckets, sizeof *p->head);
-  if (!p->pose || !p->radius || !p->centre || !p->cell || !p->next || !p->large || !p->head) {
-    nsdae_broad_release(p);
+  if (nsdae_arena_build(&p->arena, lay_out_broad, p) < 0) {
+    free(p);
     return NULL;
   }
   p->pose[p->bodies] = nsdae_pose_ground();
   /* The radii with those of what is finite first in order in centre, which is room for them. */
   int finite = 0;
   for (int i = 0; i < p->solids; i++) {
-    p->radius[i] = is_endless(&solids_of(b)[i]) ? INFINITY : solids_of(b)[i].size;
+    p->radius[i] = is_endless(nsdae_solid_at(b, i)) ? INFINITY : nsdae_solid_at(b, i)->size;
     if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
   }
   qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);
@@ -81,13 +80,7 @@ static nsdae_broad *make(const nsdae_bodies *b)
 void nsdae_broad_release(nsdae_broad *p)
 {
   if (!p) return;
-  free(p->pose);
-  free(p->radius);
-  free(p->centre);
-  free(p->cell);
-  free(p->next);
-  free(p->large);
-  free(p->head);
+  nsdae_arena_release(&p->arena);
   free(p);
 }
 
@@ -114,7 +107,7 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
 
 static int may_touch(const nsdae_broad *p, const nsdae_bodies *b, int i, int j)
 {
-  const nsdae_solid_of *s = solids_of(b);
+  const nsdae_solid_of *s = b->solid.at;
   return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL;
 }
 
@@ -140,7 +133,7 @@ static int is_near_base(const nsdae_broad *p, const nsdae_solid_of *base, int nu
 static int visit_large(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
                        nsdae_broad_fn visit, void *to)
 {
-  const nsdae_solid_of *s = solids_of(b);
+  const nsdae_solid_of *s = b->solid.at;
   int status = 0;
   for (int j = 0; j < p->solids && status >= 0; j++) {
     int both = p->radius[j] > p->usual, endless = is_endless(&s[i]);
@@ -214,7 +207,7 @@ int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, do
   int nq = nsdae_body_nq(b);
   for (int i = 0; i < p->bodies; i++) nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
   for (int i = 0; i < p->solids; i++) {
-    const nsdae_solid_of *s = &solids_of(b)[i];
+    const nsdae_solid_of *s = nsdae_solid_at(b, i);
     const nsdae_pose *pose = nsdae_broad_pose(p, s->body);
     nsdae_turn(pose->R, s->origin, p->centre + 3 * i);
     for (int j = 0; j < 3; j++) p->centre[3 * i + j] += pose->r[j];

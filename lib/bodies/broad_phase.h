@@ -4,9 +4,11 @@
 #ifndef NSDAE_BODIES_BROAD_H
 #define NSDAE_BODIES_BROAD_H
 
+#include "arena.h"
 #include "bodies_impl.h"
 
 struct nsdae_broad {
+  nsdae_arena arena;
   int bodies, solids;
   nsdae_pose *pose; /* of every body, and of the ground behind them */
   double *radius;   /* of each solid about its frame's origin; NSDAE_BROAD_ENDLESS */

@@ -19,25 +19,21 @@ static int potential(double t, const double *q, double *energy, void *user)
   return code;
 }
 
-/* p' = p (0, omega) / 2 of the quaternion p */
-static void turn_on(const double *p, const double *w, double *rate)
-{
-  rate[0] = (-p[1] * w[0] - p[2] * w[1] - p[3] * w[2]) / 2;
-  rate[1] = (p[0] * w[0] + p[2] * w[2] - p[3] * w[1]) / 2;
-  rate[2] = (p[0] * w[1] + p[3] * w[0] - p[1] * w[2]) / 2;
-  rate[3] = (p[0] * w[2] + p[1] * w[1] - p[2] * w[0]) / 2;
-}
-
-/* Coordinates of one's own are the last; without kinematics of their own their rates are v. */
+/* p' = p (0, omega) / 2 of a quaternion p. Coordinates of one's own are the last; without
+ * kinematics of their own their rates are v. */
 static int kinematics(double t, const double *q, const double *v, double *qdot, void *user)
 {
   const nsdae_bodies *b = user;
   int nq = nsdae_body_nq(b), nv = nsdae_body_nv(b), n = b->body.count;
-  for (int i = 0; i < n; i++) {
-    for (int j = 0; j < 3; j++) qdot[nq * i + j] = v[nv * i + j];
-    if (b->dimension == 3) turn_on(q + nq * i + 3, v + nv * i + 3, qdot + nq * i + 3);
+  for (int i = 0; i < n; i++, qdot += nq) {
+    for (int j = 0; j < 3; j++) qdot[j] = v[nv * i + j];
+    if (b->dimension == 2) continue;
+    const double *p = q + nq * i + 3, *w = v + nv * i + 3;
+    qdot[3] = (-p[1] * w[0] - p[2] * w[1] - p[3] * w[2]) / 2;
+    qdot[4] = (p[0] * w[0] + p[2] * w[2] - p[3] * w[1]) / 2;
+    qdot[5] = (p[0] * w[1] + p[3] * w[0] - p[1] * w[2]) / 2;
+    qdot[6] = (p[0] * w[2] + p[1] * w[1] - p[2] * w[0]) / 2;
   }
-  qdot += nq * n;
   if (b->own.kinematics) return b->own.kinematics(t, q, v, qdot, b->own.user);
   for (int i = 0; i < b->own.dims.nq; i++) qdot[i] = v[nv * n + i];
   return 0;

@@ -92,33 +92,23 @@ static int frictional_joint_tangent(double t, const double *q, double *W, int ld
 }
 
 /* What rows of one's own lack of a derivative is left to the system, for all rows. */
-static int set_rows(const nsdae_bodies *b, nsdae_system *system)
+int nsdae_bodies_set_constraints(const nsdae_bodies *b, nsdae_system *system)
 {
   const nsdae_user_rows *own = &b->own;
-  if (b->element.count + own->dims.m == 0) return NSDAE_OK;
-  int status = nsdae_system_set_constraint(system, constraint);
-  if (status == NSDAE_OK && (own->dims.m == 0 || own->constraint_rows))
+  int m = b->element.count + own->dims.m, f = b->frictional_joint.count + own->dims.f;
+  int none = own->dims.m == 0, status = NSDAE_OK;
+  if (m > 0) status = nsdae_system_set_constraint(system, constraint);
+  if (m > 0 && status == NSDAE_OK && (none || own->constraint_rows))
     status = nsdae_system_set_constraint_rows(system, constraint_rows);
-  else if (status == NSDAE_OK && own->constraint_jacobian)
+  else if (m > 0 && status == NSDAE_OK && own->constraint_jacobian)
     status = nsdae_system_set_constraint_jacobian(system, constraint_jacobian);
-  if (status == NSDAE_OK && (own->dims.m == 0 || own->constraint_bias))
+  if (m > 0 && status == NSDAE_OK && (none || own->constraint_bias))
     status = nsdae_system_set_constraint_bias(system, constraint_bias);
-  return status;
-}
-
-static int set_frictional_joints(const nsdae_bodies *b, nsdae_system *system)
-{
-  if (b->frictional_joint.count + b->own.dims.f == 0) return NSDAE_OK;
-  int status = nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent);
+  if (f > 0 && status == NSDAE_OK)
+    status = nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent);
   for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
     const nsdae_bodies_frictional_joint *s = nsdae_frictional_joint_at(b, i);
     status = nsdae_system_set_frictional_joint(system, i, s->constraint, s->mu);
   }
   return status;
-}
-
-int nsdae_bodies_set_constraints(const nsdae_bodies *b, nsdae_system *system)
-{
-  int status = set_rows(b, system);
-  return status < 0 ? status : set_frictional_joints(b, system);
 }

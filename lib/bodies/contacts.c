@@ -1,5 +1,4 @@
 /* Contacts as callbacks: each walks the features; contacts of one's own follow. */
-#include "narrow_phase.h"
 #include "bodies_impl.h"
 
 /* ---- one contact */
@@ -94,7 +93,7 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
 
 /* ---- accelerations */
 
-/* xi, and its rate with v' = 0: see feature.h. */
+/* xi, and its rate with v' = 0: see narrow_phase.h. */
 static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose pose[2])
 {
   nsdae_jet3 xi = {{{0, 0, 0}}};
@@ -112,18 +111,6 @@ static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose p
   return xi;
 }
 
-/* Of the frictional joints: their coordinates' second rates. */
-static void frictional_joint_acceleration(const nsdae_bodies *b, double t, const double *q,
-                                          const double *v, double *omega_s)
-{
-  nsdae_places at = nsdae_nowhere;
-  nsdae_primitive_value value;
-  for (int i = 0; i < b->frictional_joint.count; i++) {
-    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &at, &value);
-    omega_s[i] = value.phi.dd;
-  }
-}
-
 /* omega of the kit's contacts from the second rates of gaps and sliding velocities, then of the
  * user's. */
 static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
@@ -132,6 +119,7 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   int k = b->feature.count, f = b->frictional_joint.count, nt = b->dimension - 1;
+  nsdae_primitive_value value;
   nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < k; i++) {
     nsdae_touch touch = touch_at(b, i, q, v, &at);
@@ -141,7 +129,10 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
     nsdae_jet3 xi = relative_velocity(&touch, at.pose);
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
   }
-  frictional_joint_acceleration(b, t, q, v, omega_s);
+  for (int i = 0; i < f; i++) { /* of frictional joints: the second rates of their coordinates */
+    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &at, &value);
+    omega_s[i] = value.phi.dd;
+  }
   if (!own->contact_acceleration) return 0;
   int some = own->dims.k > 0;
   return own->contact_acceleration(t, q, v, some ? omega_n + k : NULL,
@@ -150,16 +141,6 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
 }
 
 /* ---- setters */
-
-static int set_coefficients(const nsdae_bodies *b, nsdae_system *system)
-{
-  int status = NSDAE_OK;
-  for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
-    const nsdae_feature *f = nsdae_feature_at(b, i);
-    status = nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t);
-  }
-  return status;
-}
 
 int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
 {
@@ -175,5 +156,9 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
   if (k + b->frictional_joint.count + own->dims.f > 0 && status == NSDAE_OK &&
       (none || own->contact_acceleration))
     status = nsdae_system_set_contact_acceleration(system, contact_acceleration);
-  return status < 0 ? status : set_coefficients(b, system);
+  for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
+    const nsdae_feature *f = nsdae_feature_at(b, i);
+    status = nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t);
+  }
+  return status;
 }

@@ -1,17 +1,6 @@
-#include "feature.h"
-
-#include "separating_axis.h"
 #include "narrow_phase.h"
 
-static int is_rod(const nsdae_solid_of *s)
-{
-  return s->shape == NSDAE_SHAPE_SEGMENT || s->shape == NSDAE_SHAPE_CAPSULE;
-}
-
-int nsdae_solid_corners(const nsdae_solid_of *s)
-{
-  return s->points;
-}
+#include "separating_axis.h"
 
 int nsdae_solid_edges(const nsdae_solid_of *s)
 {
@@ -28,15 +17,6 @@ typedef struct two_lines {
 } two_lines;
 
 /* ---- lines */
-
-static void nearest(two_lines *l)
-{
-  nsdae_jet3 d = nsdae_jet3_sub(l->x[1], l->x[0]);
-  l->m = nsdae_jet3_cross(l->u[0], l->u[1]);
-  nsdae_jet inverse = nsdae_jet_inverse(nsdae_jet3_dot(l->m, l->m));
-  l->a = nsdae_jet_mul(inverse, nsdae_jet3_dot(l->m, nsdae_jet3_cross(d, l->u[1])));
-  l->b = nsdae_jet_mul(inverse, nsdae_jet3_dot(l->m, nsdae_jet3_cross(d, l->u[0])));
-}
 
 /* hint: a vector that n is to point along. */
 static nsdae_touch line_line(const two_lines *l, const double *hint, double r0, double r1)
@@ -170,16 +150,6 @@ static nsdae_touch corner_on_box(const nsdae_couple *two, nsdae_jet3 x1)
   return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
 }
 
-static nsdae_touch against_corner(const nsdae_solid_of *s0, const nsdae_pose *pose0, nsdae_jet3 x1,
-                                  double r1)
-{
-  if (is_rod(s0)) return against_rod(s0, pose0, x1, r1);
-  nsdae_jet3 x0 = nsdae_pose_point(pose0, s0->origin);
-  if (s0->shape == NSDAE_SHAPE_PLANE)
-    return nsdae_touch_plane_point(x0, nsdae_pose_direction(pose0, s0->R + 6), x1, r1);
-  return nsdae_touch_point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, r1);
-}
-
 /* ---- an edge on an edge */
 
 /* The axis along which edge i of a box or capsule runs, and the signs of its place on the others.
@@ -192,15 +162,6 @@ static int edge_of(const nsdae_solid_of *s, int i, double *sign)
   sign[(axis + 1) % 3] = i % 2 ? 1 : -1;
   sign[(axis + 2) % 3] = i / 2 % 2 ? 1 : -1;
   return axis;
-}
-
-/* Its middle in the body's frame. */
-static void middle_of(const nsdae_solid_of *s, const double *sign, double *middle)
-{
-  for (int j = 0; j < 3; j++) {
-    middle[j] = s->origin[j];
-    for (int l = 0; l < 3; l++) middle[j] += s->R[3 * l + j] * sign[l] * s->half[l];
-  }
 }
 
 /* Two solids in space: their axes (columns), and the way from the one's origin to the other's. */
@@ -292,11 +253,18 @@ static nsdae_touch edges(const nsdae_feature *f, const nsdae_couple *two)
       !leaves_by(sign[1], n[1]))
     return nsdae_touch_far(two);
   for (int i = 0; i < 2; i++) {
-    middle_of(s[i], sign[i], middle);
+    for (int j = 0; j < 3; j++) { /* in the body's frame */
+      middle[j] = s[i]->origin[j];
+      for (int k = 0; k < 3; k++) middle[j] += s[i]->R[3 * k + j] * sign[i][k] * s[i]->half[k];
+    }
     l.x[i] = nsdae_pose_point(two->pose[i], middle);
     l.u[i] = nsdae_pose_direction(two->pose[i], s[i]->R + 3 * axis[i]);
   }
-  nearest(&l);
+  nsdae_jet3 d = nsdae_jet3_sub(l.x[1], l.x[0]);
+  l.m = nsdae_jet3_cross(l.u[0], l.u[1]);
+  nsdae_jet inverse = nsdae_jet_inverse(nsdae_jet3_dot(l.m, l.m));
+  l.a = nsdae_jet_mul(inverse, nsdae_jet3_dot(l.m, nsdae_jet3_cross(d, l.u[1])));
+  l.b = nsdae_jet_mul(inverse, nsdae_jet3_dot(l.m, nsdae_jet3_cross(d, l.u[0])));
   if (fabs(l.a.x) > s[0]->half[axis[0]] || fabs(l.b.x) > s[1]->half[axis[1]])
     return nsdae_touch_far(two);
   nsdae_touch touch = line_line(&l, placed.way, s[0]->radius, s[1]->radius);
@@ -320,5 +288,11 @@ nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_couple *two)
   }
   nsdae_jet3 x1 = nsdae_pose_point(two->pose[1], nsdae_solid_corner(s1, f->part[1]));
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(two, x1);
-  return against_corner(s0, two->pose[0], x1, s1->radius);
+  if (s0->shape == NSDAE_SHAPE_SEGMENT || s0->shape == NSDAE_SHAPE_CAPSULE)
+    return against_rod(s0, two->pose[0], x1, s1->radius);
+  nsdae_jet3 x0 = nsdae_pose_point(two->pose[0], s0->origin);
+  if (s0->shape != NSDAE_SHAPE_PLANE)
+    return nsdae_touch_point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, s1->radius);
+  nsdae_jet3 n = nsdae_pose_direction(two->pose[0], s0->R + 6);
+  return nsdae_touch_plane_point(x0, n, x1, s1->radius);
 }

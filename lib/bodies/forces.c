@@ -3,13 +3,6 @@
  *   M v' = F,   own axes:  J omega' = torque - omega x J omega */
 #include "bodies_impl.h"
 
-static void gravity(const nsdae_bodies *b, double *F)
-{
-  for (int i = 0; i < b->body.count; i++)
-    for (int j = 0; j < b->dimension; j++)
-      F[i * nsdae_body_nv(b) + j] += nsdae_body_at(b, i)->mass * b->gravity[j];
-}
-
 static void spinning(const nsdae_bodies *b, const double *v, double *F)
 {
   if (b->dimension == 2) return;
@@ -102,7 +95,9 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
 int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const double *v,
                         double *F)
 {
-  gravity(b, F);
+  for (int i = 0; i < b->body.count; i++)
+    for (int j = 0; j < b->dimension; j++)
+      F[i * nsdae_body_nv(b) + j] += nsdae_body_at(b, i)->mass * b->gravity[j];
   spinning(b, v, F);
   springs(b, t, q, v, F);
   torsions(b, q, v, F);

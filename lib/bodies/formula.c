@@ -75,15 +75,6 @@ static coordinates name_coordinates(int body)
   return c;
 }
 
-static void planar_point(formula *f, const coordinates *c, int axis, const double *s)
-{
-  char cosine[NAME + 8], sine[NAME + 8];
-  snprintf(cosine, sizeof cosine, "cos(%s)", c->theta);
-  snprintf(sine, sizeof sine, "sin(%s)", c->theta);
-  add_term(f, s[axis], cosine);
-  add_term(f, axis == 0 ? -s[1] : s[0], sine);
-}
-
 /* Row i of R(p) s, with j and k the axes after it:
  * (s_i (w^2 + p_i^2 - p_j^2 - p_k^2) + 2 s_j (p_i p_j - w p_k) + 2 s_k (p_i p_k + w p_j)) / p.p */
 static void spatial_point(formula *f, const coordinates *c, int i, const double *s)
@@ -111,22 +102,15 @@ static void write_place(formula *f, const nsdae_bodies *b, int body, const doubl
   }
   coordinates c = name_coordinates(body);
   append_text(f, "%s", c.x[axis]);
-  if (b->dimension == 2)
-    planar_point(f, &c, axis, s);
-  else
+  if (b->dimension == 3) {
     spatial_point(f, &c, axis, s);
-}
-
-/* With nine digits where there is no room for all. */
-static formula place_formula(const nsdae_bodies *b, int body, const double *s, int axis)
-{
-  formula f = {.digits = 0};
-  if (b->dimension == 2 && axis == 2) return f;
-  write_place(&f, b, body, s, axis);
-  if (f.used < LENGTH) return f;
-  f = (formula){.digits = 9};
-  write_place(&f, b, body, s, axis);
-  return f;
+    return;
+  }
+  char cosine[NAME + 8], sine[NAME + 8];
+  snprintf(cosine, sizeof cosine, "cos(%s)", c.theta);
+  snprintf(sine, sizeof sine, "sin(%s)", c.theta);
+  add_term(f, s[axis], cosine);
+  add_term(f, axis == 0 ? -s[1] : s[0], sine);
 }
 
 /* Part i of the body's quaternion times the solid's. */
@@ -163,7 +147,12 @@ static void set_point(const nsdae_bodies *b, int body, const double *s, formula 
                       const char *text[3])
 {
   for (int i = 0; i < b->dimension; i++) {
-    f[i] = place_formula(b, body, s, i);
+    f[i] = (formula){.digits = 0};
+    write_place(&f[i], b, body, s, i);
+    if (f[i].used >= LENGTH) { /* with nine digits where there is no room for all */
+      f[i] = (formula){.digits = 9};
+      write_place(&f[i], b, body, s, i);
+    }
     text[i] = f[i].text;
   }
 }
@@ -243,26 +232,23 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
   return show(&p, system, nsdae_solid_name(s->shape), i);
 }
 
-static int show_centre(const nsdae_bodies *b, nsdae_system *system, int body)
-{
-  const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
-  portrait p = {.body = {.shape = NSDAE_SHAPE_POINT}};
-  set_position(&p, b, body, centre);
-  set_frame(&p, b, body, 0, no_turn);
-  return show(&p, system, "body", body);
-}
-
 /* Bodies of which nothing else is seen. */
 static int show_bare(const nsdae_bodies *b, nsdae_system *system)
 {
+  const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
   char *seen = calloc((size_t)b->body.count, sizeof *seen);
   int status = seen ? NSDAE_OK : NSDAE_E_MEMORY;
   for (int i = 0; i < b->solid.count && seen; i++) {
     int body = nsdae_solid_at(b, i)->body;
     if (body != NSDAE_GROUND) seen[body] = 1;
   }
-  for (int i = 0; i < b->body.count && status == NSDAE_OK; i++)
-    if (!seen[i]) status = show_centre(b, system, i);
+  for (int i = 0; i < b->body.count && status == NSDAE_OK; i++) {
+    portrait p = {.body = {.shape = NSDAE_SHAPE_POINT}};
+    if (seen[i]) continue;
+    set_position(&p, b, i, centre);
+    set_frame(&p, b, i, 0, no_turn);
+    status = show(&p, system, "body", i);
+  }
   free(seen);
   return status;
 }

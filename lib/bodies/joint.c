@@ -5,26 +5,6 @@
 
 #include "bodies_impl.h"
 
-static const struct {
-  const char *name;
-  int planar, spatial, axis, driven;
-} kinds[] = {
-    [NSDAE_JOINT_REVOLUTE] = {"revolute", 1, 1, 0, 1},
-    [NSDAE_JOINT_PRISMATIC] = {"prismatic", 1, 1, 1, 1},
-    [NSDAE_JOINT_WELD] = {"weld", 1, 1, 0, 0},
-    [NSDAE_JOINT_DISTANCE] = {"distance", 1, 1, 0, 1},
-    [NSDAE_JOINT_SLOT] = {"slot", 1, 0, 1, 1},
-    [NSDAE_JOINT_GEAR] = {"gear", 1, 0, 0, 1},
-    [NSDAE_JOINT_SPHERICAL] = {"spherical", 0, 1, 0, 0},
-    [NSDAE_JOINT_CYLINDRICAL] = {"cylindrical", 0, 1, 1, 1},
-    [NSDAE_JOINT_UNIVERSAL] = {"universal", 0, 1, 1, 0},
-};
-
-const char *nsdae_joint_name(int kind)
-{
-  return kinds[kind].name;
-}
-
 /* A joint being taken apart: its frame a, b, c in space, a along the axis. */
 typedef struct assembly {
   nsdae_bodies *bodies;
@@ -183,13 +163,26 @@ static void universal(const assembly *s)
   keep_square(s, 0, 1);
 }
 
-static void (*const assemble[])(const assembly *) = {
-    [NSDAE_JOINT_REVOLUTE] = revolute,   [NSDAE_JOINT_PRISMATIC] = prismatic,
-    [NSDAE_JOINT_WELD] = weld,           [NSDAE_JOINT_DISTANCE] = distance,
-    [NSDAE_JOINT_SLOT] = slot,           [NSDAE_JOINT_GEAR] = gear,
-    [NSDAE_JOINT_SPHERICAL] = coincide,  [NSDAE_JOINT_CYLINDRICAL] = cylindrical,
-    [NSDAE_JOINT_UNIVERSAL] = universal,
+static const struct {
+  const char *name;
+  void (*assemble)(const assembly *);
+  int planar, spatial, axis, driven;
+} kinds[] = {
+    [NSDAE_JOINT_REVOLUTE] = {"revolute", revolute, 1, 1, 0, 1},
+    [NSDAE_JOINT_PRISMATIC] = {"prismatic", prismatic, 1, 1, 1, 1},
+    [NSDAE_JOINT_WELD] = {"weld", weld, 1, 1, 0, 0},
+    [NSDAE_JOINT_DISTANCE] = {"distance", distance, 1, 1, 0, 1},
+    [NSDAE_JOINT_SLOT] = {"slot", slot, 1, 0, 1, 1},
+    [NSDAE_JOINT_GEAR] = {"gear", gear, 1, 0, 0, 1},
+    [NSDAE_JOINT_SPHERICAL] = {"spherical", coincide, 0, 1, 0, 0},
+    [NSDAE_JOINT_CYLINDRICAL] = {"cylindrical", cylindrical, 0, 1, 1, 1},
+    [NSDAE_JOINT_UNIVERSAL] = {"universal", universal, 0, 1, 1, 0},
 };
+
+const char *nsdae_joint_name(int kind)
+{
+  return kinds[kind].name;
+}
 
 /* ---- frame and checks */
 
@@ -282,32 +275,26 @@ int nsdae_bodies_add_joint(nsdae_bodies *b, const nsdae_joint *joint)
   status = check_joint(b, index, joint);
   if (status == NSDAE_OK) status = set_frame(&s, index);
   if (status < 0) return status;
-  assemble[joint->kind](&s);
+  kinds[joint->kind].assemble(&s);
   b->joints++;
   return b->error.status < 0 ? b->error.status : index;
 }
 
 /* ---- springs */
 
-static int check_spring(nsdae_bodies *b, int index, const nsdae_spring *s)
-{
-  const char *what = "spring";
-  if (nsdae_bodies_check_pair(b, what, index, s->body) < 0) return b->error.status;
-  nsdae_bodies_check_vector(b, what, "point", index, s->point, 1);
-  nsdae_bodies_check_vector(b, what, "end", index, s->end, 1);
-  nsdae_bodies_check_least(b, what, "stiffness", index, s->stiffness, 0, 0);
-  nsdae_bodies_check_least(b, what, "damping", index, s->damping, 0, 0);
-  nsdae_bodies_check_least(b, what, "rest", index, s->rest, 0, 0);
-  return b->error.status;
-}
-
 int nsdae_bodies_add_spring(nsdae_bodies *b, const nsdae_spring *spring)
 {
   int status = nsdae_bodies_open(b, spring, "spring");
   if (status < 0) return status;
   int index = b->spring.count;
-  status = check_spring(b, index, spring);
-  if (status < 0) return status;
+  const char *what = "spring";
+  if (nsdae_bodies_check_pair(b, what, index, spring->body) < 0) return b->error.status;
+  nsdae_bodies_check_vector(b, what, "point", index, spring->point, 1);
+  nsdae_bodies_check_vector(b, what, "end", index, spring->end, 1);
+  nsdae_bodies_check_least(b, what, "stiffness", index, spring->stiffness, 0, 0);
+  nsdae_bodies_check_least(b, what, "damping", index, spring->damping, 0, 0);
+  nsdae_bodies_check_least(b, what, "rest", index, spring->rest, 0, 0);
+  if (b->error.status < 0) return b->error.status;
   nsdae_bodies_spring *s = nsdae_list_add(b, &b->spring, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
   s->stiffness = spring->stiffness;
@@ -321,18 +308,6 @@ int nsdae_bodies_add_spring(nsdae_bodies *b, const nsdae_spring *spring)
   return index;
 }
 
-static int check_torsion(nsdae_bodies *b, int index, const nsdae_torsion *s)
-{
-  const char *what = "torsion";
-  if (nsdae_bodies_check_pair(b, what, index, s->body) < 0) return b->error.status;
-  nsdae_bodies_check_least(b, what, "stiffness", index, s->stiffness, 0, 0);
-  nsdae_bodies_check_least(b, what, "damping", index, s->damping, 0, 0);
-  if (!isfinite(s->rest))
-    nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "rest", index,
-                        "rest = %g is not a finite number", s->rest);
-  return b->error.status;
-}
-
 int nsdae_bodies_add_torsion(nsdae_bodies *b, const nsdae_torsion *torsion)
 {
   int status = nsdae_bodies_open(b, torsion, "torsion");
@@ -340,8 +315,14 @@ int nsdae_bodies_add_torsion(nsdae_bodies *b, const nsdae_torsion *torsion)
   int index = b->torsion.count;
   const double z[3] = {0, 0, 1};
   double axis[3], zero[3], third[3];
-  status = check_torsion(b, index, torsion);
-  if (status < 0) return status;
+  const char *what = "torsion";
+  if (nsdae_bodies_check_pair(b, what, index, torsion->body) < 0) return b->error.status;
+  nsdae_bodies_check_least(b, what, "stiffness", index, torsion->stiffness, 0, 0);
+  nsdae_bodies_check_least(b, what, "damping", index, torsion->damping, 0, 0);
+  if (!isfinite(torsion->rest))
+    nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "rest", index,
+                        "rest = %g is not a finite number", torsion->rest);
+  if (b->error.status < 0) return b->error.status;
   if (!unit(b->dimension == 2 ? z : torsion->axis, axis))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "torsion", "axis", index,
                                "axis (%g, %g, %g) has no direction", torsion->axis[0],

@@ -90,16 +90,6 @@ static double separate_ends(const nsdae_solid_of *line, const nsdae_solid_of *ot
 
 /* ---- edges */
 
-/* The line of an edge, r_0 above it. */
-static nsdae_touch on_edge(const nsdae_solid_of *polygon, const nsdae_pose *pose, int edge,
-                           nsdae_jet3 x1, double r1)
-{
-  nsdae_jet3 normal = nsdae_pose_direction(pose, edge_normal(polygon, edge));
-  nsdae_jet3 x0 = nsdae_pose_point(pose, nsdae_solid_corner(polygon, edge));
-  x0 = nsdae_jet3_add(x0, nsdae_jet3_scale(polygon->radius, normal));
-  return nsdae_touch_plane_point(x0, normal, x1, r1);
-}
-
 /* Where a point is along an edge and how high above it. */
 typedef struct place {
   int edge;
@@ -205,13 +195,6 @@ static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, 
   return unless_deeper(met, on);
 }
 
-/* The same of a point, or the centre of what is round. */
-static int touched_by_point(const nsdae_solid_of *s, const double *x, place *at)
-{
-  *at = find_place(s, x);
-  return at->height <= 0 || is_above(*at) ? at->edge : NONE;
-}
-
 /* Where the corner at p of the other's frame is: in space x_1 and on the polygon at; and what it
  * touches. */
 static int touched(const nsdae_couple *two, const double *p, const nsdae_meeting *met, double *x1,
@@ -223,8 +206,9 @@ static int touched(const nsdae_couple *two, const double *p, const nsdae_meeting
   x1[1] = other->r[1] + Q[1] * p[0] + Q[4] * p[1];
   const double from[2] = {x1[0] - polygon->r[0], x1[1] - polygon->r[1]};
   const double x[2] = {R[0] * from[0] + R[1] * from[1], R[3] * from[0] + R[4] * from[1]};
-  return two->solid[1]->points > 1 ? touched_by_corner(two->solid[0], met, x, at)
-                                   : touched_by_point(two->solid[0], x, at);
+  if (two->solid[1]->points > 1) return touched_by_corner(two->solid[0], met, x, at);
+  *at = find_place(two->solid[0], x); /* of a point, or the centre of what is round */
+  return at->height <= 0 || is_above(*at) ? at->edge : NONE;
 }
 
 /* ---- interface */
@@ -243,8 +227,13 @@ nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae
   int edge = touched(two, p, met, now, &at);
   if (edge == FAR) return nsdae_touch_far(two);
   nsdae_jet3 x1 = nsdae_pose_point(two->pose[1], p);
-  if (edge != NONE) return on_edge(s0, two->pose[0], edge, x1, s1->radius);
-  nsdae_jet3 end = nsdae_pose_point(two->pose[0], nsdae_solid_corner(s0, near_end(s0, at)));
+  int corner0 = edge != NONE ? edge : near_end(s0, at);
+  nsdae_jet3 end = nsdae_pose_point(two->pose[0], nsdae_solid_corner(s0, corner0));
+  if (edge != NONE) { /* its line, r_0 above it */
+    nsdae_jet3 normal = nsdae_pose_direction(two->pose[0], edge_normal(s0, edge));
+    end = nsdae_jet3_add(end, nsdae_jet3_scale(s0->radius, normal));
+    return nsdae_touch_plane_point(end, normal, x1, s1->radius);
+  }
   return nsdae_touch_point_point(end, s0->radius, 1, x1, s1->radius);
 }
 

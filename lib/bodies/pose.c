@@ -18,24 +18,13 @@ void nsdae_pose_place(int dimension, const double *q, nsdae_pose *pose)
   }
 }
 
-nsdae_pose nsdae_pose_planar(const double *q, const double *v)
+nsdae_pose nsdae_pose_of(int dimension, const double *q, const double *v)
 {
   nsdae_pose pose = {.angle = 0};
-  nsdae_pose_place(2, q, &pose);
-  if (!v) return pose;
-  pose.v[0] = v[0];
-  pose.v[1] = v[1];
-  pose.w[2] = v[2];
-  return pose;
-}
-
-nsdae_pose nsdae_pose_spatial(const double *q, const double *v)
-{
-  nsdae_pose pose = {.angle = 0};
-  nsdae_pose_place(3, q, &pose);
-  if (!v) return pose;
-  for (int i = 0; i < 3; i++) pose.v[i] = v[i];
-  nsdae_turn(pose.R, v + 3, pose.w);
+  nsdae_pose_place(dimension, q, &pose);
+  for (int i = 0; v && i < dimension; i++) pose.v[i] = v[i];
+  if (v && dimension == 2) pose.w[2] = v[2];
+  if (v && dimension == 3) nsdae_turn(pose.R, v + 3, pose.w);
   return pose;
 }
 

@@ -13,8 +13,7 @@ typedef struct nsdae_pose {
 
 /* The ground's, and a body's from its part of q and v (v NULL: at rest). */
 nsdae_pose nsdae_pose_ground(void);
-nsdae_pose nsdae_pose_planar(const double *q, const double *v);
-nsdae_pose nsdae_pose_spatial(const double *q, const double *v);
+nsdae_pose nsdae_pose_of(int dimension, const double *q, const double *v);
 /* Where it is alone, of one at rest. */
 void nsdae_pose_place(int dimension, const double *q, nsdae_pose *pose);
 

@@ -8,60 +8,29 @@
 
 static const double pi = 3.14159265358979323846;
 
-static const char *const names[] = {
-    [NSDAE_SHAPE_POINT] = "point",     [NSDAE_SHAPE_DISC] = "disc",
-    [NSDAE_SHAPE_SEGMENT] = "segment", [NSDAE_SHAPE_POLYGON] = "polygon",
-    [NSDAE_SHAPE_PATH] = "path",       [NSDAE_SHAPE_SPHERE] = "sphere",
-    [NSDAE_SHAPE_CAPSULE] = "capsule", [NSDAE_SHAPE_BOX] = "box",
-    [NSDAE_SHAPE_PLANE] = "plane",
+/* Solids in the plane, in space; their corners (a polygon has its own number), and what is above 0:
+ * the radius, bit i of lengths for length[i]. */
+static const struct {
+  const char *name;
+  int planar, spatial, corners, rounded, lengths;
+} kinds[] = {
+    [NSDAE_SHAPE_POINT] = {"point", 1, 1, 1, 0, 0},
+    [NSDAE_SHAPE_DISC] = {"disc", 1, 0, 1, 1, 0},
+    [NSDAE_SHAPE_SEGMENT] = {"segment", 1, 0, 2, 0, 1},
+    [NSDAE_SHAPE_POLYGON] = {"polygon", 1, 0, 0, 0, 0},
+    [NSDAE_SHAPE_PATH] = {"path", 0, 0, 0, 0, 0},
+    [NSDAE_SHAPE_SPHERE] = {"sphere", 0, 1, 1, 1, 0},
+    [NSDAE_SHAPE_CAPSULE] = {"capsule", 0, 1, 2, 1, 1 << 2},
+    [NSDAE_SHAPE_BOX] = {"box", 0, 1, 8, 0, 7},
+    [NSDAE_SHAPE_PLANE] = {"plane", 1, 1, 0, 0, 0},
 };
 
 const char *nsdae_solid_name(int shape)
 {
-  return names[shape];
-}
-
-static int has_radius(int shape)
-{
-  return shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
+  return kinds[shape].name;
 }
 
 /* ---- checks of a solid */
-
-static int exists(int dimension, int shape)
-{
-  switch (shape) {
-  case NSDAE_SHAPE_POINT:
-  case NSDAE_SHAPE_PLANE:
-    return 1;
-  case NSDAE_SHAPE_DISC:
-  case NSDAE_SHAPE_SEGMENT:
-  case NSDAE_SHAPE_POLYGON:
-    return dimension == 2;
-  case NSDAE_SHAPE_SPHERE:
-  case NSDAE_SHAPE_CAPSULE:
-  case NSDAE_SHAPE_BOX:
-    return dimension == 3;
-  default:
-    return 0;
-  }
-}
-
-/* Twice the signed area of the triangle of three corners. */
-static double doubled_area(const double *a, const double *b, const double *c)
-{
-  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-/* The first corner where the polygon does not turn left, or -1 */
-static int not_convex(const nsdae_solid *s)
-{
-  for (int i = 0; i < s->points; i++)
-    if (!(doubled_area(s->point + 2 * i, s->point + 2 * ((i + 1) % s->points),
-                       s->point + 2 * ((i + 2) % s->points)) > 0))
-      return (i + 1) % s->points;
-  return -1;
-}
 
 /* How often the edges of a polygon that turns left at every corner go around: as often as their
  * direction comes from below (or from straight left) to above. A star of five goes twice. */
@@ -90,12 +59,17 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
       return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",
                              "corner %d of the polygon is at %g, which is not a finite number",
                              i / 2, s->point[i]);
-  int bad = not_convex(s);
-  if (bad >= 0)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                           "corner %d of the polygon is no left turn: the polygon must be convex, "
-                           "its corners in anticlockwise order",
-                           bad);
+  for (int i = 0; i < s->points; i++) {
+    int middle = (i + 1) % s->points;
+    const double *a = s->point + 2 * i, *b = s->point + 2 * middle;
+    const double *c = s->point + 2 * ((i + 2) % s->points);
+    if (!((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0))
+      return nsdae_error_set(
+          error, NSDAE_E_ARGUMENT, where, "point",
+          "corner %d of the polygon is no left turn: the polygon must be convex, "
+          "its corners in anticlockwise order",
+          middle);
+  }
   int turns = count_turns(s);
   if (turns == 1) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
@@ -106,17 +80,14 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
 /* What is wrong with a solid's own numbers, into the record. */
 static int check_solid(const nsdae_solid *s, nsdae_error *error)
 {
-  const char *where = "nsdae_solid", *name = names[s->shape];
-  if (!(isfinite(s->radius) && s->radius >= 0) || (has_radius(s->shape) && s->radius == 0))
+  const char *where = "nsdae_solid", *name = kinds[s->shape].name;
+  int rounded = kinds[s->shape].rounded;
+  if (!(isfinite(s->radius) && s->radius >= 0) || (rounded && s->radius == 0))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius",
                            "radius = %g of a %s is not a number %s 0", s->radius, name,
-                           has_radius(s->shape) ? "above" : "of at least");
-  int first = s->shape == NSDAE_SHAPE_CAPSULE ? 2 : 0;
-  int last = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2;
-  int long_one = s->shape == NSDAE_SHAPE_SEGMENT || s->shape == NSDAE_SHAPE_CAPSULE ||
-                 s->shape == NSDAE_SHAPE_BOX;
-  for (int i = first; i <= last && long_one; i++)
-    if (!(isfinite(s->length[i]) && s->length[i] > 0))
+                           rounded ? "above" : "of at least");
+  for (int i = 0; i < 3; i++)
+    if (kinds[s->shape].lengths >> i & 1 && !(isfinite(s->length[i]) && s->length[i] > 0))
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
                              "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
                              name);
@@ -125,24 +96,7 @@ static int check_solid(const nsdae_solid *s, nsdae_error *error)
 
 /* ---- a solid in its body */
 
-/* Number of corners, and those of the shape in its own frame. */
-static int count_corners(const nsdae_solid *s)
-{
-  switch (s->shape) {
-  case NSDAE_SHAPE_SEGMENT:
-  case NSDAE_SHAPE_CAPSULE:
-    return 2;
-  case NSDAE_SHAPE_POLYGON:
-    return s->points;
-  case NSDAE_SHAPE_BOX:
-    return 8;
-  case NSDAE_SHAPE_PLANE:
-    return 0;
-  default:
-    return 1;
-  }
-}
-
+/* Corner i of the shape in its own frame. */
 static void own_corner(const nsdae_solid *s, int i, double *x)
 {
   double side = i ? 0.5 : -0.5;
@@ -154,17 +108,6 @@ static void own_corner(const nsdae_solid *s, int i, double *x)
     x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
 }
 
-static double reach_of(const nsdae_solid_of *s)
-{
-  double most = 0;
-  for (int i = 0; i < s->points; i++) {
-    double d[3];
-    for (int j = 0; j < 3; j++) d[j] = s->point[3 * i + j] - s->origin[j];
-    most = fmax(most, sqrt(nsdae_dot3(d, d)));
-  }
-  return most + s->radius;
-}
-
 static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
   memcpy(made->turn, s->quaternion, sizeof made->turn);
@@ -174,13 +117,18 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   else
     nsdae_rotation_spatial(made->turn, made->R);
   memcpy(made->origin, s->position, sizeof made->origin);
+  made->size = 0;
   for (int i = 0; i < made->points; i++) {
-    double x[3], *corner = made->point + 3 * i;
+    double x[3], d[3], *corner = made->point + 3 * i;
     own_corner(s, i, x);
     nsdae_turn(made->R, x, corner);
-    for (int j = 0; j < 3; j++) corner[j] += made->origin[j];
+    for (int j = 0; j < 3; j++) {
+      corner[j] += made->origin[j];
+      d[j] = corner[j] - made->origin[j];
+    }
+    made->size = fmax(made->size, sqrt(nsdae_dot3(d, d)));
   }
-  made->size = reach_of(made);
+  made->size += made->radius;
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
@@ -197,29 +145,35 @@ static void measure_edges(nsdae_solid_of *s)
   }
 }
 
+static int check_material(nsdae_bodies *b, const char *what, int index, int material)
+{
+  if (material >= 0 && material < NSDAE_MATERIALS) return NSDAE_OK;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "material", index,
+                             "material = %d is outside its range: it must be 0 .. %d", material,
+                             NSDAE_MATERIALS - 1);
+}
+
 int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 {
   int status = nsdae_bodies_open(b, s, "solid");
   if (status < 0) return status;
   int index = b->solid.count;
-  if (!exists(b->dimension, s->shape))
+  int known = s->shape >= 0 && s->shape < (int)(sizeof kinds / sizeof *kinds);
+  if (!known || !(b->dimension == 2 ? kinds[s->shape].planar : kinds[s->shape].spatial))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "shape", index,
                                "shape = %d is no solid in %d dimensions", s->shape, b->dimension);
   if (body < NSDAE_GROUND || body >= b->body.count)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
                                "body = %d is not a body: there are %d, from 0, and the ground (%d)",
                                body, b->body.count, NSDAE_GROUND);
-  if (s->material < 0 || s->material >= NSDAE_MATERIALS)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "material", index,
-                               "material = %d is outside its range: it must be 0 .. %d",
-                               s->material, NSDAE_MATERIALS - 1);
-  status = check_solid(s, &b->error);
+  status = check_material(b, "solid", index, s->material);
+  if (status == NSDAE_OK) status = check_solid(s, &b->error);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_turn(b, "solid", index, s->angle, s->quaternion);
   if (status < 0) return status;
-  int points = count_corners(s);
+  int points = s->shape == NSDAE_SHAPE_POLYGON ? s->points : kinds[s->shape].corners;
   double *corners = calloc((size_t)points + 1, 7 * sizeof *corners); /* and edges */
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
@@ -240,11 +194,6 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 }
 
 /* ---- features of a pair of solids */
-
-static nsdae_solid_of *solid_of(const nsdae_bodies *b, int i)
-{
-  return (nsdae_solid_of *)b->solid.at + i;
-}
 
 /* Whether its corners alone can touch a convex solid: it is a point with a rounding. */
 static int is_round(const nsdae_solid_of *s)
@@ -275,8 +224,7 @@ static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, i
 
 static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other)
 {
-  int count = nsdae_solid_corners(&solids[other]);
-  for (int i = 0; i < count; i++) add_feature(s, 0, base, other, 0, i);
+  for (int i = 0; i < solids[other].points; i++) add_feature(s, 0, base, other, 0, i);
 }
 
 static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j,
@@ -351,11 +299,11 @@ static int check_contact(nsdae_bodies *b, int i, int j, const pairing *p)
   if (i < 0 || i >= count || j < 0 || j >= count)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d: there are %d, from 0", i, j, count);
-  if (solid_of(b, i)->body == solid_of(b, j)->body)
+  if (nsdae_solid_at(b, i)->body == nsdae_solid_at(b, j)->body)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d belong to the same body, %d", i, j,
-                               solid_of(b, i)->body);
-  if (is_base(solid_of(b, i)) && is_base(solid_of(b, j)))
+                               nsdae_solid_at(b, i)->body);
+  if (is_base(nsdae_solid_at(b, i)) && is_base(nsdae_solid_at(b, j)))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", i, j);
   return check_coefficients(b, what, index, p->mu, p->e_n, p->e_t);
@@ -367,13 +315,9 @@ int nsdae_bodies_set_pair(nsdae_bodies *b, int material0, int material1, double 
   int status = nsdae_bodies_open(b, b, "bodies");
   if (status < 0) return status;
   int index = b->pair.count;
-  const int material[2] = {material0, material1};
-  for (int i = 0; i < 2; i++)
-    if (material[i] < 0 || material[i] >= NSDAE_MATERIALS)
-      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "pair", "material", index,
-                                 "material = %d is outside its range: it must be 0 .. %d",
-                                 material[i], NSDAE_MATERIALS - 1);
-  status = check_coefficients(b, "pair", index, mu, e_n, e_t);
+  status = check_material(b, "pair", index, material0);
+  if (status == NSDAE_OK) status = check_material(b, "pair", index, material1);
+  if (status == NSDAE_OK) status = check_coefficients(b, "pair", index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_bodies_pair *pair = nsdae_list_add(b, &b->pair, sizeof *pair);
   if (!pair) return NSDAE_E_MEMORY;
@@ -443,7 +387,7 @@ int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, doub
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "density",
                            "density = %g is not a number above 0", density);
   if (s->shape < 0 || s->shape > NSDAE_SHAPE_PLANE || s->hollow ||
-      (!has_radius(s->shape) && s->shape != NSDAE_SHAPE_POLYGON && s->shape != NSDAE_SHAPE_BOX))
+      (!kinds[s->shape].rounded && s->shape != NSDAE_SHAPE_POLYGON && s->shape != NSDAE_SHAPE_BOX))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
                            "shape = %d has no mass by density (disc, polygon, sphere, capsule, box "
                            "have)",

@@ -38,46 +38,29 @@ static int set_size(nsdae_system *system, int kind, int i, double size)
   return nsdae_system_set_size(system, kind, i, isfinite(size) ? size : 0);
 }
 
-static int set_widths_of_bodies(const nsdae_bodies *b, nsdae_system *system)
-{
-  const nsdae_solid_of *s = b->solid.at;
-  int status = NSDAE_OK;
-  for (int body = 0; body < b->body.count && status == NSDAE_OK; body++) {
-    double least = INFINITY;
-    for (int i = 0; i < b->solid.count; i++)
-      if (s[i].body == body) least = fmin(least, width_of(&s[i], b->dimension));
-    status = set_size(system, NSDAE_NAME_CONTACT, body, least);
-  }
-  return status;
-}
-
-static int set_widths_of_contacts(const nsdae_bodies *b, nsdae_system *system)
-{
-  const nsdae_solid_of *s = b->solid.at;
-  int status = NSDAE_OK;
-  for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
-    const nsdae_feature *f = nsdae_feature_at(b, i);
-    double least =
-        fmin(width_of(&s[f->solid[0]], b->dimension), width_of(&s[f->solid[1]], b->dimension));
-    status = set_size(system, NSDAE_NAME_CONTACT, i, least);
-  }
-  return status;
-}
-
-static double arm_of(const nsdae_primitive *e)
-{
-  double arm = e->kind == NSDAE_PRIMITIVE_DISTANCE ? fabs(e->rest) : 0;
-  if (e->kind == NSDAE_PRIMITIVE_BETWEEN || e->kind == NSDAE_PRIMITIVE_TURN) return 1;
-  for (int i = 0; i < 2; i++)
-    if (e->body[i] != NSDAE_GROUND) arm = fmax(arm, sqrt(nsdae_dot3(e->point[i], e->point[i])));
-  return arm;
-}
-
 int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
 {
-  int status =
-      b->pair.count > 0 ? set_widths_of_bodies(b, system) : set_widths_of_contacts(b, system);
-  for (int i = 0; i < b->element.count && status == NSDAE_OK; i++)
-    status = set_size(system, NSDAE_NAME_CONSTRAINT, i, arm_of(nsdae_element_at(b, i)));
+  int d = b->dimension, status = NSDAE_OK;
+  for (int body = 0; b->pair.count > 0 && body < b->body.count && status == NSDAE_OK; body++) {
+    double least = INFINITY;
+    for (int i = 0; i < b->solid.count; i++)
+      if (nsdae_solid_at(b, i)->body == body)
+        least = fmin(least, width_of(nsdae_solid_at(b, i), d));
+    status = set_size(system, NSDAE_NAME_CONTACT, body, least);
+  }
+  for (int i = 0; b->pair.count == 0 && i < b->feature.count && status == NSDAE_OK; i++) {
+    const int *solid = nsdae_feature_at(b, i)->solid;
+    double first = width_of(nsdae_solid_at(b, solid[0]), d);
+    double second = width_of(nsdae_solid_at(b, solid[1]), d);
+    status = set_size(system, NSDAE_NAME_CONTACT, i, fmin(first, second));
+  }
+  for (int i = 0; i < b->element.count && status == NSDAE_OK; i++) {
+    const nsdae_primitive *e = nsdae_element_at(b, i);
+    int angle = e->kind == NSDAE_PRIMITIVE_BETWEEN || e->kind == NSDAE_PRIMITIVE_TURN;
+    double arm = e->kind == NSDAE_PRIMITIVE_DISTANCE ? fabs(e->rest) : angle;
+    for (int j = 0; j < 2 && !angle; j++)
+      if (e->body[j] != NSDAE_GROUND) arm = fmax(arm, sqrt(nsdae_dot3(e->point[j], e->point[j])));
+    status = set_size(system, NSDAE_NAME_CONSTRAINT, i, arm);
+  }
   return status;
 }

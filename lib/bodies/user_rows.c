@@ -56,16 +56,12 @@ static int check_callbacks(nsdae_bodies *b, const nsdae_user_rows *o)
   return NSDAE_OK;
 }
 
-static int is_set(const nsdae_user_rows *o)
-{
-  return o->dims.nq + o->dims.m + o->dims.k > 0 || o->force || o->contacts || o->potential;
-}
-
 int nsdae_bodies_set_user_rows(nsdae_bodies *b, const nsdae_user_rows *own)
 {
   int status = nsdae_bodies_open(b, own, "own");
   if (status < 0) return status;
-  if (is_set(&b->own))
+  const nsdae_user_rows *o = &b->own;
+  if (o->dims.nq + o->dims.m + o->dims.k > 0 || o->force || o->contacts || o->potential)
     return nsdae_bodies_refuse(b, NSDAE_E_STATE, "own", "own", 0, "the user rows are set already");
   nsdae_user_rows copy = *own;
   if (copy.dims.nv == 0) copy.dims.nv = copy.dims.nq;

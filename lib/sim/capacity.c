@@ -35,15 +35,6 @@ static nsdae_room half_more(const nsdae_room *room, const nsdae_room *taken)
   return (nsdae_room){taken->entries + taken->entries / 2, taken->values + taken->values / 2};
 }
 
-static int limit_met(nsdae_sim *sim, size_t wanted)
-{
-  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
-                         "the contact list has %zu contacts at t = %.17g, more than contacts_max = "
-                         "%d: make it larger, or check the callback contacts",
-                         wanted, nsdae_terms_time(&sim->now->result.end),
-                         sim->options.contacts_max);
-}
-
 int nsdae_sim_grow(nsdae_sim *sim)
 {
   const nsdae_terms *const all[] = {&sim->stepper.middle, &sim->point[0].result.end,
@@ -54,7 +45,13 @@ int nsdae_sim_grow(nsdae_sim *sim)
     rows = larger(&rows, &all[i]->by.rows.taken);
   }
   size_t most = (size_t)sim->options.contacts_max;
-  if (contacts.entries > most) return limit_met(sim, contacts.entries);
+  if (contacts.entries > most)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
+                           "the contact list has %zu contacts at t = %.17g, more than contacts_max "
+                           "= %d: make it larger, "
+                           "or check the callback contacts",
+                           contacts.entries, nsdae_terms_time(&sim->now->result.end),
+                           sim->options.contacts_max);
   contacts = half_more(&sim->lists.contacts, &contacts);
   rows = half_more(&sim->lists.rows, &rows);
   if (contacts.entries > most) contacts.entries = most;

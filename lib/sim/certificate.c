@@ -54,12 +54,6 @@ static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, d
   return sum / 2;
 }
 
-static unsigned terms_of_work(const nsdae_result *of)
-{
-  unsigned at_contacts = of->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
-  return NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T | at_contacts;
-}
-
 /* The lightest diagonal entry of M among those of a block; INFINITY of the ground. */
 static double lightest(const nsdae_terms *T, int block)
 {
@@ -94,21 +88,14 @@ static double rounding_of_contacts(const nsdae_point *point)
   return 4 * DBL_EPSILON * sum * sum;
 }
 
-/* What the contacts of the step did: more than rounding of their impulses, they gave. */
-static void add_contacts(nsdae_work *w, const nsdae_point *point)
-{
-  double work = point->result.work;
-  w->spent += fabs(work);
-  if (work > 0) w->gained += nsdae_larger(0, work - rounding_of_contacts(point));
-}
-
 /* By the method's quadrature. The terms at the end are those that the next step begins with. */
 static int work_of_step(nsdae_point *before, nsdae_point *point)
 {
   nsdae_terms *from = &before->result.end, *to = &point->result.end;
   nsdae_work *w = &point->work;
   const nsdae_result *r = &point->result;
-  unsigned terms = terms_of_work(r);
+  unsigned at_contacts = r->smooth ? 0u : NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE;
+  unsigned terms = NSDAE_TERM_FORCE | NSDAE_TERM_PHI_T | at_contacts;
   double rounding, h = to->t - from->t, start = before->work.power;
   int status = nsdae_terms_need(from, terms);
   if (status == NSDAE_OK) status = nsdae_terms_need(to, terms);
@@ -127,20 +114,10 @@ static int work_of_step(nsdae_point *before, nsdae_point *point)
   w->unsure += h / 4 * fabs(w->power - 2 * start + w->earlier);
   w->earlier = start;
   w->rounding += rounding;
-  if (r->work != 0) add_contacts(w, point);
+  /* what the contacts of the step did: more than rounding of their impulses, they gave */
+  w->spent += fabs(r->work);
+  if (r->work > 0) w->gained += nsdae_larger(0, r->work - rounding_of_contacts(point));
   return NSDAE_OK;
-}
-
-/* By the integrator. */
-static void work_of_motion(const nsdae_point *before, nsdae_point *point)
-{
-  const nsdae_result *r = &point->result;
-  double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
-  nsdae_work *w = &point->work;
-  *w = before->work;
-  w->forces = w->inertia = w->driven = w->power = 0;
-  w->sum += gain - r->work;
-  w->gained = nsdae_larger(w->gained, -point->record.dissipated);
 }
 
 static inline void worst(double value, int item, double *most, int *of)
@@ -168,17 +145,13 @@ static void measure_impulses(nsdae_certificate *c, const nsdae_result *r,
   }
 }
 
-static int any_normal(const nsdae_result *r)
-{
-  return nsdae_largest(r->end.system->dims.k, r->impulses.normal) > 0;
-}
-
 /* Of event: what is closed at the end of the step and has pressed in it keeps its place. */
 static int measure_closed(nsdae_certificate *c, nsdae_result *r)
 {
-  int status =
-      any_normal(r) ? nsdae_terms_need(&r->end, NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS) : NSDAE_OK;
-  for (int i = 0; i < r->end.system->dims.k && status == NSDAE_OK; i++)
+  int k = r->end.system->dims.k, status = NSDAE_OK;
+  if (nsdae_largest(k, r->impulses.normal) > 0)
+    status = nsdae_terms_need(&r->end, NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS);
+  for (int i = 0; i < k && status == NSDAE_OK; i++)
     if (r->impulses.mode[i] != NSDAE_MODE_OPEN && r->impulses.normal[i] != 0)
       worst(fabs(r->impulses.normal[i] * nsdae_terms_normal_rate(&r->end, i, r->end.v)), i,
             &c->complementarity, &c->complementarity_contact);
@@ -201,25 +174,6 @@ static int measure_rates(nsdae_certificate *c, nsdae_result *r)
   return NSDAE_OK;
 }
 
-static void measure_places(nsdae_certificate *c, const nsdae_result *r)
-{
-  const nsdae_terms *T = &r->end;
-  int listed = T->system->by_list, count = listed ? r->closed.count : T->system->dims.k;
-  const double *gap = listed ? r->closed.gap : T->gap;
-  for (int i = 0; i < count; i++) worst(-gap[i], i, &c->penetration, &c->penetration_contact);
-  for (int i = 0; i < T->system->dims.m; i++)
-    worst(fabs(T->constraint.phi[i]), i, &c->constraint_drift, &c->drift_constraint);
-}
-
-static void measure_energy(nsdae_certificate *c, const nsdae_point *p)
-{
-  const nsdae_record *r = &p->record;
-  c->energy = r->kinetic + r->potential;
-  c->work = p->work.sum + (r->potential - p->work.potential);
-  c->dissipated = r->dissipated;
-  c->unexplained = r->kinetic - p->accounts.watch.kinetic + r->dissipated - p->work.sum;
-}
-
 static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
 {
   static const nsdae_certificate none = {.pull_contact = -1,
@@ -229,18 +183,29 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
                                          .rate_constraint = -1,
                                          .complementarity_contact = -1};
   nsdae_result *r = &point->result;
-  nsdae_certificate *c = &point->record.certificate;
-  int status = NSDAE_OK, listed = r->end.system->by_list;
+  nsdae_record *record = &point->record;
+  nsdae_certificate *c = &record->certificate;
+  const nsdae_system *s = r->end.system;
+  int status = NSDAE_OK, listed = s->by_list, count = listed ? r->closed.count : s->dims.k;
+  const double *gap = listed ? r->closed.gap : r->end.gap;
   *c = none;
-  measure_places(c, r);
-  measure_energy(c, point);
+  /* ---- places */
+  for (int i = 0; i < count; i++) worst(-gap[i], i, &c->penetration, &c->penetration_contact);
+  for (int i = 0; i < s->dims.m; i++)
+    worst(fabs(r->end.constraint.phi[i]), i, &c->constraint_drift, &c->drift_constraint);
+  /* ---- energy */
+  c->energy = record->kinetic + record->potential;
+  c->work = point->work.sum + (record->potential - point->work.potential);
+  c->dissipated = record->dissipated;
+  c->unexplained =
+      record->kinetic - point->accounts.watch.kinetic + record->dissipated - point->work.sum;
+  /* ---- impulses and rates */
   if (r->located || !r->smooth)
-    measure_impulses(c, r, listed ? sim->stepper.world->law : r->end.system->contact,
-                     listed ? r->closed.count : r->end.system->dims.k);
+    measure_impulses(c, r, listed ? sim->stepper.world->law : s->contact, count);
   if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
   if (status == NSDAE_OK) status = measure_rates(c, r);
-  point->record.constraint_drift = c->constraint_drift;
-  point->record.penetration = c->penetration;
+  record->constraint_drift = c->constraint_drift;
+  record->penetration = c->penetration;
   return status;
 }
 
@@ -278,11 +243,18 @@ int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
 
 int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point)
 {
+  const nsdae_result *r = &point->result;
+  nsdae_work *w = &point->work;
   int status = NSDAE_OK;
-  if (point->result.located)
-    work_of_motion(before, point);
-  else
+  if (r->located) { /* by the integrator */
+    double gain = isfinite(r->gain) ? r->gain : point->record.kinetic - before->record.kinetic;
+    *w = before->work;
+    w->forces = w->inertia = w->driven = w->power = 0;
+    w->sum += gain - r->work;
+    w->gained = nsdae_larger(w->gained, -point->record.dissipated);
+  } else {
     status = work_of_step(before, point);
+  }
   if (status == NSDAE_OK) status = measure_certificate(sim, point);
   keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
   return status;
@@ -309,18 +281,6 @@ static double energy_size(const nsdae_sim *sim, const nsdae_terms *T)
   return sum;
 }
 
-/* What rtol explains of a difference between T and what the equations of motion gave to it. */
-static double explained(const nsdae_sim *sim, const nsdae_point *before, const nsdae_point *point)
-{
-  const nsdae_result *r = &point->result;
-  const nsdae_counters *c = &r->counters;
-  double size = energy_size(sim, &before->result.end);
-  size = fmax(size, energy_size(sim, &r->end)) + r->turnover;
-  double tolerances =
-      energy_steps * (double)(c->iterations + 1) + energy_events * (double)c->events;
-  return sim->options.rtol * tolerances * size + energy_inertia * (size + r->turnover);
-}
-
 int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
                              const nsdae_point *point)
 {
@@ -329,7 +289,12 @@ int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
   double off = point->record.kinetic - before->record.kinetic - r->gain;
   /* 2 T <= sum |M_ij| max |v|^2: far less than is explained */
   if (fabs(off) <= 2 * energy_inertia * point->record.kinetic) return NSDAE_OK;
-  double bound = explained(sim, before, point);
+  /* what rtol explains of a difference between T and what the equations of motion gave to it */
+  double size =
+      fmax(energy_size(sim, &before->result.end), energy_size(sim, &r->end)) + r->turnover;
+  double tolerances = energy_steps * (double)(r->counters.iterations + 1) +
+                      energy_events * (double)r->counters.events;
+  double bound = sim->options.rtol * tolerances * size + energy_inertia * (size + r->turnover);
   if (!(fabs(off) > bound)) return NSDAE_OK;
   nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
                   "the kinetic energy changed by %.3g without work up to t = %.17g, above the "

@@ -1,4 +1,3 @@
-#include "guard.h"
 
 #include "errors.h"
 #include "refusal.h"

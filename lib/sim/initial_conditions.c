@@ -8,7 +8,6 @@
  *
  * tol = 1e-6 takes numbers of six digits. Overlap beyond its bound is an error of event, a warning
  * of time stepping, and the contact force of penalty. */
-#include "initial_conditions.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,7 +16,6 @@
 
 #include "errors.h"
 #include "penalty_law.h"
-#include "guard.h"
 #include "listed.h"
 #include "sim_impl.h"
 #include "system_impl.h"
@@ -55,43 +53,32 @@ static int check_constraints(const nsdae_terms *T, double tol)
   return NSDAE_OK;
 }
 
-/* The deepest of the contacts that overlap by more than their bound, or -1. */
-static int deepest(const nsdae_terms *T, double tol, double *bound)
-{
-  double q = nsdae_largest(T->system->dims.nq, T->q);
-  int found = -1;
-  for (int i = 0; i < T->by.normal.count; i++) {
-    double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, i));
-    if (!(-T->gap[i] > most) || (found >= 0 && T->gap[i] >= T->gap[found])) continue;
-    found = i;
-    *bound = most;
-  }
-  return found;
-}
-
-/* 'contact 3 "stop"'; a contact of a list by its id. */
-static const char *contact_called(const nsdae_terms *T, int i, char text[NSDAE_CALLED_SIZE])
-{
-  return T->system->by_list ? nsdae_system_called_id(T->system, T->by.list.id[i], text)
-                            : nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, text);
-}
-
 /* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
  * keeps the overlap of a start, as nothing in it moves bodies apart. */
 static int check_gaps(const nsdae_terms *T, int method, double tol)
 {
   char called[NSDAE_CALLED_SIZE];
-  int event = method == NSDAE_METHOD_EVENT;
+  int event = method == NSDAE_METHOD_EVENT, i = -1;
   int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
-  double bound = 0;
-  int i = method == NSDAE_METHOD_PENALTY ? -1 : deepest(T, tol, &bound);
+  double bound = 0, q = nsdae_largest(T->system->dims.nq, T->q);
+  /* the deepest of the contacts that overlap by more than their bound */
+  for (int j = 0; j < T->by.normal.count && method != NSDAE_METHOD_PENALTY; j++) {
+    double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, j));
+    if (!(-T->gap[j] > most) || (i >= 0 && T->gap[j] >= T->gap[i])) continue;
+    i = j;
+    bound = most;
+  }
   if (i < 0) return NSDAE_OK;
+  if (T->system->by_list)
+    nsdae_system_called_id(T->system, T->by.list.id[i], called);
+  else
+    nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, called);
   nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
                   event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
                           "start_tol); nsdae_sim_project corrects it"
                         : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
                           "the method keeps this overlap; nsdae_sim_project corrects it",
-                  contact_called(T, i, called), -T->gap[i], bound);
+                  called, -T->gap[i], bound);
   return nsdae_error_at(T->error, status, i, nsdae_terms_time(T));
 }
 
@@ -111,20 +98,6 @@ static int next_group(const nsdae_units *u, int group, int after)
   int first = after;
   while (u->of[first] != group) first++;
   return first;
-}
-
-static int check_units(const nsdae_projector *p, const nsdae_terms *T, double tol)
-{
-  int nq = T->system->dims.nq, first = 0;
-  for (int g = 0; g < p->units.count; g++) {
-    first = next_group(&p->units, g, first);
-    double off = fabs(p->units.length[g] - 1);
-    if (off > tol && is_rotation(&p->units, nq, first))
-      return refuse_start(T, "q0", NSDAE_NAME_COORDINATE, first,
-                          "begins a group of unit length (by dq/dt) whose length has the error",
-                          off, tol);
-  }
-  return NSDAE_OK;
 }
 
 /* ---- derivatives with v = 0 and along two trial velocities: a few calls, whatever the size */
@@ -369,16 +342,6 @@ static int any_users(const nsdae_system *s, int kind, int rows)
   return i < rows;
 }
 
-/* Degenerate elements, which the maker of the system knows. */
-static int check_degenerate(const nsdae_terms *T)
-{
-  nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "gap_normal", "no normal");
-  if (nsdae_system_explain(T->system, nsdae_terms_time(T), T->q, T->v, T->error))
-    return NSDAE_E_ARGUMENT;
-  nsdae_error_clear(T->error);
-  return NSDAE_OK;
-}
-
 /* Late times leave too few digits to steps in time, so that nothing is reported there. */
 static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *work)
 {
@@ -397,8 +360,12 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
                          s->call.gap,        T->gap,
                          &T->by.normal,      T->w_N};
   if (!p->tools->options->start_check) return NSDAE_OK;
-  int status = check_degenerate(T);
-  if (status < 0 || fabs(nsdae_terms_time(T)) > 1e4) return status;
+  /* degenerate elements, which the maker of the system knows */
+  nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "gap_normal", "no normal");
+  if (nsdae_system_explain(s, nsdae_terms_time(T), T->q, T->v, T->error)) return NSDAE_E_ARGUMENT;
+  nsdae_error_clear(T->error);
+  if (fabs(nsdae_terms_time(T)) > 1e4) return NSDAE_OK;
+  int status = NSDAE_OK;
   int rows = any_users(s, NSDAE_NAME_CONSTRAINT, d->m);
   int contacts = any_users(s, NSDAE_NAME_CONTACT, d->k);
   int accelerations = contacts || any_users(s, NSDAE_NAME_FRICTIONAL_JOINT, d->f);
@@ -419,8 +386,15 @@ size_t nsdae_initial_size(const nsdae_dims *d)
 int nsdae_initial_check(nsdae_projector *p, const nsdae_terms *T, double *work)
 {
   const nsdae_sim_options *o = p->tools->options;
-  int status = check_units(p, T, o->start_tol);
-  if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
+  for (int g = 0, first = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    double off = fabs(p->units.length[g] - 1);
+    if (off > o->start_tol && is_rotation(&p->units, T->system->dims.nq, first))
+      return refuse_start(T, "q0", NSDAE_NAME_COORDINATE, first,
+                          "begins a group of unit length (by dq/dt) whose length has the error",
+                          off, o->start_tol);
+  }
+  int status = check_constraints(T, o->start_tol);
   if (status == NSDAE_OK) status = check_derivatives(p, T, work);
   return status < 0 ? status : check_gaps(T, o->method, o->start_tol);
 }
@@ -522,7 +496,7 @@ int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, project(sim, t0, q0, v0));
 }
 
-/* Of the kinetic energy of the approach: 5 % in the velocities, as in monitors.h. */
+/* Of the kinetic energy of the approach: 5 % in the velocities, as in monitors.c. */
 static const double other_energy = 0.1;
 
 int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, nsdae_error *error)

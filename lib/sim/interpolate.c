@@ -9,7 +9,6 @@
  *
  * A method that integrates goes from the state before to t, into a point aside. */
 #include "errors.h"
-#include "guard.h"
 #include "sim_impl.h"
 
 #include <string.h>
@@ -52,14 +51,6 @@ static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double
   return NSDAE_OK;
 }
 
-static int check_time(nsdae_sim *sim, double t, const nsdae_terms *first, const nsdae_terms *last)
-{
-  double from = nsdae_terms_time(first), to = nsdae_terms_time(last);
-  if (t >= from && t <= to) return NSDAE_OK;
-  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_interpolate", "t",
-                         "t = %.17g is outside the last step, from %.17g to %.17g", t, from, to);
-}
-
 static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
 {
   const char *where = "nsdae_sim_interpolate";
@@ -74,11 +65,14 @@ static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
         &sim->error, NSDAE_E_STATE, where, "",
         "there is no last step: no step was taken since the start, or it failed");
   const nsdae_terms *from = &before->result.end, *to = &shown->result.end;
-  int status = check_time(sim, t, from, to);
-  if (status < 0) return status;
+  double first = nsdae_terms_time(from), last = nsdae_terms_time(to);
+  if (!(t >= first && t <= last))
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "t",
+                           "t = %.17g is outside the last step, from %.17g to %.17g", t, first,
+                           last);
   double since = t - sim->model.epoch;
-  int at_end = t == nsdae_terms_time(to) || since >= to->t;
-  if (at_end || t == nsdae_terms_time(from) || since <= from->t) {
+  int at_end = t == last || since >= to->t;
+  if (at_end || t == first || since <= from->t) {
     copy(at_end ? to : from, q, v);
     return NSDAE_OK;
   }

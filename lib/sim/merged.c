@@ -37,11 +37,6 @@ typedef struct closed_ones {
   const double *M, *F;
 } closed_ones;
 
-static const double *column(const nsdae_contacts *c, int a)
-{
-  return c->delassus.W + (size_t)c->first_column[a] * (size_t)c->system->dims.nv;
-}
-
 /* sum |W_j F_j| / M_jj over block b: F gives W no larger acceleration, or one of that size. */
 static double pushed(const closed_ones *c, int b, const double *W, size_t stride)
 {
@@ -55,10 +50,14 @@ static double pushed(const closed_ones *c, int b, const double *W, size_t stride
 
 static double acceleration(const closed_ones *c, int a)
 {
+  const nsdae_contacts *k = c->numbered;
   double sum = 0;
-  for (int b = 0; c->numbered && b < c->blocks->count; b++)
-    sum += pushed(c, b, column(c->numbered, a) + c->blocks->first[b], 1);
-  if (c->numbered) return sum;
+  for (int b = 0; k && b < c->blocks->count; b++)
+    sum += pushed(c, b,
+                  k->delassus.W + (size_t)k->first_column[a] * (size_t)k->system->dims.nv +
+                      c->blocks->first[b],
+                  1);
+  if (k) return sum;
   for (int p = c->normal->first[a]; p < c->normal->first[a + 1]; p++)
     sum += pushed(c, c->normal->block[p], c->normal->value + c->normal->at[p], c->normal->stride);
   return sum;
@@ -140,15 +139,6 @@ static void compare_pair(const nsdae_sim *sim, const closed_ones *c, const nsdae
   }
 }
 
-/* Place among the closed ones of the contact that an impact names. */
-static int place_of(const nsdae_contacts *numbered, int contact)
-{
-  int a = 0;
-  if (!numbered) return contact;
-  while (numbered->active[a] != contact) a++;
-  return a;
-}
-
 static int report(nsdae_point *point, const merged *m)
 {
   const nsdae_terms *end = &point->result.end;
@@ -179,7 +169,9 @@ int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   const closed_ones c = {world ? NULL : r->problem, world ? &world->home->by.normal : NULL,
                          &sim->model.blocks, T->M, T->F};
   for (int p = 0; p < r->impacts; p++) {
-    int a = place_of(c.numbered, r->impact[p].contact);
+    /* place among the closed ones of the contact that an impact names */
+    int contact = r->impact[p].contact, a = c.numbered ? 0 : contact;
+    while (c.numbered && c.numbered->active[a] != contact) a++;
     if (acts(sim, &c, &r->impulses, a, point->record.duration))
       compare_pair(sim, &c, r, a, point->record.duration, &most);
   }

@@ -1,10 +1,13 @@
-/* See monitors.h. */
+/* Judges every point before it becomes the state: what the method does not explain is reported,
+ * once for each kind. docs/methods/warnings.md has the bounds and where they come from. In its
+ * letters h is the step, c the largest entry of Phi_q at the start, l = max h c max |v_j| the way
+ * along such a row in one step so far, g the largest change of a gap in one; neither is below the
+ * way h^2 F / M that the forces of the start lead to from rest. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "errors.h"
-#include "monitors.h"
 #include "sim_impl.h"
 #include "vector.h"
 
@@ -123,7 +126,7 @@ static double size_of_pair(const double *size, const int *block)
   return isfinite(least) ? least : 0;
 }
 
-/* The overlap that the method explains if sizes are unknown. Time stepping: see monitors.h.
+/* The overlap that the method explains if sizes are unknown. Time stepping: see above.
  * penalty: a spring has stored no more than its contact has taken, of what was in motion, or of the
  * work of a load or of a moving wall; a load that is put on suddenly compresses it to twice the
  * depth of rest. */

@@ -5,7 +5,6 @@
 
 #include "errors.h"
 #include "refusal.h"
-#include "guard.h"
 #include "sim_impl.h"
 
 static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
@@ -44,16 +43,6 @@ int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
   NSDAE_SIM_GUARDED(sim, NSDAE_ASK, unobserve(sim, observer, user));
 }
 
-static int observer_failed(nsdae_sim *sim, int status, double t)
-{
-  if (sim->error.status != NSDAE_OK) return status;
-  nsdae_error_set(&sim->error, status, "nsdae_sim", "observer",
-                  "an observer returned %d (%s) at t = %.17g", status, nsdae_status_message(status),
-                  t);
-  sim->error.code = status;
-  return nsdae_error_at(&sim->error, status, -1, t);
-}
-
 static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *record)
 {
   nsdae_error_clear(&sim->error);
@@ -61,7 +50,12 @@ static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *
   sim->observers.telling = sim->guard.showing = 1;
   int status = observer.call(record, &sim->error, observer.user);
   sim->observers.telling = sim->guard.showing = 0;
-  return status < 0 ? observer_failed(sim, status, record->time) : status;
+  if (status >= 0 || sim->error.status != NSDAE_OK) return status;
+  nsdae_error_set(&sim->error, status, "nsdae_sim", "observer",
+                  "an observer returned %d (%s) at t = %.17g", status, nsdae_status_message(status),
+                  record->time);
+  sim->error.code = status;
+  return nsdae_error_at(&sim->error, status, -1, record->time);
 }
 
 int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "options.h"
+#include "sim_impl.h"
 
 static const char *const methods[] = {"implicit", "implicit-printed", "moreau", "penalty", "event",
                                       NULL};

@@ -1,7 +1,6 @@
 /* Records, impacts, certificates and statistics of a point, from its result alone. */
 #include <string.h>
 
-#include "monitors.h"
 #include "sim_impl.h"
 
 enum {

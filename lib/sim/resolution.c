@@ -1,4 +1,4 @@
-/* Scales of a start: those that warnings are held against (monitors.h), and what doubles and
+/* Scales of a start: those that warnings are held against (monitors.c), and what doubles and
  * tolerances cannot resolve, which is refused.
  *
  * Time. The user's times near t0 are r = eps |t0| apart, or less: a shorter dt gives two steps the
@@ -15,7 +15,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "monitors.h"
 #include "sim_impl.h"
 #include "vector.h"
 
@@ -89,16 +88,12 @@ static double lengths_of(const nsdae_terms *T, const nsdae_rows *rows, int i, do
   return lengths;
 }
 
-/* Ten errors of a position, as the integrators control them far from the origin (runge_kutta.h). */
-static double position_tolerance(const nsdae_sim_options *o, const nsdae_terms *T)
-{
-  return 10 * (o->rtol * o->dt * nsdae_largest(T->system->dims.nv, T->v) + o->atol);
-}
-
 static int check_rows(nsdae_sim *sim, const nsdae_terms *T, const nsdae_rows *rows, int kind)
 {
   const nsdae_sim_options *o = &sim->options;
-  double tol = position_tolerance(o, T), way;
+  /* ten errors of a position, as the integrators control them far from the origin (runge_kutta.h)
+   */
+  double tol = 10 * (o->rtol * o->dt * nsdae_largest(T->system->dims.nv, T->v) + o->atol), way;
   char called[NSDAE_CALLED_SIZE];
   for (int i = 0; i < rows->count; i++) {
     double lengths = lengths_of(T, rows, i, o->dt, &way);
@@ -147,34 +142,6 @@ static int force_at_rest(const nsdae_terms *T, double *still, double *F)
   return nsdae_system_callback_status(code, "force", nsdae_terms_time(T), T->error);
 }
 
-/* The way that the forces F lead to in a step from rest: h^2 F / M. */
-static double way_from_rest(const nsdae_terms *T, const double *F, double h)
-{
-  const nsdae_blocks *blocks = &T->system->blocks;
-  double rows = fmax(largest_entry(blocks, &T->by.jacobian), largest_entry(blocks, &T->by.normal));
-  double most = 0;
-  for (int b = 0; b < blocks->count; b++) {
-    size_t n = (size_t)nsdae_blocks_size(blocks, b);
-    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
-    for (size_t j = 0; j < n; j++) most = fmax(most, fabs(f[j]) / M[j * (n + 1)]);
-  }
-  return h * h * rows * most;
-}
-
-/* The rounding of the kinetic energy that the forces F lead to in a step from rest: what is held
- * has none of it, and is not told of that. */
-static double rounding_from_rest(const nsdae_terms *T, const double *F, double h)
-{
-  const nsdae_blocks *blocks = &T->system->blocks;
-  double sum = 0;
-  for (int b = 0; b < blocks->count; b++) {
-    size_t n = (size_t)nsdae_blocks_size(blocks, b);
-    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
-    for (size_t j = 0; j < n; j++) sum += f[j] * f[j] / M[j * (n + 1)];
-  }
-  return DBL_EPSILON * h * h * sum / 2;
-}
-
 /* The largest gap, if start_tol does not make it none; else 0, as of penalty, whose stiffness gives
  * the depth. */
 static double apart(const nsdae_terms *start, const nsdae_sim_options *o)
@@ -185,6 +152,25 @@ static double apart(const nsdae_terms *start, const nsdae_sim_options *o)
   return most > start_tol * (1 + nsdae_largest(start->system->dims.nq, start->q)) ? most : 0;
 }
 
+/* What the forces F lead to in a step from rest: the way h^2 F / M, and the rounding of the kinetic
+ * energy. What is held has none of it, and is not told of that. */
+static double way_from_rest(const nsdae_terms *T, const double *F, double h, double *rounding)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double rows = fmax(largest_entry(blocks, &T->by.jacobian), largest_entry(blocks, &T->by.normal));
+  double most = 0, sum = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *f = F + blocks->first[b], *M = T->M + blocks->square[b];
+    for (size_t j = 0; j < n; j++) {
+      most = fmax(most, fabs(f[j]) / M[j * (n + 1)]);
+      sum += f[j] * f[j] / M[j * (n + 1)];
+    }
+  }
+  *rounding = DBL_EPSILON * h * h * sum / 2;
+  return h * h * rows * most;
+}
+
 int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *start = &point->result.end;
@@ -192,13 +178,13 @@ int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point)
   double *still = sim->probe, *F = still + d->nv, h = sim->options.dt;
   int status = force_at_rest(start, still, F);
   if (status < 0) return status;
-  double from_rest = way_from_rest(start, F, h);
+  double rounding, from_rest = way_from_rest(start, F, h, &rounding);
   point->accounts.watch =
       (nsdae_monitors){.change = from_rest,
                        .row = largest_entry(&start->system->blocks, &start->by.jacobian),
                        .way = from_rest,
                        .apart = apart(start, &sim->options),
-                       .scale = fmax(point->record.kinetic, rounding_from_rest(start, F, h)),
+                       .scale = fmax(point->record.kinetic, rounding),
                        .kinetic = point->record.kinetic,
                        .known = point->record.kinetic};
   return NSDAE_OK;

@@ -5,8 +5,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "options.h"
-#include "guard.h"
 #include "sim_impl.h"
 
 static int set_user(nsdae_sim *sim, void *user)
@@ -63,29 +61,23 @@ static int change(nsdae_sim *sim, void *setting, const void *to, void *before, s
   return status;
 }
 
-static int check_fixed(nsdae_sim *sim, const nsdae_sim_options *options)
-{
-  static const char *const fixed[] = {"method", "polygon", "projection", "threads"};
-  for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++) {
-    const nsdae_param *p = nsdae_params_find(nsdae_sim_options_table(), fixed[i]);
-    if (nsdae_sim_option_value(options, p) == nsdae_sim_option_value(&sim->options, p)) continue;
-    return nsdae_error_set(
-        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
-        "%s is fixed after nsdae_sim_create: create another simulation for another %s", fixed[i],
-        fixed[i]);
-  }
-  return NSDAE_OK;
-}
-
 static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
 {
+  static const char *const fixed[] = {"method", "polygon", "projection", "threads"};
   nsdae_sim_options before;
   nsdae_error_clear(&sim->error);
   if (!options)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", "options",
                            "options is NULL");
   int status = nsdae_sim_options_check(options, &sim->error);
-  if (status == NSDAE_OK) status = check_fixed(sim, options);
+  for (size_t i = 0; i < sizeof fixed / sizeof *fixed && status == NSDAE_OK; i++) {
+    const nsdae_param *p = nsdae_params_find(nsdae_sim_options_table(), fixed[i]);
+    if (nsdae_sim_option_value(options, p) == nsdae_sim_option_value(&sim->options, p)) continue;
+    status = nsdae_error_set(
+        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_options", fixed[i],
+        "%s is fixed after nsdae_sim_create: create another simulation for another %s", fixed[i],
+        fixed[i]);
+  }
   if (status == NSDAE_OK) status = change(sim, &sim->options, options, &before, sizeof before);
   if (status == NSDAE_OK && sim->stage.started && before.dt != options->dt) {
     /* A new dt starts a new grid of steps where the run is. */

@@ -5,12 +5,9 @@
 #include <string.h>
 
 #include "errors.h"
-#include "options.h"
 #include "callback_guard.h"
 #include "refusal.h"
-#include "guard.h"
 #include "sim_impl.h"
-#include "initial_conditions.h"
 #include "system_impl.h"
 
 static void layout_sim(void *object, nsdae_arena *arena)
@@ -107,13 +104,6 @@ static int copy_system(nsdae_sim *sim)
   return NSDAE_OK;
 }
 
-static int no_threads(nsdae_sim *sim)
-{
-  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
-                         "out of memory, or of threads of the system, for threads = %d",
-                         sim->options.threads);
-}
-
 /* Lists begin with room for a contact of each block and for two blocks of each row. */
 static int first_room(nsdae_sim *sim)
 {
@@ -136,7 +126,10 @@ static int build(nsdae_sim *sim)
   stepper->error = &sim->error;
   if (sim->system->by_list) {
     stepper->world = nsdae_world_make(&sim->model, sim->options.threads, &sim->error);
-    if (!stepper->world) return no_threads(sim);
+    if (!stepper->world)
+      return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
+                             "out of memory, or of threads of the system, for threads = %d",
+                             sim->options.threads);
   }
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
@@ -231,14 +224,6 @@ int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const do
   return status < 0 ? status : check_vector(sim, where, "v0", NSDAE_NAME_VELOCITY, v0);
 }
 
-/* What the callbacks write beyond their arrays or leave out, before anything stands beside them. */
-static int probe_callbacks(nsdae_sim *sim, double t0, const double *q0, const double *v0)
-{
-  const nsdae_callback_guard probe = {&sim->model, "nsdae_sim_init", t0,          q0,
-                                      v0,          sim->probe,       &sim->error, 0};
-  return sim->options.start_check ? nsdae_callback_guard_callbacks(&probe) : NSDAE_OK;
-}
-
 /* Every term once, so that what is wrong with a model shows here. */
 static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
@@ -269,7 +254,11 @@ static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
   nsdae_error_clear(&sim->error);
   sim->stage.started = sim->stage.failed = sim->stage.waiting = sim->stage.between = 0;
   int status = nsdae_sim_check_state(sim, "nsdae_sim_init", t0, q0, v0);
-  if (status == NSDAE_OK) status = probe_callbacks(sim, t0, q0, v0);
+  /* What the callbacks write beyond their arrays or leave out, before anything stands beside them.
+   */
+  if (status == NSDAE_OK && sim->options.start_check)
+    status = nsdae_callback_guard_callbacks(&(nsdae_callback_guard){
+        &sim->model, "nsdae_sim_init", t0, q0, v0, sim->probe, &sim->error, 0});
   sim->model.epoch = t0;
   while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);

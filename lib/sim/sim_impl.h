@@ -10,7 +10,10 @@
 #include "state_projection.h"
 #include "stepper.h"
 
-/* How a call uses a simulation, and who does so now: see guard.h. */
+/* Who uses a simulation now. A call that changes it works alone. Calls that only read it may work
+ * at the same time, in several threads. While an observer sees a record, its thread may read the
+ * simulation and ask it, and nothing else. Every other call is NSDAE_E_STATE and touches neither
+ * the simulation nor its error record: callbacks, threads of a pool and other threads alike. */
 enum nsdae_use {
   NSDAE_READ, /* reads: with others, and from an observer */
   NSDAE_ASK,  /* works alone, but changes no state: also from an observer */
@@ -23,7 +26,7 @@ typedef struct nsdae_guard {
   int showing;                  /* an observer sees a record; for that thread alone */
 } nsdae_guard;
 
-/* Bits of nsdae_stats.warnings, in the order in which monitors.h reports them. */
+/* Bits of nsdae_stats.warnings, in the order in which monitors.c reports them. */
 enum {
   NSDAE_MONITORS_ENERGY = 1,
   NSDAE_MONITORS_PENETRATION = 2,
@@ -33,7 +36,7 @@ enum {
   NSDAE_MONITORS_RESTITUTION = 32
 };
 
-/* Largest values of the run so far, for the bounds of monitors.h: doubles alone, see snapshot.c. */
+/* Largest values of the run so far, for the bounds of monitors.c: doubles alone, see snapshot.c. */
 typedef struct nsdae_monitors {
   double change;   /* g */
   double row, way; /* c, l */
@@ -185,5 +188,62 @@ int nsdae_point_show(nsdae_point *point, unsigned have);
 /* Shows a record to the observers whose turn it is. NSDAE_OK, NSDAE_STOPPED, or the failure of one,
  * whose turn it then still is. */
 int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record);
+
+/* ---- users of a simulation */
+
+/* NSDAE_OK; NSDAE_E_ARGUMENT where sim is NULL; NSDAE_E_STATE: refused. where: the function. */
+int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where);
+/* After an enter that was NSDAE_OK. */
+void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use);
+
+/* The whole body of a public function: call, between enter and leave. */
+#define NSDAE_SIM_GUARDED(sim, use, call)                   \
+  do {                                                      \
+    int guarded_ = nsdae_sim_enter((sim), (use), __func__); \
+    if (guarded_ < 0) return guarded_;                      \
+    guarded_ = (call);                                      \
+    nsdae_sim_leave((sim), (use));                          \
+    return guarded_;                                        \
+  } while (0)
+
+/* ---- starts */
+
+/* Whether the terms' point may be a start: NSDAE_OK, or NSDAE_E_ARGUMENT naming the row, its value
+ * and its bound, NSDAE_E_DERIVATIVE where derivatives are grossly wrong. NSDAE_WARN_PENETRATION:
+ * time stepping starts from an overlap beyond start_tol. The terms and the groups of unit length
+ * are those of the start; work has nsdae_initial_size numbers. */
+int nsdae_initial_check(nsdae_projector *projection, const nsdae_terms *start, double *work);
+
+/* Moves the start of event to gaps >= 0 and to the constraints if a contact overlaps: the least
+ * change in the metric of M. 1: moved; NSDAE_OK: nothing to do; NSDAE_E_CONVERGENCE naming the
+ * worst row, and what the terms return. */
+int nsdae_initial_touch(nsdae_projector *projection, nsdae_terms *start);
+
+/* NSDAE_OK, or with method penalty NSDAE_WARN_RESTITUTION naming the contact whose law is furthest
+ * from e_N. */
+int nsdae_initial_law(const nsdae_system *system, const nsdae_sim_options *options,
+                      nsdae_error *error);
+
+/* Numbers that the check works on: accelerations of contacts and frictional joints, given and
+ * differenced. */
+size_t nsdae_initial_size(const nsdae_dims *dims);
+
+/* ---- monitors */
+
+/* From the start on. NSDAE_OK, or what the terms return. */
+int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point);
+/* After a step: the warning of now, NSDAE_WARN_... with the error record, or NSDAE_OK. */
+int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
+
+/* ---- options */
+
+/* NSDAE_OK, or NSDAE_E_ARGUMENT naming the first option outside its range. */
+int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error);
+
+/* An option as a number. */
+double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param);
+
+/* Whether a run of this method depends on it. */
+int nsdae_sim_option_matters(const char *key, int method);
 
 #endif

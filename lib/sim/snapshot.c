@@ -22,8 +22,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "options.h"
-#include "guard.h"
 #include "sim_impl.h"
 #include "vector.h"
 
@@ -101,19 +99,6 @@ static void visit_stats(cursor *c, nsdae_stats *s)
   visit_certificate(c, &s->certificate);
 }
 
-static void visit_accounts(cursor *c, nsdae_accounts *a)
-{
-  _Static_assert(sizeof *a ==
-                     2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
-                 "an account that the state does not keep");
-  visit(c, &a->step, sizeof a->step);
-  visit(c, &a->grid_count, sizeof a->grid_count);
-  visit(c, &a->grid_start, sizeof a->grid_start);
-  visit(c, &a->dissipated, sizeof a->dissipated);
-  visit_stats(c, &a->stats);
-  visit(c, &a->watch, sizeof a->watch);
-}
-
 /* Contacts of the list, and the reach within which the next step finds them. */
 static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
 {
@@ -136,9 +121,18 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
 static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, unsigned *have)
 {
   nsdae_result *r = &p->result;
+  nsdae_accounts *a = &p->accounts;
   const nsdae_dims *d = &r->end.system->dims;
+  _Static_assert(sizeof *a ==
+                     2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
+                 "an account that the state does not keep");
   visit_doubles(c, epoch, 1);
-  visit_accounts(c, &p->accounts);
+  visit(c, &a->step, sizeof a->step);
+  visit(c, &a->grid_count, sizeof a->grid_count);
+  visit_doubles(c, &a->grid_start, 1);
+  visit_doubles(c, &a->dissipated, 1);
+  visit_stats(c, &a->stats);
+  visit(c, &a->watch, sizeof a->watch);
   visit(c, &p->work, sizeof p->work);
   visit_certificate(c, &p->record.certificate);
   visit_doubles(c, t, 1);

@@ -53,12 +53,7 @@ typedef struct part {
   double *H;         /* nq x nv */
 } part;
 
-static part part_before_all(const nsdae_projector *p)
-{
-  return (part){.H = p->H};
-}
-
-/* The block behind, or 0. */
+/* The block behind, of one with p->H alone the first; or 0. */
 static int next_part(const nsdae_projector *p, part *b, int number)
 {
   const nsdae_system *s = p->tools->system;
@@ -70,23 +65,8 @@ static int next_part(const nsdae_projector *p, part *b, int number)
   return 1;
 }
 
-/* H e_j of every block at p->q, in as many calls as the widest has velocities. */
-static int read_column(nsdae_projector *p, double t, int j)
-{
-  const nsdae_system *s = p->tools->system;
-  memset(p->v, 0, (size_t)s->dims.nv * sizeof *p->v);
-  memset(p->qdot, 0, (size_t)s->dims.nq * sizeof *p->qdot);
-  for (int b = 0; b < s->blocks.count; b++)
-    if (j < nsdae_blocks_size(&s->blocks, b)) p->v[s->blocks.first[b] + j] = 1;
-  int code = nsdae_kinematics(s, t, p->q, p->v, p->qdot);
-  part b = part_before_all(p);
-  for (int i = 0; next_part(p, &b, i); i++)
-    if (j < b.nv)
-      memcpy(b.H + (size_t)j * (size_t)b.nq, p->qdot + b.first, (size_t)b.nq * sizeof *b.H);
-  return code;
-}
-
-/* H at a point beside q that is nothing special; a callback's code. */
+/* H at a point beside q that is nothing special, column j of every block in one call; a callback's
+ * code. */
 static int read_beside(nsdae_projector *p, double t, const double *q, double away)
 {
   const nsdae_system *s = p->tools->system;
@@ -95,7 +75,17 @@ static int read_beside(nsdae_projector *p, double t, const double *q, double awa
     p->q[i] = q[i] + away * (0.3 + fmod(0.618034 * (i + 1), 1)) * (1 + fabs(q[i]));
   for (int b = 0; b < s->blocks.count; b++)
     if (nsdae_blocks_size(&s->blocks, b) > widest) widest = nsdae_blocks_size(&s->blocks, b);
-  for (int j = 0; j < widest && !code; j++) code = read_column(p, t, j);
+  for (int j = 0; j < widest && !code; j++) {
+    memset(p->v, 0, (size_t)s->dims.nv * sizeof *p->v);
+    memset(p->qdot, 0, (size_t)s->dims.nq * sizeof *p->qdot);
+    for (int b = 0; b < s->blocks.count; b++)
+      if (j < nsdae_blocks_size(&s->blocks, b)) p->v[s->blocks.first[b] + j] = 1;
+    code = nsdae_kinematics(s, t, p->q, p->v, p->qdot);
+    part b = {.H = p->H};
+    for (int i = 0; next_part(p, &b, i); i++)
+      if (j < b.nv)
+        memcpy(b.H + (size_t)j * (size_t)b.nq, p->qdot + b.first, (size_t)b.nq * sizeof *b.H);
+  }
   return code;
 }
 
@@ -184,7 +174,7 @@ int nsdae_units_find(nsdae_projector *p, double t, const double *q)
 {
   int nq = p->tools->system->dims.nq;
   nsdae_units *u = &p->units;
-  part b = part_before_all(p);
+  part b = {.H = p->H};
   u->count = 0;
   for (int i = 0; i < nq; i++) u->of[i] = -1;
   if (nq == p->tools->system->dims.nv) return NSDAE_OK;
@@ -193,7 +183,7 @@ int nsdae_units_find(nsdae_projector *p, double t, const double *q)
   if (code > 0) return NSDAE_OK;
   for (int i = 0; next_part(p, &b, i); i++) keep_here(p, &b);
   code = read_kinematics(p, t, q, -0.07);
-  b = part_before_all(p);
+  b = (part){.H = p->H};
   for (int i = 0; next_part(p, &b, i); i++) keep_there(p, &b, code == 0);
   nsdae_units_measure(u, nq, q, u->length);
   return code < 0 ? nsdae_system_callback_status(code, "kinematics", t, p->tools->error) : NSDAE_OK;
@@ -230,15 +220,8 @@ void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
 
 /* ---- constraints and contacts */
 
-/* Appends row i, W_i . d = -c. Returns |c| in units of its rounding, that of the terms it is made
+/* Rows W_i . d = -c; worst: the largest |c| in units of its rounding, that of the terms it is made
  * of: eps (1 + |W_i|_1 max |x|). */
-static double append_row(nsdae_projector *p, const nsdae_rows *rows, int i, double c, double x)
-{
-  nsdae_least_append(&p->least, rows, i, c);
-  double sum = nsdae_rows_sum(&p->tools->system->blocks, rows, i);
-  return fabs(c) / (DBL_EPSILON * (1 + sum * x));
-}
-
 static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst, int *worst_row)
 {
   const nsdae_dims *d = &T->system->dims;
@@ -251,7 +234,10 @@ static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst
     p->contact[p->least.rows] = contact >= 0 ? contact : -1;
     const nsdae_rows *rows = contact < 0 ? &T->by.jacobian : &T->by.normal;
     double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
-    double off = append_row(p, rows, contact < 0 ? i : contact, missing, x);
+    int row = contact < 0 ? i : contact;
+    nsdae_least_append(&p->least, rows, row, missing);
+    double sum = nsdae_rows_sum(&p->tools->system->blocks, rows, row);
+    double off = fabs(missing) / (DBL_EPSILON * (1 + sum * x));
     if (contact < 0 && p->contacts_alone) off = 0;
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);

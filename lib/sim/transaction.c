@@ -3,8 +3,6 @@
 
 #include "clock.h"
 #include "errors.h"
-#include "guard.h"
-#include "monitors.h"
 #include "sim_impl.h"
 
 void nsdae_sim_commit(nsdae_sim *sim)
@@ -132,11 +130,6 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
-static int is_problem(int status)
-{
-  return status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
-}
-
 /* Fills next with a step to t1, or finds it there, waiting for an observer that failed. */
 static int prepare_step(nsdae_sim *sim, double t1)
 {
@@ -153,7 +146,8 @@ static int prepare_step(nsdae_sim *sim, double t1)
       nsdae_interrupted(&sim->stepper.interrupt, &sim->error, nsdae_system_time(&sim->model, t0));
   while (status == NSDAE_OK && (status = advance_method(sim, t1, length)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
-  sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
+  int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
+  sim->stage.failed = problem && (sim->next->result.problem || sim->next->result.pile);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
@@ -207,14 +201,6 @@ static int happened(const nsdae_result *result)
   return result->impacts > 0 || result->changes > 0 ? NSDAE_EVENT : NSDAE_OK;
 }
 
-/* The warnings of a step that was done. */
-static int outcome(nsdae_sim *sim)
-{
-  if (sim->stage.warning.status <= 0) return happened(&sim->now->result);
-  sim->error = sim->stage.warning;
-  return sim->stage.warning.status;
-}
-
 static int step_once(nsdae_sim *sim)
 {
   double began = nsdae_wall_clock();
@@ -222,29 +208,15 @@ static int step_once(nsdae_sim *sim)
   if (status != NSDAE_OK) return status;
   status = step_to(sim, grid_time(sim, 1), 0);
   sim->wall_time += nsdae_wall_clock() - began;
-  return status == NSDAE_OK ? outcome(sim) : status;
+  if (status != NSDAE_OK) return status;
+  if (sim->stage.warning.status <= 0) return happened(&sim->now->result);
+  sim->error = sim->stage.warning; /* of a step that was done */
+  return sim->stage.warning.status;
 }
 
 int nsdae_sim_step(nsdae_sim *sim)
 {
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step_once(sim));
-}
-
-/* The first of the simulation's times that the user sees at t or later. */
-static double since_epoch(const nsdae_sim *sim, double t)
-{
-  double since = t - sim->model.epoch;
-  while (nsdae_system_time(&sim->model, since) < t) since = nextafter(since, INFINITY);
-  return since;
-}
-
-/* One step on the way to t_end, a time of the user; one that would end within rounding of t_end
- * ends there. */
-static int step_towards(nsdae_sim *sim, double t_end)
-{
-  double t1 = grid_time(sim, 1), end = since_epoch(sim, t_end), most = hair(sim);
-  if (t1 < end - most || nsdae_system_time(&sim->model, t1) == t_end) return step_to(sim, t1, 0);
-  return step_to(sim, end, fabs(t1 - end) > most);
 }
 
 /* to_event: until one happens. */
@@ -261,7 +233,12 @@ static int run_to(nsdae_sim *sim, const char *where, double t_end, int to_event)
   nsdae_error warning = {0}; /* the first of the run */
   int status = begin_step(sim);
   while (status == NSDAE_OK && nsdae_terms_time(&sim->now->result.end) < t_end) {
-    status = step_towards(sim, t_end);
+    /* to the first of the simulation's times that is seen at t_end or later; a step that would end
+     * within rounding of t_end ends there */
+    double t1 = grid_time(sim, 1), end = t_end - sim->model.epoch, most = hair(sim);
+    while (nsdae_system_time(&sim->model, end) < t_end) end = nextafter(end, INFINITY);
+    int on_grid = t1 < end - most || nsdae_system_time(&sim->model, t1) == t_end;
+    status = step_to(sim, on_grid ? t1 : end, !on_grid && fabs(t1 - end) > most);
     if (status >= 0 && sim->stage.warning.status > 0 && warning.status == NSDAE_OK)
       warning = sim->stage.warning;
     if (status == NSDAE_OK && to_event) status = happened(&sim->now->result);

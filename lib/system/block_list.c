@@ -123,35 +123,6 @@ static int refuse_block(nsdae_block_list *l, int status, const char *argument, i
   return status;
 }
 
-/* product += X_ij x_j */
-static void multiply(nsdae_block_list *l, int row, int column, const double *X)
-{
-  const int *first = l->system->blocks.first;
-  for (int j = first[column]; j < first[column + 1]; j++)
-    for (int i = first[row]; i < first[row + 1]; i++) l->product[i] += *X++ * l->x[j];
-}
-
-/* A_bb += scale (X + X^T) / 2 */
-static void add_diagonal(nsdae_block_list *l, int b, const double *X)
-{
-  size_t n = (size_t)nsdae_blocks_size(&l->system->blocks, b);
-  double *A = l->diagonal + l->system->blocks.square[b], half = l->scale / 2;
-  for (size_t j = 0; j < n; j++)
-    for (size_t i = 0; i < n; i++) A[i + j * n] += half * (X[i + j * n] + X[j + i * n]);
-}
-
-/* A_ij of i > j takes half of X_ij, or half of X_ji transposed. */
-static void add_pair(nsdae_block_list *l, int row, int column, const double *X)
-{
-  int e = nsdae_block_pairs_find(l->pairs, row, column);
-  if (e < 0) return;
-  size_t m = (size_t)nsdae_blocks_size(&l->system->blocks, row);
-  size_t n = (size_t)nsdae_blocks_size(&l->system->blocks, column);
-  double *A = l->pairs->value + l->pairs->at[e], half = l->scale / 2;
-  for (size_t j = 0; j < n; j++)
-    for (size_t i = 0; i < m; i++) A[row > column ? i + j * m : j + i * n] += half * *X++;
-}
-
 int nsdae_block_add(nsdae_block_list *l, int row, int column, const double *value)
 {
   if (!l) return NSDAE_E_ARGUMENT;
@@ -164,11 +135,22 @@ int nsdae_block_add(nsdae_block_list *l, int row, int column, const double *valu
   for (int i = 0; i < size; i++)
     if (!isfinite(value[i]))
       return refuse_block(l, NSDAE_E_NONFINITE, "value", row, column, "an entry is not finite");
-  if (l->x)
-    multiply(l, row, column, value);
-  else if (row == column)
-    add_diagonal(l, row, value);
-  else
-    add_pair(l, row, column, value);
+  const int *first = blocks->first;
+  for (int j = first[column]; l->x && j < first[column + 1]; j++) /* product += X_ij x_j */
+    for (int i = first[row]; i < first[row + 1]; i++) l->product[i] += *value++ * l->x[j];
+  if (l->x) return NSDAE_OK;
+  size_t m = (size_t)nsdae_blocks_size(blocks, row), n = (size_t)nsdae_blocks_size(blocks, column);
+  double half = l->scale / 2;
+  if (row == column) { /* A_bb += scale (X + X^T) / 2 */
+    double *A = l->diagonal + blocks->square[row];
+    for (size_t j = 0; j < n; j++)
+      for (size_t i = 0; i < n; i++) A[i + j * n] += half * (value[i + j * n] + value[j + i * n]);
+    return NSDAE_OK;
+  }
+  /* A_ij of i > j takes half of X_ij, or half of X_ji transposed. */
+  int e = nsdae_block_pairs_find(l->pairs, row, column);
+  double *A = e < 0 ? NULL : l->pairs->value + l->pairs->at[e];
+  for (size_t j = 0; j < n && A; j++)
+    for (size_t i = 0; i < m; i++) A[row > column ? i + j * m : j + i * n] += half * *value++;
   return NSDAE_OK;
 }

@@ -36,16 +36,6 @@ static int own(nsdae_body *copy)
   return 1;
 }
 
-/* Room for one more: doubled whenever their number is a power of two. */
-static int grow_bodies(nsdae_system *system)
-{
-  int n = system->bodies;
-  if ((n & (n - 1)) != 0) return 1;
-  nsdae_body *more = realloc(system->body, (n > 0 ? 2 * (size_t)n : 1) * sizeof *more);
-  if (more) system->body = more;
-  return more != NULL;
-}
-
 int nsdae_system_add_body(nsdae_system *system, const nsdae_body *body)
 {
   if (!system) return NSDAE_E_ARGUMENT;
@@ -54,8 +44,12 @@ int nsdae_system_add_body(nsdae_system *system, const nsdae_body *body)
                                "body or its point is NULL, or its points are less than 0");
   int status = nsdae_system_open(system, "add_body");
   if (status < 0) return status;
-  nsdae_body copy = *body;
-  if (!grow_bodies(system) || !own(&copy))
+  nsdae_body copy = *body, *more = system->body;
+  /* Room for one more: doubled whenever their number is a power of two. */
+  size_t n = (size_t)system->bodies;
+  if ((n & (n - 1)) == 0) more = realloc(system->body, (n > 0 ? 2 * n : 1) * sizeof *more);
+  if (more) system->body = more;
+  if (!more || !own(&copy))
     return nsdae_system_refuse(system, NSDAE_E_MEMORY, "add_body", "", "out of memory");
   system->body[system->bodies++] = copy;
   return NSDAE_OK;

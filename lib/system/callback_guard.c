@@ -28,11 +28,6 @@ typedef struct probe {
   array array[NSDAE_OUTPUTS_MAX];
 } probe;
 
-static void set_marks(double *a, size_t count)
-{
-  for (size_t i = 0; i < count; i++) memcpy(&a[i], &mark, sizeof mark);
-}
-
 /* Of the count entries the first that holds the mark (or does not); count where there is none. */
 static size_t find_mark(const double *a, size_t count, int marked)
 {
@@ -75,7 +70,7 @@ static int call(probe *p, int marked)
   int ld[NSDAE_OUTPUTS_MAX] = {0};
   for (int i = 0; i < c->outputs; i++) {
     array *a = &p->array[i];
-    set_marks(a->block, whole(a));
+    for (size_t j = 0; j < whole(a); j++) memcpy(&a->block[j], &mark, sizeof mark);
     if (!marked) memset(a->first, 0, a->size * sizeof *a->first);
     out[i] = a->size > 0 || !c->output[i].nullable ? a->first : NULL;
     ld[i] = a->rows > 0 ? a->rows : 1;
@@ -128,23 +123,19 @@ static int is_among(const char *callback, const char *const names[], size_t coun
   return i < count;
 }
 
-/* Derivatives that are compared with differences afterwards are judged there. */
-static int compared(const char *callback, int output)
+static int check_finite(probe *p)
 {
+  /* derivatives that are compared with differences afterwards are judged there */
   static const char *const names[] = {"mass",           "constraint_jacobian",  "constraint_bias",
                                       "gap_normal",     "contact_acceleration", "force_damping",
                                       "force_stiffness"};
-  return is_among(callback, names, sizeof names / sizeof *names) ||
-         (strcmp(callback, "contact_bias") == 0 && output == 0);
-}
-
-static int check_finite(probe *p)
-{
-  for (int i = 0; i < p->callback->outputs; i++) {
+  const char *callback = p->callback->name;
+  if (is_among(callback, names, sizeof names / sizeof *names)) return NSDAE_OK;
+  for (int i = strcmp(callback, "contact_bias") == 0; i < p->callback->outputs; i++) {
     const array *a = &p->array[i];
     size_t entry = 0;
     while (entry < a->size && isfinite(a->first[entry])) entry++;
-    if (entry == a->size || compared(p->callback->name, i)) continue;
+    if (entry == a->size) continue;
     int status = found(p, i, (long)entry, NSDAE_E_NONFINITE,
                        isnan(a->first[entry]) ? "gave NaN in" : "gave an infinity in");
     nsdae_system_explain(p->of->system, p->of->t, p->of->q, p->of->v, p->of->error);
@@ -155,15 +146,10 @@ static int check_finite(probe *p)
 
 /* Positions, gaps and rates are all of something: there a zero that was never written is a mistake,
  * while a matrix or a force may well be written where it is not zero. */
-static int needs_all(const char *callback)
-{
-  static const char *const names[] = {"constraint", "gap", "kinematics", "potential"};
-  return is_among(callback, names, sizeof names / sizeof *names);
-}
-
 static int check_written(probe *p)
 {
-  if (!needs_all(p->callback->name)) return NSDAE_OK;
+  static const char *const names[] = {"constraint", "gap", "kinematics", "potential"};
+  if (!is_among(p->callback->name, names, sizeof names / sizeof *names)) return NSDAE_OK;
   int status = call(p, 1);
   if (status < 0) return status;
   size_t entry = find_mark(p->array[0].first, p->array[0].size, 1);

@@ -152,26 +152,22 @@ static int check_term(check *c, int term)
 
 /* ---- directions of friction */
 
-static int bad_tangent(check *c, int contact, int column, const char *why)
-{
-  nsdae_system *s = c->system;
-  char called[NSDAE_CALLED_SIZE];
-  c->worst = (nsdae_check){.term = "gap_tangent", .column = column, .error = INFINITY};
-  return nsdae_error_set(&s->error, NSDAE_E_DERIVATIVE, "nsdae_system_check", "gap_tangent",
-                         "gap_tangent: column %d (%s) %s", column,
-                         nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
-}
-
 /* Directions of friction, and what of them is doubtful. */
 static int check_tangents(check *c)
 {
   nsdae_system *s = c->system;
   nsdae_directions *d = &c->directions;
-  char why[NSDAE_TANGENT_TEXT];
+  char why[NSDAE_TANGENT_TEXT], called[NSDAE_CALLED_SIZE];
   if (!s->call.gap_tangent) return NSDAE_OK;
   int code = nsdae_directions_at(d, c->t, c->q), column = -1;
   if (!code) column = nsdae_directions_wrong(d, c->tol, why);
-  if (column >= 0) return bad_tangent(c, column / s->dims.nt, column, why);
+  if (column >= 0) {
+    int contact = column / s->dims.nt;
+    c->worst = (nsdae_check){.term = "gap_tangent", .column = column, .error = INFINITY};
+    return nsdae_error_set(&s->error, NSDAE_E_DERIVATIVE, "nsdae_system_check", "gap_tangent",
+                           "gap_tangent: column %d (%s) %s", column,
+                           nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
+  }
   if (!code) code = nsdae_directions_doubt(d, c->tol, s->doubt, sizeof s->doubt);
   return nsdae_check_callback(c, code, d->callback);
 }
@@ -225,17 +221,6 @@ static int check_arguments(nsdae_system *system, const double *q, const double *
   return nsdae_system_complete(system, &system->error);
 }
 
-/* Each callback alone. */
-static int check_alone(nsdae_system *system, double t, const double *q, const double *v)
-{
-  double *work = malloc((nsdae_callback_guard_size(system) + 1) * sizeof *work);
-  if (!work) return nsdae_error_memory(&system->error, "nsdae_system_check");
-  int status = nsdae_callback_guard_callbacks(
-      &(nsdae_callback_guard){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
-  free(work);
-  return status;
-}
-
 int nsdae_system_check(nsdae_system *system, double t, const double *q, const double *v, double tol,
                        nsdae_check *worst)
 {
@@ -245,7 +230,13 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   int status = check_arguments(system, q, v, tol);
   if (worst) *worst = (nsdae_check){0};
   system->doubt[0] = '\0';
-  if (status == NSDAE_OK) status = check_alone(system, t, q, v);
+  if (status < 0) return status;
+  /* Each callback alone. */
+  double *work = malloc((nsdae_callback_guard_size(system) + 1) * sizeof *work);
+  if (!work) return nsdae_error_memory(&system->error, "nsdae_system_check");
+  status = nsdae_callback_guard_callbacks(
+      &(nsdae_callback_guard){system, "nsdae_system_check", t, q, v, work, &system->error, 1});
+  free(work);
   if (status < 0) return status;
   check c = {.system = system, .t = t, .tol = tol, .q = q, .v = v};
   c.differences.system = system;

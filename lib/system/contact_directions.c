@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "moment_arm_check.h"
 #include "system_impl.h"
 
 void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)

@@ -1,5 +1,5 @@
 /* Directions of contacts at a place against what gap, mass and kinematics tell of them: see
- * tangent_check.h, moment_arms.h and moment_arm_check.h. */
+ * tangent_check.h, moment_arms.h and moment_arm_check.c. */
 #ifndef NSDAE_SYSTEM_DIRECTIONS_H
 #define NSDAE_SYSTEM_DIRECTIONS_H
 

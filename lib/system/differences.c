@@ -160,16 +160,6 @@ int nsdae_differences_bend(nsdae_differences *d, nsdae_position_fn f, int rows, 
   return code;
 }
 
-static void zero_directions(nsdae_differences *d, int columns)
-{
-  memset(d->W, 0, (size_t)d->system->dims.nv * (size_t)columns * sizeof *d->W);
-}
-
-static void add_velocities(nsdae_differences *d, int columns, const double *v, double *velocity)
-{
-  nsdae_add_transposed(d->system->dims.nv, columns, 1, d->W, v, velocity);
-}
-
 /* Ends an evaluation of a callback: remembers its name where it failed or its velocities are not
  * finite. */
 static int judge(nsdae_differences *d, int code, const char *callback, int count, const double *u)
@@ -180,13 +170,27 @@ static int judge(nsdae_differences *d, int code, const char *callback, int count
   return code;
 }
 
+/* d->W, zero: a callback's directions. */
+static double *no_directions(nsdae_differences *d, int columns)
+{
+  return memset(d->W, 0, (size_t)d->system->dims.nv * (size_t)columns * sizeof *d->W);
+}
+
+/* u += W^T v after the callback gave W. */
+static int add_velocities(nsdae_differences *d, int code, const char *callback, int columns,
+                          const double *v, double *u)
+{
+  if (!code) nsdae_add_transposed(d->system->dims.nv, columns, 1, d->W, v, u);
+  return judge(d, code, callback, columns, u);
+}
+
 /* w_N and w_T into the velocities. */
 static int contact_offsets(nsdae_differences *d, double t, const double *q, double *u_n,
                            double *u_t)
 {
   const nsdae_system *s = d->system;
   int k = s->dims.k, nt = s->dims.nt;
-  if (!s->call.contact_bias && !s->call.gap_normal) return 0;
+  if (k == 0 || (!s->call.contact_bias && !s->call.gap_normal)) return 0;
   if (!s->call.contact_bias)
     return judge(d, nsdae_differences_time(d, s->call.gap, k, t, q, u_n), "gap", k, u_n);
   int code = s->call.contact_bias(t, q, u_n, nt > 0 ? u_t : NULL, s->user);
@@ -194,59 +198,24 @@ static int contact_offsets(nsdae_differences *d, double t, const double *q, doub
   return judge(d, code, "contact_bias", k, u_n);
 }
 
-static int normal_velocities(nsdae_differences *d, double t, const double *q, const double *v,
-                             double *u_n)
+/* u: of contacts along the normal (unless W_N is of differences) and the
+ * tangents, and of frictional joints. */
+static int add_all_velocities(nsdae_differences *d, double t, const double *q, const double *v,
+                              double *const u[3])
 {
   const nsdae_system *s = d->system;
-  int k = s->dims.k;
-  if (!s->call.gap_normal) return 0; /* normal_accelerations */
-  zero_directions(d, k);
-  int code = s->call.gap_normal(t, q, d->W, s->dims.nv, s->user);
-  if (!code) add_velocities(d, k, v, u_n);
-  return judge(d, code, "gap_normal", k, u_n);
-}
-
-/* Where W_N is of differences too, g'' of the gap itself: another difference of those would have
- * their error over its step. */
-static int normal_accelerations(nsdae_differences *d, double t, const double *q, const double *v,
-                                double *omega_n)
-{
-  const nsdae_system *s = d->system;
-  int k = s->dims.k;
-  if (k == 0 || s->call.gap_normal) return 0;
-  return judge(d, nsdae_differences_second(d, s->call.gap, k, t, q, v, omega_n), "gap", k, omega_n);
-}
-
-static int tangential_velocities(nsdae_differences *d, double t, const double *q, const double *v,
-                                 double *u_t)
-{
-  const nsdae_system *s = d->system;
-  int columns = s->dims.k * s->dims.nt;
-  if (columns == 0 || !s->call.gap_tangent) return 0;
-  zero_directions(d, columns);
-  int code = s->call.gap_tangent(t, q, d->W, s->dims.nv, s->user);
-  if (!code) add_velocities(d, columns, v, u_t);
-  return judge(d, code, "gap_tangent", columns, u_t);
-}
-
-static int contact_velocities(nsdae_differences *d, double t, const double *q, const double *v,
-                              double *u_n, double *u_t)
-{
-  if (d->system->dims.k == 0) return 0;
-  int code = contact_offsets(d, t, q, u_n, u_t);
-  if (!code) code = normal_velocities(d, t, q, v, u_n);
-  return code ? code : tangential_velocities(d, t, q, v, u_t);
-}
-
-static int frictional_joint_velocities(nsdae_differences *d, double t, const double *q,
-                                       const double *v, double *u_s)
-{
-  const nsdae_system *s = d->system;
-  if (s->dims.f == 0 || !s->call.frictional_joint_tangent) return 0;
-  zero_directions(d, s->dims.f);
-  int code = s->call.frictional_joint_tangent(t, q, d->W, s->dims.nv, u_s, s->user);
-  if (!code) add_velocities(d, s->dims.f, v, u_s);
-  return judge(d, code, "frictional_joint_tangent", s->dims.f, u_s);
+  const nsdae_calls *call = &s->call;
+  int n = s->dims.nv, k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
+  int code = contact_offsets(d, t, q, u[0], u[1]);
+  if (!code && k > 0 && call->gap_normal)
+    code = add_velocities(d, call->gap_normal(t, q, no_directions(d, k), n, s->user), "gap_normal",
+                          k, v, u[0]);
+  if (!code && kt > 0 && call->gap_tangent)
+    code = add_velocities(d, call->gap_tangent(t, q, no_directions(d, kt), n, s->user),
+                          "gap_tangent", kt, v, u[1]);
+  if (code || f == 0 || !call->frictional_joint_tangent) return code;
+  code = call->frictional_joint_tangent(t, q, no_directions(d, f), n, u[2], s->user);
+  return add_velocities(d, code, "frictional_joint_tangent", f, v, u[2]);
 }
 
 /* omega += weight u(t + s, q + s H v) */
@@ -259,8 +228,7 @@ static int add_displaced(nsdae_differences *d, double t, const double *q, const 
   int code = kinematics(d, t, q, v, d->qdot);
   for (int i = 0; i < dims->nq; i++) d->moved[i] = q[i] + s * d->qdot[i];
   memset(d->velocity, 0, (size_t)(size[0] + size[1] + size[2]) * sizeof *d->velocity);
-  if (!code) code = contact_velocities(d, t + s, d->moved, v, u[0], u[1]);
-  if (!code) code = frictional_joint_velocities(d, t + s, d->moved, v, u[2]);
+  if (!code) code = add_all_velocities(d, t + s, d->moved, v, u);
   for (int part = 0; part < 3; part++)
     for (int i = 0; i < size[part]; i++) omega[part][i] += weight * u[part][i];
   return code;
@@ -281,7 +249,12 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   double s = nsdae_differences_step(dims->nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer[1]));
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
-  return code ? code : normal_accelerations(d, t, q, v, omega_n);
+  const nsdae_calls *call = &d->system->call;
+  if (code || dims->k == 0 || call->gap_normal) return code;
+  /* Where W_N is of differences too, g'' of the gap itself: another difference of those would have
+   * their error over its step. */
+  code = nsdae_differences_second(d, call->gap, dims->k, t, q, v, omega_n);
+  return judge(d, code, "gap", dims->k, omega_n);
 }
 
 static int rates_used(const nsdae_system *s)
@@ -299,13 +272,6 @@ static int accelerations_used(const nsdae_system *s)
 int nsdae_differences_used(const nsdae_system *s)
 {
   return rates_used(s) || accelerations_used(s);
-}
-
-/* A code of f, which is called so where no other callback of its failed. */
-static int named(nsdae_differences *d, int code, const char *callback)
-{
-  if (code && !d->failed) d->failed = callback;
-  return code;
 }
 
 /* rate [rows] of f: along the motion without its derivatives by q, in time without those by t. */
@@ -328,14 +294,12 @@ static int rates(nsdae_differences *d, double t, const double *q, const double *
   int m = s->dims.m, k = s->dims.k, code = 0;
   d->failed = NULL;
   if (m > 0)
-    code = named(d,
-                 rates_of(d, s->call.constraint, m, t, q, v, !nsdae_system_has_jacobian(s),
-                          !s->call.constraint_bias, out),
-                 "constraint");
+    code = rates_of(d, s->call.constraint, m, t, q, v, !nsdae_system_has_jacobian(s),
+                    !s->call.constraint_bias, out);
+  judge(d, code, "constraint", 0, NULL);
   if (code || k == 0) return code;
-  return named(
-      d, rates_of(d, s->call.gap, k, t, q, v, !s->call.gap_normal, !s->call.contact_bias, out + m),
-      "gap");
+  code = rates_of(d, s->call.gap, k, t, q, v, !s->call.gap_normal, !s->call.contact_bias, out + m);
+  return judge(d, code, "gap", 0, NULL);
 }
 
 /* omega [m + k + k nt + f]: of what has no formula, zero of the rest. */
@@ -348,8 +312,8 @@ static int accelerations(nsdae_differences *d, double t, const double *q, const 
   int code = 0;
   memset(omega, 0, (size_t)(dims->m + dims->k * (1 + dims->nt) + dims->f) * sizeof *omega);
   if (dims->m > 0 && !s->call.constraint_bias)
-    code = named(d, nsdae_differences_second(d, s->call.constraint, dims->m, t, q, v, omega),
-                 "constraint");
+    code = judge(d, nsdae_differences_second(d, s->call.constraint, dims->m, t, q, v, omega),
+                 "constraint", 0, NULL);
   if (!code && dims->k + dims->f > 0 && !s->call.contact_acceleration)
     code =
         nsdae_differences_contacts(d, t, q, v, normal, tangential, tangential + dims->k * dims->nt);

@@ -1,4 +1,22 @@
-#include "moment_arm_check.h"
+/* Arms of rotations in W_T, in space, as far as the gap and the kinematics tell.
+ *
+ * Three velocities w that move four coordinates e as an angular velocity moves a quaternion (the
+ * columns of de/dt = H w are at right angles to e and to each other, and |e| / 2 long) turn a body.
+ * With r from its centre to where it touches, the columns n, t_1, t_2 of W along its translations
+ * and a, b_1, b_2 along its rotations are, in axes that C turns into those of the translations,
+ *
+ *   a = C^T (r x n),  b_j = C^T (r x t_j):   C (a n^T + b_1 t_1^T + b_2 t_2^T) = [r x],
+ *
+ * skew-symmetric, for n, t_1, t_2 are at right angles. C is 1 or the rotation of e, which has its
+ * scalar first or last, one way or the other: the same at all contacts of the body. And a turn
+ * about the point of contact, at right angles to n, opens the gap by
+ *
+ *   v^T H v <= -r . n
+ *
+ * (see moment_arms.h, where the sense of a rotation is not known; here it is), which a ball's arms
+ * with the other sign break. Which velocities turn which body is guessed, so this is a doubt, too.
+ */
+#include "moment_arms.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,29 +43,6 @@ static void rotation_of(double w, double x, double y, double z, double R[3][3])
   memcpy(R, rows, sizeof rows);
 }
 
-static void find_frames(const double e[4], turner *t)
-{
-  memset(t->C, 0, sizeof t->C);
-  for (int i = 0; i < 3; i++) t->C[0][i][i] = 1;
-  rotation_of(e[0], e[1], e[2], e[3], t->C[1]);
-  rotation_of(e[3], e[0], e[1], e[2], t->C[3]);
-  for (int f = 1; f < FRAMES; f += 2)
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) t->C[f + 1][i][j] = t->C[f][j][i];
-}
-
-/* The four coordinates that three columns of H move; 0 where they are not four. */
-static int four_of(int nq, const double *H, int at[4])
-{
-  int count = 0;
-  for (int i = 0; i < nq; i++) {
-    if (H[i] == 0 && H[nq + i] == 0 && H[2 * nq + i] == 0) continue;
-    if (count == 4) return 0;
-    at[count++] = i;
-  }
-  return count == 4;
-}
-
 /* Whether velocities j, j + 1, j + 2 turn a body, and the coordinates that they move; a callback's
  * code is kept. */
 static int find_turned(const nsdae_moment_arms *arms, int j, double *H, int at[4], int *code)
@@ -62,7 +57,13 @@ static int find_turned(const nsdae_moment_arms *arms, int j, double *H, int at[4
     *code = nsdae_kinematics(s, arms->t, arms->q, arms->v, H + l * nq);
   }
   if (*code) arms->differences->failed = "kinematics";
-  if (*code || !four_of(nq, H, at)) return 0;
+  int count = 0; /* of coordinates that three columns of H move: four */
+  for (int i = 0; i < nq && *code == 0; i++) {
+    if (H[i] == 0 && H[nq + i] == 0 && H[2 * nq + i] == 0) continue;
+    if (count < 4) at[count] = i;
+    count++;
+  }
+  if (count != 4) return 0;
   for (int i = 0; i < 4; i++) {
     column[3][i] = arms->q[at[i]];
     for (int l = 0; l < 3; l++) column[l][i] = 2 * H[l * nq + at[i]];
@@ -80,8 +81,11 @@ static int read_turner(const nsdae_moment_arms *arms, int j, double *H, turner *
   int at[4];
   if (!find_turned(arms, j, H, at, code)) return 0;
   const double e[4] = {arms->q[at[0]], arms->q[at[1]], arms->q[at[2]], arms->q[at[3]]};
-  t->first = j;
-  find_frames(e, t);
+  *t = (turner){.first = j, .C = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  rotation_of(e[0], e[1], e[2], e[3], t->C[1]);
+  rotation_of(e[3], e[0], e[1], e[2], t->C[3]);
+  for (int f = 1; f < FRAMES; f += 2)
+    for (int i = 0; i < 9; i++) t->C[f + 1][i / 3][i % 3] = t->C[f][i % 3][i / 3];
   return 1;
 }
 
@@ -213,34 +217,24 @@ static int doubt_sense(nsdae_moment_arms *arms, const lever *l, const double r[3
   return 0;
 }
 
-/* How many contacts of the body have arms of one point each, in frame f. */
-static int count_right(const nsdae_moment_arms *arms, const int *turns, const turner *t, int f,
-                       double tol)
-{
-  int count = 0;
-  for (int i = 0; i < arms->all.system->dims.k; i++) {
-    lever l;
-    double r[3];
-    if (!read_lever(arms, turns, t->first, i, tol, &l)) continue;
-    memcpy(l.C, t->C[f], sizeof l.C);
-    count += read_radius(&l, r) <= 10 * tol;
-  }
-  return count;
-}
-
 /* In the frame that most contacts are right in. */
 static int doubt_body(nsdae_moment_arms *arms, const int *turns, const turner *t, double tol,
                       char *text, size_t size)
 {
   char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
-  int best = 0, most = -1, code = 0;
+  int best = 0, most = -1, code = 0, k = arms->all.system->dims.k;
+  double r[3];
+  lever l;
   for (int f = 0; f < FRAMES; f++) {
-    int count = count_right(arms, turns, t, f, tol);
+    int count = 0; /* of contacts that have arms of one point each in this frame */
+    for (int i = 0; i < k; i++) {
+      if (!read_lever(arms, turns, t->first, i, tol, &l)) continue;
+      memcpy(l.C, t->C[f], sizeof l.C);
+      count += read_radius(&l, r) <= 10 * tol;
+    }
     if (count > most) best = f, most = count;
   }
-  for (int i = 0; i < arms->all.system->dims.k && code == 0 && !*text; i++) {
-    lever l;
-    double r[3];
+  for (int i = 0; i < k && code == 0 && !*text; i++) {
     if (!read_lever(arms, turns, t->first, i, tol, &l)) continue;
     memcpy(l.C, t->C[best], sizeof l.C);
     if (read_radius(&l, r) <= 10 * tol)

@@ -50,21 +50,6 @@ typedef struct turning {
   double arm, normal;
 } turning;
 
-/* t . n at d->moved, t the translations of the direction here: the rate of gap i along them. */
-static int normal_along(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int i, int of,
-                        double tol, double *normal)
-{
-  nsdae_differences *d = arms->differences;
-  const nsdae_system *system = c->system;
-  double *along = arms->bend + system->dims.k;
-  for (int l = 0; l < c->nv; l++)
-    along[l] = nsdae_tangent_translates(c, of, l, tol) ? c->tangent[l] : 0;
-  int code = nsdae_differences_along(d, system->call.gap, system->dims.k, arms->t, d->moved, along,
-                                     arms->bend);
-  *normal = arms->bend[i];
-  return code;
-}
-
 /* Adds those of one side, of displacement and weight +-s. */
 static int add_side(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int i, int of,
                     int j, double s, double tol, turning *sum)
@@ -72,28 +57,20 @@ static int add_side(nsdae_moment_arms *arms, const nsdae_contact_directions *c, 
   nsdae_differences *d = arms->differences;
   const nsdae_system *system = c->system;
   int n = c->nv;
-  double normal = 0;
+  double *along = arms->bend + system->dims.k;
   for (int l = 0; l < system->dims.nq; l++) d->moved[l] = arms->q[l] + s * arms->rate[l];
   memset(d->W, 0, (size_t)n * (size_t)system->dims.k * sizeof *d->W);
   int code = system->call.gap_tangent(arms->t, d->moved, d->W, n, system->user);
   if (code) d->failed = "gap_tangent";
   sum->arm += d->W[(size_t)i * (size_t)n + (size_t)j] / (2 * s);
-  if (!code) code = normal_along(arms, c, i, of, tol, &normal);
-  sum->normal += normal / (2 * s);
+  if (code) return code;
+  /* t . n at d->moved, t the translations of the direction here: the rate of gap i along them */
+  for (int l = 0; l < n; l++)
+    along[l] = nsdae_tangent_translates(c, of, l, tol) ? c->tangent[l] : 0;
+  code = nsdae_differences_along(d, system->call.gap, system->dims.k, arms->t, d->moved, along,
+                                 arms->bend);
+  sum->normal += arms->bend[i] / (2 * s);
   return code;
-}
-
-static int find_turning(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int i, int of,
-                        int j, double tol, turning *found)
-{
-  const nsdae_system *system = c->system;
-  *found = (turning){0};
-  turn_about(arms, c, of, j, tol);
-  int code = nsdae_kinematics(system, arms->t, arms->q, arms->v, arms->rate);
-  if (code) arms->differences->failed = "kinematics";
-  double s = nsdae_differences_step(system->dims.nq, arms->t, arms->q, arms->rate, 1e-5);
-  if (!code) code = add_side(arms, c, i, of, j, s, tol, found);
-  return code ? code : add_side(arms, c, i, of, j, -s, tol, found);
 }
 
 /* What the contacts of one body and one of its rotations said so far. */
@@ -109,53 +86,6 @@ typedef struct arm {
   turning rate;
 } arm;
 
-static void too_short(const nsdae_system *s, const arm *x, char *text, size_t size)
-{
-  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
-  snprintf(text, size,
-           "gap_tangent: its arm %.4g of %s along %s, if this rotates the body: it should be at "
-           "least %.4g, otherwise a rotation about the contact opens the gap",
-           x->b + 0.0, nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
-           nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity), x->bend); /* no -0 */
-}
-
-static void no_point(const nsdae_system *s, const arm *x, char *text, size_t size)
-{
-  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE];
-  double one = (x->turns - x->rate.normal) * x->a, two = (-x->turns - x->rate.normal) * x->a;
-  snprintf(text, size,
-           "gap_tangent: its arm %.4g of %s along %s, if this rotates the body: a rotation about "
-           "the contact changes it at the rate %.4g, and the arm of a point at %.4g or %.4g",
-           x->b + 0.0, nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
-           nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity), x->rate.arm + 0.0,
-           one + 0.0, two + 0.0);
-}
-
-static void other_sense(const nsdae_system *s, const arm *x, const sense *seen, char *text,
-                        size_t size)
-{
-  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
-  snprintf(text, size, "gap_tangent: the sign of its arm of %s along %s, which differs at %s",
-           nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact),
-           nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity),
-           nsdae_system_called(s, NSDAE_NAME_CONTACT, seen->contact, other));
-}
-
-/* Neither gap nor directions change along the turn, and it is no disc's: it moves the body and
- * turns nothing. */
-static int moves_along(const arm *x, double small)
-{
-  return fabs(x->a) > small && fabs(x->bend) <= small && fabs(x->rate.arm) <= small &&
-         fabs(x->rate.normal) <= small;
-}
-
-/* s of (1), where a is long enough to tell; it should be -1 or 1. */
-static int find_sense(const arm *x, double *s)
-{
-  *s = (x->rate.arm + x->rate.normal * x->a) / (x->turns * x->a);
-  return fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(*s);
-}
-
 /* What differences may be off. */
 static double small_of(const arm *x, double tol)
 {
@@ -165,18 +95,40 @@ static double small_of(const arm *x, double tol)
 static void judge(const nsdae_system *s, const arm *x, double tol, sense *seen, char *text,
                   size_t size)
 {
-  double small = small_of(x, tol), sign = 0, found;
-  if (!isfinite(x->bend) || moves_along(x, small)) return;
+  char contact[NSDAE_CALLED_SIZE], velocity[NSDAE_CALLED_SIZE], other[NSDAE_CALLED_SIZE];
+  double small = small_of(x, tol), sign = 0;
+  /* s of (1), where a is long enough to tell; it should be -1 or 1 */
+  double found = (x->rate.arm + x->rate.normal * x->a) / (x->turns * x->a);
+  int tells = fabs(x->a) > 0.05 * (fabs(x->b) + fabs(x->bend)) && isfinite(found);
+  /* neither gap nor directions change along the turn, and it is no disc's: it moves the body and
+   * turns nothing */
+  int moves_along = fabs(x->a) > small && fabs(x->bend) <= small && fabs(x->rate.arm) <= small &&
+                    fabs(x->rate.normal) <= small;
+  if (!isfinite(x->bend) || moves_along) return;
+  nsdae_system_called(s, NSDAE_NAME_CONTACT, x->contact, contact);
+  nsdae_system_called(s, NSDAE_NAME_VELOCITY, x->velocity, velocity);
   if (x->bend > fabs(x->b) + small) {
-    too_short(s, x, text, size);
-  } else if (find_sense(x, &found)) {
-    if (fabs(fabs(found) - 1) > 0.01) no_point(s, x, text, size);
+    snprintf(text, size,
+             "gap_tangent: its arm %.4g of %s along %s, if this rotates the body: it should be at "
+             "least %.4g, otherwise a rotation about the contact opens the gap",
+             x->b + 0.0, contact, velocity, x->bend); /* no -0 */
+  } else if (tells) {
+    double normal = x->rate.normal;
+    if (fabs(fabs(found) - 1) > 0.01)
+      snprintf(
+          text, size,
+          "gap_tangent: its arm %.4g of %s along %s, if this rotates the body: a rotation about "
+          "the contact changes it at the rate %.4g, and the arm of a point at %.4g or %.4g",
+          x->b + 0.0, contact, velocity, x->rate.arm + 0.0, (x->turns - normal) * x->a + 0.0,
+          (-x->turns - normal) * x->a + 0.0);
     sign = -found;
   } else if (x->bend > -fabs(x->b) * (1 - 1e-3) && fabs(x->b) > tol) {
     sign = x->turns * x->b;
   }
   if (*text || sign == 0) return;
-  if (seen->sign * sign < 0) other_sense(s, x, seen, text, size);
+  if (seen->sign * sign < 0)
+    snprintf(text, size, "gap_tangent: the sign of its arm of %s along %s, which differs at %s",
+             contact, velocity, nsdae_system_called(s, NSDAE_NAME_CONTACT, seen->contact, other));
   if (seen->sign == 0) *seen = (sense){sign, x->contact};
 }
 
@@ -189,7 +141,12 @@ static int doubt_one(nsdae_moment_arms *arms, int i, int of, int j, double tol, 
   int bends = 1;
   turn_about(arms, &c, of, j, tol);
   int code = nsdae_moment_arms_bend(arms, i, &x.bend);
-  if (!code) code = find_turning(arms, &c, i, of, j, tol, &x.rate);
+  if (code) return code;
+  code = nsdae_kinematics(c.system, arms->t, arms->q, arms->v, arms->rate);
+  if (code) arms->differences->failed = "kinematics";
+  double s = nsdae_differences_step(c.system->dims.nq, arms->t, arms->q, arms->rate, 1e-5);
+  if (!code) code = add_side(arms, &c, i, of, j, s, tol, &x.rate);
+  if (!code) code = add_side(arms, &c, i, of, j, -s, tol, &x.rate);
   if (!code) judge(c.system, &x, tol, seen, text, size);
   if (!code && *text) code = nsdae_moment_arms_bends(arms, i, x.bend, small_of(&x, tol), &bends);
   if (bends) return code;
@@ -198,20 +155,15 @@ static int doubt_one(nsdae_moment_arms *arms, int i, int of, int j, double tol, 
   return code;
 }
 
-/* Whether velocity j may turn something: not where its unit is a length per second. */
-static int may_turn(const nsdae_system *s, int j)
-{
-  const char *unit = nsdae_system_get_unit(s, NSDAE_NAME_VELOCITY, j);
-  size_t length = strlen(unit);
-  return length < 3 || strcmp(unit + length - 3, "m/s") != 0;
-}
-
 /* Whether contact i has to do with velocity j, which moves alone, beside the body that `of` moves,
  * which slides there. */
 static int concerns(const nsdae_contact_directions *c, int i, int of, int j, double tol)
 {
   if (!(c->system->contact[i].mu > 0) || c->set[j] == NSDAE_TANGENT_COUPLED) return 0;
-  if (!may_turn(c->system, j)) return 0;
+  /* not what has a length per second as its unit */
+  const char *unit = nsdae_system_get_unit(c->system, NSDAE_NAME_VELOCITY, j);
+  size_t length = strlen(unit);
+  if (length >= 3 && strcmp(unit + length - 3, "m/s") == 0) return 0;
   if (c->normal[j] == 0 && c->other[j] == 0 && c->tangent[j] == 0) return 0;
   if (!nsdae_tangent_translates(c, of, of, tol) || nsdae_tangent_translates(c, of, j, tol))
     return 0;

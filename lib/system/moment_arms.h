@@ -50,4 +50,15 @@ int nsdae_moment_arms_bends(nsdae_moment_arms *arms, int i, double bend, double 
 /* The first doubt as text of that size, "" where there is none; a callback's code. */
 int nsdae_moment_arms_doubt(nsdae_moment_arms *arms, double tol, char *text, size_t size);
 
+/* ---- in space: see moment_arm_check.c */
+
+/* Brings the quaternions in q, which is arms->q, to length one: for others R(e) need be no
+ * rotation.
+ */
+int nsdae_moment_arm_check_unit(const nsdae_moment_arms *arms, double *H, double *q);
+
+/* As nsdae_moment_arms_doubt, where nt = 2; H [3 nq] and turns [nv] are work. */
+int nsdae_moment_arm_check_doubt(nsdae_moment_arms *arms, double *H, int *turns, double tol,
+                                 char *text, size_t size);
+
 #endif

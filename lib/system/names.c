@@ -48,22 +48,17 @@ static int check_place(nsdae_system *system, const char *setter, int kind, int i
                              i, kinds[kind], count - 1);
 }
 
-static int check_texts(nsdae_system *system, const char *name, const char *unit)
-{
-  if (!name || !*name) return refuse_name(system, "name", "", name ? "is empty" : "is NULL");
-  const char *why = unfit(name, NSDAE_NAME_SIZE);
-  if (why) return refuse_name(system, "name", name, why);
-  why = unfit(unit, NSDAE_UNIT_SIZE);
-  return why ? refuse_name(system, "unit", unit, why) : NSDAE_OK;
-}
-
 int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *name, const char *unit)
 {
   if (!system) return NSDAE_E_ARGUMENT;
   if (!unit) unit = "";
   int status = check_place(system, "name", kind, i, nsdae_system_count(system, kind));
-  if (status == NSDAE_OK) status = check_texts(system, name, unit);
-  if (status == NSDAE_OK) status = nsdae_system_open(system, "name");
+  if (status < 0) return status;
+  if (!name || !*name) return refuse_name(system, "name", "", name ? "is empty" : "is NULL");
+  const char *why = unfit(name, NSDAE_NAME_SIZE), *why_unit = unfit(unit, NSDAE_UNIT_SIZE);
+  if (why) return refuse_name(system, "name", name, why);
+  if (why_unit) return refuse_name(system, "unit", unit, why_unit);
+  status = nsdae_system_open(system, "name");
   if (status < 0) return status;
   if (!system->label[kind])
     system->label[kind] =
@@ -77,17 +72,13 @@ int nsdae_system_set_name(nsdae_system *system, int kind, int i, const char *nam
   return NSDAE_OK;
 }
 
-/* How many sizes there are: of blocks where contacts are by list. */
-static int sizes_of(const nsdae_system *s, int kind)
-{
-  int blocks = s->by_blocks && kind == NSDAE_NAME_CONTACT && s->dims.k == 0;
-  return blocks ? s->blocks.count : nsdae_system_count(s, kind);
-}
-
 int nsdae_system_set_size(nsdae_system *system, int kind, int i, double size)
 {
   if (!system) return NSDAE_E_ARGUMENT;
-  int count = sizes_of(system, kind), status = check_place(system, "size", kind, i, count);
+  /* of blocks where contacts are by list */
+  int blocks = system->by_blocks && kind == NSDAE_NAME_CONTACT && system->dims.k == 0;
+  int count = blocks ? system->blocks.count : nsdae_system_count(system, kind),
+      status = check_place(system, "size", kind, i, count);
   if (status < 0) return status;
   if (kind != NSDAE_NAME_CONTACT && kind != NSDAE_NAME_CONSTRAINT)
     return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, "size", "kind",
@@ -222,16 +213,6 @@ static int by_name(const void *a, const void *b)
   return strcmp((*left)->name, (*right)->name);
 }
 
-static int same_name(const nsdae_system *system, int kind, const nsdae_label *a,
-                     const nsdae_label *b, nsdae_error *error)
-{
-  const nsdae_label *first = system->label[kind];
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system", "name",
-                         "%s %d and %s %d both have the name '%s': names of one kind must differ",
-                         kinds[kind], (int)((a < b ? a : b) - first), kinds[kind],
-                         (int)((a < b ? b : a) - first), a->name);
-}
-
 static int distinct(const nsdae_system *system, int kind, nsdae_error *error)
 {
   int count = nsdae_system_count(system, kind), named = 0, status = NSDAE_OK;
@@ -242,8 +223,13 @@ static int distinct(const nsdae_system *system, int kind, nsdae_error *error)
     if (system->label[kind][i].name[0]) order[named++] = &system->label[kind][i];
   qsort(order, (size_t)named, sizeof *order, by_name);
   for (int i = 1; i < named && status == NSDAE_OK; i++)
-    if (strcmp(order[i - 1]->name, order[i]->name) == 0)
-      status = same_name(system, kind, order[i - 1], order[i], error);
+    if (strcmp(order[i - 1]->name, order[i]->name) == 0) {
+      int a = (int)(order[i - 1] - system->label[kind]), b = (int)(order[i] - system->label[kind]);
+      status =
+          nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system", "name",
+                          "%s %d and %s %d both have the name '%s': names of one kind must differ",
+                          kinds[kind], a < b ? a : b, kinds[kind], a < b ? b : a, order[i]->name);
+    }
   free(order);
   return status;
 }

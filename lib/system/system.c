@@ -221,27 +221,23 @@ static int bad_index(nsdae_system *system, const char *setter, const char *name,
                              name, index, count - 1);
 }
 
-/* Conditions are written so that NaN fails. */
-static int check_coefficients(nsdae_system *s, int i, double mu, double e_n, double e_t)
-{
-  char called[NSDAE_CALLED_SIZE];
-  if (!(mu >= 0) || isinf(mu)) return bad_coefficient(s, "contact", "mu", mu, "at least 0, finite");
-  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(s, "contact", "e_n", e_n, "0 .. 1");
-  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(s, "contact", "e_t", e_t, "0 .. 1");
-  if (s->dims.nt > 0 || mu == 0) return NSDAE_OK;
-  return nsdae_system_refuse(
-      s, NSDAE_E_ARGUMENT, "contact", "mu",
-      "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) or 2 "
-      "(space) (%s)",
-      mu, nsdae_system_called(s, NSDAE_NAME_CONTACT, i, called));
-}
-
 int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n, double e_t)
 {
   if (!system) return NSDAE_E_ARGUMENT;
   if (i < 0 || i >= system->dims.k) return bad_index(system, "contact", "i", i, system->dims.k);
-  int status = check_coefficients(system, i, mu, e_n, e_t);
-  if (status == NSDAE_OK) status = nsdae_system_open(system, "contact");
+  char called[NSDAE_CALLED_SIZE];
+  /* conditions are written so that NaN fails */
+  if (!(mu >= 0) || isinf(mu))
+    return bad_coefficient(system, "contact", "mu", mu, "at least 0, finite");
+  if (!(e_n >= 0 && e_n <= 1)) return bad_coefficient(system, "contact", "e_n", e_n, "0 .. 1");
+  if (!(e_t >= 0 && e_t <= 1)) return bad_coefficient(system, "contact", "e_t", e_t, "0 .. 1");
+  if (system->dims.nt == 0 && mu > 0)
+    return nsdae_system_refuse(
+        system, NSDAE_E_ARGUMENT, "contact", "mu",
+        "mu = %g, but the system has no tangential directions: make it with dims.nt = 1 (plane) or "
+        "2 (space) (%s)",
+        mu, nsdae_system_called(system, NSDAE_NAME_CONTACT, i, called));
+  int status = nsdae_system_open(system, "contact");
   if (status == NSDAE_OK) system->contact[i] = (nsdae_coefficients){mu, e_n, e_t, 1};
   return status;
 }
@@ -322,17 +318,11 @@ static int any_friction(const nsdae_system *system)
   return 0;
 }
 
-static int any_untold(const nsdae_system *system)
-{
-  for (int i = 0; i < system->dims.k; i++)
-    if (!system->contact[i].told) return 1;
-  return 0;
-}
-
 const char *nsdae_system_unseen(nsdae_system *system)
 {
   if (!system) return "";
-  int moves = system->call.contact_bias != NULL;
+  int moves = system->call.contact_bias != NULL, untold = 0;
+  for (int i = 0; i < system->dims.k; i++) untold |= !system->contact[i].told;
   const remark unseen[] = {
       {"mass: its values, except symmetry", system->call.mass || system->call.mass_blocks},
       {"force: its values and signs", system->call.force != NULL},
@@ -345,8 +335,7 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"contact_bias: w_t", moves && system->dims.nt > 0},
       {"contact_bias is missing: that no contact surface has a prescribed tangential velocity",
        !moves && any_friction(system)},
-      {"nsdae_system_set_contact: that e_n = mu = 0 for contacts without a call",
-       any_untold(system)},
+      {"nsdae_system_set_contact: that e_n = mu = 0 for contacts without a call", untold},
       {"frictional_joint_tangent: its values", system->call.frictional_joint_tangent != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->call.potential != NULL},
@@ -355,15 +344,8 @@ const char *nsdae_system_unseen(nsdae_system *system)
   return join(system->unseen, sizeof system->unseen, unseen, sizeof unseen / sizeof *unseen, "; ");
 }
 
-static int any_frictional_joint(const nsdae_system *system)
-{
-  for (int j = 0; j < system->dims.f; j++)
-    if (system->frictional_joint[j].mu > 0) return 1;
-  return 0;
-}
-
-static int untold(const nsdae_system *system, const char *setter, const char *callback, int kind,
-                  int i, nsdae_error *error)
+static int refuse_untold(const nsdae_system *system, const char *setter, const char *callback,
+                         int kind, int i, nsdae_error *error)
 {
   nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", setter,
                   "%s gives the directions of friction, but its coefficient is not set: call "
@@ -377,21 +359,12 @@ int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
 {
   for (int i = 0; system->call.gap_tangent && i < system->dims.k; i++)
     if (!system->contact[i].told)
-      return untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
+      return refuse_untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
   for (int j = 0; system->call.frictional_joint_tangent && j < system->dims.f; j++)
     if (!system->frictional_joint[j].told)
-      return untold(system, "frictional_joint", "frictional_joint_tangent",
-                    NSDAE_NAME_FRICTIONAL_JOINT, j, error);
+      return refuse_untold(system, "frictional_joint", "frictional_joint_tangent",
+                           NSDAE_NAME_FRICTIONAL_JOINT, j, error);
   return NSDAE_OK;
-}
-
-/* As of any other setter that was refused. */
-static int refuse_after(const char *late, nsdae_error *error)
-{
-  char where[WHERE_SIZE];
-  name_setter(late, where);
-  return nsdae_error_set(error, NSDAE_E_STATE, where, "system",
-                         "%s was refused while the system had simulations", where);
 }
 
 int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
@@ -403,7 +376,12 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
     return nsdae_error_set(error, refused->status, refused->where, refused->argument,
                            "%s was refused: %s", refused->where, refused->text);
   const char *late = atomic_load(&((nsdae_system *)system)->late);
-  if (late) return refuse_after(late, error);
+  char where[WHERE_SIZE];
+  if (late) { /* as of any other setter that was refused */
+    name_setter(late, where);
+    return nsdae_error_set(error, NSDAE_E_STATE, where, "system",
+                           "%s was refused while the system had simulations", where);
+  }
   int status = nsdae_system_check_blocks(system, &missing, error);
   if (status < 0) return status;
   if (!system->by_blocks && !system->call.mass) missing = "mass";
@@ -412,8 +390,8 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (dims->k > 0 && !system->call.gap) missing = "gap";
   if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->call.gap_tangent)
     missing = "gap_tangent";
-  if (any_frictional_joint(system) && !system->call.frictional_joint_tangent)
-    missing = "frictional_joint_tangent";
+  for (int j = 0; j < dims->f && !system->call.frictional_joint_tangent; j++)
+    if (system->frictional_joint[j].mu > 0) missing = "frictional_joint_tangent";
   if (dims->nq != dims->nv && !system->call.kinematics) missing = "kinematics";
   if (!missing) return nsdae_names_distinct(system, error);
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,

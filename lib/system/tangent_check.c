@@ -31,25 +31,22 @@ static int same_mass(const nsdae_system *s, const double *mass, const int *set, 
   return !*a || !*b || strcmp(a, b) == 0;
 }
 
-/* The coordinates that move as `first` does: all of that mass where they are as many as there are
- * directions, or else, of bodies that are alike, those that stand side by side. */
-static void decide(const nsdae_system *s, const double *mass, int *set, int first)
-{
-  int n = s->dims.nv, nt = s->dims.nt, all = 0, end = first, count = 0;
-  for (int i = 0; i < n; i++) all += same_mass(s, mass, set, first, i);
-  while (end < n && same_mass(s, mass, set, first, end)) end++;
-  if (all == nt + 1) end = n;
-  for (int i = first; i < end; i++) count += same_mass(s, mass, set, first, i);
-  for (int i = end - 1; i >= first; i--)
-    if (same_mass(s, mass, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
-}
-
 void nsdae_tangent_sets(const nsdae_system *s, const double *mass, int *set)
 {
-  int n = s->dims.nv;
+  int n = s->dims.nv, nt = s->dims.nt;
   for (int i = 0; i < n; i++) set[i] = mass[i] > 0 ? UNDECIDED : COUPLED;
-  for (int i = 0; i < n; i++)
-    if (set[i] == UNDECIDED) decide(s, mass, set, i);
+  /* The coordinates that move as `first` does: all of that mass where they are as many as there are
+   * directions, or else, of bodies that are alike, those that stand side by side. */
+  for (int first = 0; first < n; first++) {
+    int all = 0, end = first, count = 0;
+    if (set[first] != UNDECIDED) continue;
+    for (int i = 0; i < n; i++) all += same_mass(s, mass, set, first, i);
+    while (end < n && same_mass(s, mass, set, first, end)) end++;
+    if (all == nt + 1) end = n;
+    for (int i = first; i < end; i++) count += same_mass(s, mass, set, first, i);
+    for (int i = end - 1; i >= first; i--)
+      if (same_mass(s, mass, set, first, i)) set[i] = count == nt + 1 ? first : ALONE;
+  }
 }
 
 directions nsdae_tangent_contact(const directions *all, int i)
@@ -142,17 +139,7 @@ static int wrong_along(const directions *c, int of, int j, double tol, char *why
                   velocity);
 }
 
-static int same_column(int n, const double *a, const double *b)
-{
-  int same = 1, opposite = 1;
-  for (int i = 0; i < n; i++) {
-    same = same && a[i] == b[i];
-    opposite = opposite && a[i] == -b[i];
-  }
-  return same || opposite;
-}
-
-/* The same up to the rounding of differences, up to the sign. */
+/* The same up to tol, the rounding of differences, and up to the sign. */
 static int near_column(int n, const double *a, const double *b, double tol)
 {
   double plus = 0, minus = 0;
@@ -183,7 +170,7 @@ int nsdae_tangent_useless(const directions *c, int j, double tol, char why[NSDAE
   if (n > 1 && near_column(n, t, c->normal, tol))
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "is equal to the normal (gap_normal): it must be a tangential direction");
-  if (j > 0 && n > 1 && same_column(n, t, t - n))
+  if (j > 0 && n > 1 && near_column(n, t, t - n, 0))
     return snprintf(why, NSDAE_TANGENT_TEXT,
                     "is equal to the one before it: the two must be perpendicular");
   return 0;

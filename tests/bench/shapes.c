@@ -108,7 +108,7 @@ static answer by_kit(void *world, const poses *p)
 {
   kit *k = world;
   k->answer = (answer){.depth = 0};
-  for (int i = 0; i < 2; i++) k->pose[i] = nsdae_pose_spatial(p->q + 7 * i, NULL);
+  for (int i = 0; i < 2; i++) k->pose[i] = nsdae_pose_of(3, p->q + 7 * i, NULL);
   const nsdae_pose *const pose[2] = {&k->pose[0], &k->pose[1]};
   nsdae_pair_features(k->bodies->solid.at, 0, 1, pose, look, k);
   return k->answer;
