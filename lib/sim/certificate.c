@@ -235,7 +235,7 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
   measure_places(c, r);
   measure_energy(c, point);
   if (r->located || !r->smooth)
-    measure_impulses(c, r, listed ? sim->stepper.world->law : r->end.system->contact,
+    measure_impulses(c, r, listed ? sim->stepper.problem.law : r->end.system->contact,
                      listed ? r->closed.count : r->end.system->dims.k);
   if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
   if (status == NSDAE_OK) status = measure_rates(c, r);

@@ -134,10 +134,8 @@ static int build(nsdae_sim *sim)
   stepper->system = &sim->model;
   stepper->options = &sim->options;
   stepper->error = &sim->error;
-  if (sim->system->by_list) {
-    stepper->world = nsdae_world_make(&sim->model, sim->options.threads, &sim->error);
-    if (!stepper->world) return no_threads(sim);
-  }
+  if (nsdae_problem_make(&stepper->problem, &sim->model, sim->options.threads, &sim->error) < 0)
+    return no_threads(sim);
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
   sim->projection.tools = stepper;
