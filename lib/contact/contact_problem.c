@@ -253,18 +253,19 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                         const double *r, int with_contacts, double *v, double *size, double *lambda)
 {
   if (p->kkt) return solve_system(p, terms, r, with_contacts, v, size, lambda);
-  const nsdae_whole whole = {.system = p->system,
-                             .islands = &p->dispatch.islands,
-                             .terms = terms,
-                             .law = p->law,
-                             .M = M,
-                             .r = r,
-                             .closed = p->closed,
-                             .results = p->results,
-                             .v = v,
-                             .size = size,
-                             .lambda = lambda};
-  return nsdae_island_dispatch_solve(&p->dispatch, &whole, with_contacts);
+  nsdae_whole whole = {.system = p->system,
+                       .islands = &p->dispatch.islands,
+                       .terms = terms,
+                       .law = p->law,
+                       .M = M,
+                       .r = r,
+                       .closed = p->closed,
+                       .results = p->results,
+                       .v = v,
+                       .size = size,
+                       .lambda = lambda,
+                       .with_contacts = with_contacts};
+  return nsdae_island_dispatch_solve(&p->dispatch, &whole);
 }
 
 int nsdae_problem_solve_mass(nsdae_problem *p, const double *M, double *r)

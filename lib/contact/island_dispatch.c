@@ -23,7 +23,7 @@ void nsdae_island_dispatch_release(nsdae_island_dispatch *d)
   nsdae_thread_pool_release(d->pool);
   for (int i = 0; i < d->workers; i++) nsdae_worker_release(&d->worker[i]);
   free(d->worker);
-  nsdae_pile_release(&d->pile);
+  nsdae_cone_island_release(&d->kept);
 }
 
 void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_system *system,
@@ -39,7 +39,7 @@ void nsdae_island_dispatch_layout(nsdae_island_dispatch *d, const nsdae_system *
 {
   nsdae_graph_layout(&d->islands, arena);
   for (int i = 0; i < d->workers; i++) nsdae_worker_layout(&d->worker[i], system, arena);
-  nsdae_pile_layout(&d->pile, system, arena);
+  nsdae_cone_island_layout(&d->kept, system, arena);
 }
 
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *d, const nsdae_system *system,
@@ -47,8 +47,8 @@ int nsdae_island_dispatch_grow(nsdae_island_dispatch *d, const nsdae_system *sys
 {
   int status = NSDAE_OK;
   for (int i = 0; i < d->workers && status == NSDAE_OK; i++)
-    status = nsdae_worker_grow(&d->worker[i], contacts);
-  return status < 0 ? status : nsdae_pile_grow(&d->pile, system, contacts, rows);
+    status = nsdae_worker_grow(&d->worker[i], system, contacts, rows);
+  return status < 0 ? status : nsdae_cone_island_grow(&d->kept, system, contacts, rows);
 }
 
 /* With the record of the worker that failed. */
@@ -87,29 +87,29 @@ static int solve_free(nsdae_island_dispatch *d, const nsdae_whole *whole)
 typedef struct shared {
   nsdae_island_dispatch *by;
   const nsdae_whole *whole;
-  int with_contacts;
-  int *cones; /* islands: left to the pile; then which are, in their order */
+  int *second; /* islands: left to the second pass; then which are, in their order */
 } shared;
 
-static int note(nsdae_worker *worker, int pass, int status)
+static int note(nsdae_worker *worker, int item, int status)
 {
-  if (status < 0) worker->failed = pass;
+  if (status < 0) worker->failed = item;
   return status;
 }
 
-static int solve_island(void *object, int worker, int island)
+static int first_pass(void *object, int worker, int island)
 {
   const shared *s = object;
   nsdae_worker *by = &s->by->worker[worker];
-  return note(by, island,
-              nsdae_worker_solve(by, s->whole, island, s->with_contacts, &s->cones[island]));
+  int status = nsdae_worker_solve(by, s->whole, island, 0);
+  s->second[island] = status == NSDAE_NEXT;
+  return note(by, island, status == NSDAE_NEXT ? NSDAE_OK : status);
 }
 
-static int solve_part(void *object, int worker, int part)
+static int second_pass(void *object, int worker, int item)
 {
   const shared *s = object;
   nsdae_worker *by = &s->by->worker[worker];
-  return note(by, part, nsdae_worker_solve_cones(by, &s->by->pile, s->whole, part));
+  return note(by, item, nsdae_worker_solve(by, s->whole, s->second[item], 1));
 }
 
 /* Passes 0 .. count - 1; the first failure is reported, as on one thread. */
@@ -125,31 +125,34 @@ static int share(nsdae_island_dispatch *d, shared *s, int count, int portion,
   return carry_out(d, &d->worker[by]);
 }
 
-/* Those that have cones or are large, one part each; how many. Without any the last pile of the
- * step stays as it was. */
-static int gather_pile(nsdae_island_dispatch *d, const nsdae_whole *whole, const int *cones)
+/* Those of the second pass, in place of their marks; how many. The problem of the largest is kept:
+ * without any, that of before. */
+static int list_second(nsdae_island_dispatch *d, nsdae_whole *whole, int *second)
 {
-  int first = 0;
-  while (first < d->islands.count && !cones[first]) first++;
-  if (first == d->islands.count) return 0;
-  nsdae_pile_begin(&d->pile);
-  for (int i = first; i < d->islands.count; i++)
-    if (cones[i]) nsdae_pile_add(&d->pile, whole, i);
-  d->solved.pile = &d->pile;
-  return d->pile.parts;
+  int count = 0, most = -1;
+  for (int i = 0; i < d->islands.count; i++) {
+    if (!second[i]) continue;
+    int contacts = nsdae_members_count(&d->islands.contact, i);
+    second[count++] = i;
+    if (contacts <= most) continue;
+    most = contacts;
+    whole->kept_island = i;
+  }
+  whole->kept = &d->kept;
+  if (count > 0) d->solved.cones = &d->kept;
+  return count;
 }
 
 /* The marks are in place of the parents, which are not read after the islands are found. */
-int nsdae_island_dispatch_solve(nsdae_island_dispatch *d, const nsdae_whole *whole,
-                                int with_contacts)
+int nsdae_island_dispatch_solve(nsdae_island_dispatch *d, nsdae_whole *whole)
 {
-  shared s = {d, whole, with_contacts, d->islands.parent};
+  shared s = {d, whole, d->islands.parent};
   d->solved = (nsdae_solved){.islands = d->islands.count, .kept = 1};
   int status = solve_free(d, whole);
   if (status < 0) return status;
   for (int i = 0; i < d->workers; i++) nsdae_worker_begin(&d->worker[i]);
-  status = share(d, &s, d->islands.count, PORTION, solve_island);
-  if (status == NSDAE_OK) status = share(d, &s, gather_pile(d, whole, s.cones), 1, solve_part);
+  status = share(d, &s, d->islands.count, PORTION, first_pass);
+  if (status == NSDAE_OK) status = share(d, &s, list_second(d, whole, s.second), 1, second_pass);
   for (int i = 0; i < d->workers; i++) nsdae_solved_add(&d->solved, &d->worker[i].solved);
   return status;
 }

@@ -9,7 +9,7 @@
 typedef struct nsdae_island_dispatch {
   nsdae_error *error;
   nsdae_graph islands;
-  nsdae_pile pile;
+  nsdae_cone_island kept; /* the largest of the second pass */
   nsdae_thread_pool *pool;
   nsdae_worker *worker;
   int workers;
@@ -29,10 +29,9 @@ void nsdae_island_dispatch_layout(nsdae_island_dispatch *dispatch, const nsdae_s
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_system *system,
                                const nsdae_room *contacts, const nsdae_room *rows);
 
-/* v and lambda of every island and of free blocks, with the impulses or as if no contact were
- * closed; a status with the record of the first island that failed. */
-int nsdae_island_dispatch_solve(nsdae_island_dispatch *dispatch, const nsdae_whole *whole,
-                                int with_contacts);
+/* v and lambda of every island and of free blocks, and the impulses; a status with the record of
+ * the first island that failed. */
+int nsdae_island_dispatch_solve(nsdae_island_dispatch *dispatch, nsdae_whole *whole);
 
 /* r := M^-1 r by blocks; NSDAE_OK or NSDAE_E_MASS. */
 int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *dispatch, const nsdae_system *system,

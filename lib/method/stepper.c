@@ -155,7 +155,7 @@ static int solve(const nsdae_step *step, const nsdae_terms *terms, const double 
   c->lcps += solved->lcps;
   c->lcp_pivots += solved->pivots;
   if (solved->problem) step->result->problem = solved->problem;
-  if (solved->pile) step->result->pile = solved->pile;
+  if (solved->cones) step->result->cones = solved->cones;
   return status;
 }
 

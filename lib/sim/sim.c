@@ -332,9 +332,9 @@ static int get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
   if (!sim->stage.started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->stage.failed ? sim->next : sim->now;
-  if (last->result.pile) {
-    const nsdae_pile_last l = nsdae_pile_largest(last->result.pile);
-    *friction = (nsdae_step_friction){l.problem, l.options, l.guess, l.r, l.u};
+  const nsdae_cone_island *l = last->result.cones;
+  if (l) {
+    *friction = (nsdae_step_friction){l->problem, l->options, l->at.guess, l->at.r, l->at.u};
     return NSDAE_OK;
   }
   if (last->result.problem != c || c->active_count == 0 || nsdae_cones_describe(c) < 0)

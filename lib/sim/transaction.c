@@ -153,7 +153,7 @@ static int prepare_step(nsdae_sim *sim, double t1)
       nsdae_interrupted(&sim->stepper.interrupt, &sim->error, nsdae_system_time(&sim->model, t0));
   while (status == NSDAE_OK && (status = advance_method(sim, t1, length)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
-  sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.pile);
+  sim->stage.failed = is_problem(status) && (sim->next->result.problem || sim->next->result.cones);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
