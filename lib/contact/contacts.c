@@ -226,18 +226,23 @@ static void velocities_after(nsdae_contacts *c, const nsdae_terms *T, int n, con
   frictional_joint_velocities(c, T, v, r->slide_after);
 }
 
-void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *T, const double *v,
-                           int impacts_only)
+void nsdae_contacts_approach(const nsdae_terms *T, int count, const int *contact, const double *v,
+                             int impacts_only, nsdae_impulses *r)
 {
-  nsdae_impulses *r = c->results;
-  int nt = c->system->dims.nt;
-  for (int a = 0; a < c->active_count; a++) {
-    int i = c->active[a];
+  int nt = T->system->dims.nt;
+  for (int a = 0; a < count; a++) {
+    int i = contact ? contact[a] : a;
     if (impacts_only && !r->impact[i]) continue;
     r->before[i] = nsdae_terms_normal_rate(T, i, v);
     for (int j = i * nt; j < (i + 1) * nt; j++) r->before_t[j] = nsdae_terms_tangent_rate(T, j, v);
   }
-  if (!impacts_only) frictional_joint_velocities(c, T, v, r->slide_before);
+}
+
+void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *T, const double *v,
+                           int impacts_only)
+{
+  nsdae_contacts_approach(T, c->active_count, c->active, v, impacts_only, c->results);
+  if (!impacts_only) frictional_joint_velocities(c, T, v, c->results->slide_before);
 }
 
 void nsdae_contacts_come(nsdae_contacts *c, const double *before)
@@ -512,44 +517,9 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   return NSDAE_OK;
 }
 
-static int any_impact(const nsdae_contacts *c)
-{
-  for (int a = 0; a < c->active_count; a++)
-    if (c->results->impact[c->active[a]]) return 1;
-  return 0;
-}
-
-void nsdae_contacts_add_impulse(const nsdae_contacts *c, const nsdae_terms *terms, double scale,
-                                int skip_impacts, double *r)
-{
-  const nsdae_dims *dims = &c->system->dims;
-  const nsdae_blocks *blocks = &c->system->blocks;
-  const nsdae_impulses *of = c->results;
-  for (int a = 0; a < c->active_count; a++) {
-    int i = c->active[a];
-    if (skip_impacts && of->impact[i]) continue;
-    nsdae_rows_add(blocks, &terms->by.normal, i, scale * of->normal[i], r);
-    for (int j = i * dims->nt; j < (i + 1) * dims->nt; j++)
-      nsdae_rows_add(blocks, &terms->by.tangent, j, scale * of->tangential[j], r);
-  }
-  if (skip_impacts && any_impact(c)) return;
-  for (int i = 0; i < c->slides.count; i++) {
-    int j = c->slides.number[i];
-    nsdae_rows_add(blocks, &terms->by.frictional_joint, j, scale * of->frictional_joint_impulse[j],
-                   r);
-  }
-}
-
 double nsdae_contacts_work(const nsdae_contacts *c)
 {
-  int nt = c->system->dims.nt;
-  double work = 0;
-  for (int a = 0; a < c->active_count; a++) {
-    int i = c->active[a];
-    work += c->results->normal[i] * (c->results->after[i] + c->results->before[i]) / 2;
-    for (int j = i * nt; j < (i + 1) * nt; j++)
-      work += c->results->tangential[j] * (c->results->after_t[j] + c->results->before_t[j]) / 2;
-  }
+  double work = nsdae_impulses_work(c->results, c->system->dims.nt, c->active_count, c->active);
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
     work += c->results->frictional_joint_impulse[j] *

@@ -140,6 +140,10 @@ void nsdae_contacts_close_these(nsdae_contacts *contacts, int count, const int *
 void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, const double *v,
                            int impacts_only);
 
+/* The same of these numbers, NULL: from 0 on, without joints, into r. */
+void nsdae_contacts_approach(const nsdae_terms *terms, int count, const int *contact,
+                             const double *v, int impacts_only, nsdae_impulses *r);
+
 /* v_N(-) [k] is this instead, as where a part of it is the errors of an integration. */
 void nsdae_contacts_come(nsdae_contacts *contacts, const double *before);
 
@@ -165,12 +169,6 @@ static inline int nsdae_contacts_powerless(const nsdae_contacts *contacts, int c
  * the record filled and v, lambda unchanged. */
 int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
                          double *size, double *v, double *lambda);
-
-/* r [nv] += scale (W Lambda), with the terms' W and the last impulses of the closed contacts and
- * the frictional joints; skip_impacts leaves out what acts along the end of a step with an impact:
- * the contacts that are marked, and with any such the frictional joints. */
-void nsdae_contacts_add_impulse(const nsdae_contacts *contacts, const nsdae_terms *terms,
-                                double scale, int skip_impacts, double *r);
 
 /* Work that the last impulses did on the system: the sum of Lambda (v(+) + v(-)) / 2. */
 double nsdae_contacts_work(const nsdae_contacts *contacts);

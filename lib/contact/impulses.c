@@ -41,6 +41,18 @@ void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)
   memset(r->impact, 0, wholes(dims) * sizeof *r->impact);
 }
 
+double nsdae_impulses_work(const nsdae_impulses *r, int nt, int count, const int *contact)
+{
+  double work = 0;
+  for (int a = 0; a < count; a++) {
+    int i = contact ? contact[a] : a;
+    work += r->normal[i] * (r->after[i] + r->before[i]) / 2;
+    for (int j = i * nt; j < (i + 1) * nt; j++)
+      work += r->tangential[j] * (r->after_t[j] + r->before_t[j]) / 2;
+  }
+  return work;
+}
+
 void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double share,
                           const nsdae_impulses *from)
 {

@@ -22,6 +22,9 @@ typedef struct nsdae_impulses {
 void nsdae_impulses_layout(nsdae_impulses *impulses, const nsdae_dims *dims, nsdae_arena *arena);
 void nsdae_impulses_clear(nsdae_impulses *impulses, const nsdae_dims *dims);
 
+/* sum of Lambda (v(+) + v(-)) / 2 over contacts of these numbers; NULL: from 0 on. */
+double nsdae_impulses_work(const nsdae_impulses *impulses, int nt, int count, const int *contact);
+
 /* Impulses, and velocities before and after: += share (from - to) */
 void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double share,
                           const nsdae_impulses *from);

@@ -98,14 +98,14 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   }
 }
 
-static void close_contacts(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts)
+static void close_contacts(nsdae_local *l, const nsdae_whole *w, int island)
 {
   const nsdae_members *members = &w->islands->contact;
   nsdae_contacts *c = &l->contacts;
   c->part.coefficient = w->law;
   c->part.id = w->closed->id;
   nsdae_contacts_remember(c, w->closed->basis, NULL);
-  nsdae_contacts_close_these(c, with_contacts ? nsdae_members_count(members, island) : 0,
+  nsdae_contacts_close_these(c, w->with_contacts ? nsdae_members_count(members, island) : 0,
                              members->of + members->first[island], w->results);
 }
 
@@ -285,12 +285,12 @@ static int solve_laws(nsdae_local *l, const nsdae_whole *w, nsdae_misfit *misfit
   return solve(l, w, misfit);
 }
 
-int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int with_contacts,
-                      int least_norm, nsdae_misfit *misfit)
+int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int least_norm,
+                      nsdae_misfit *misfit)
 {
   gather_blocks(l, w, island);
   gather_rows(l, w, island);
-  close_contacts(l, w, island, with_contacts);
+  close_contacts(l, w, island);
   int status = nsdae_kkt_factor(&l->kkt, l->M, &l->J);
   if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;
   if (status == NSDAE_OK) status = solve_laws(l, w, misfit);

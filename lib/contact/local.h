@@ -39,7 +39,10 @@ typedef struct nsdae_whole {
   const double *M, *r;           /* by blocks; nv */
   nsdae_closed *closed;
   nsdae_impulses *results;
-  double *v, *size, *lambda; /* nv, nv, m */
+  double *v, *size, *lambda;      /* nv, nv, m */
+  int with_contacts;              /* 0: as if none were closed */
+  struct nsdae_cone_island *kept; /* what is kept of the problem of an island of pass 1 */
+  int kept_island;
 } nsdae_whole;
 
 void nsdae_local_prepare(nsdae_local *local, const nsdae_system *system, nsdae_error *error,
@@ -53,7 +56,7 @@ int nsdae_local_fits(const nsdae_whole *whole, int island);
  * with them and their impulses, modes and velocities after; misfit: of the contacts and their rows,
  * if there are contacts. NSDAE_OK; NSDAE_E_MASS, and NSDAE_E_RANK unless least_norm allows it, of
  * kkt without a record; NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE with it. */
-int nsdae_local_solve(nsdae_local *local, const nsdae_whole *whole, int island, int with_contacts,
-                      int least_norm, nsdae_misfit *misfit);
+int nsdae_local_solve(nsdae_local *local, const nsdae_whole *whole, int island, int least_norm,
+                      nsdae_misfit *misfit);
 
 #endif

@@ -358,7 +358,7 @@ static void velocities_after(nsdae_stack *c, const nsdae_whole *w)
   }
 }
 
-static int fits(const nsdae_whole *w, int island)
+int nsdae_stack_fits(const nsdae_whole *w, int island)
 {
   const nsdae_members *contacts = &w->islands->contact;
   if (nsdae_members_count(&w->islands->row, island) > 0) return 0;
@@ -370,7 +370,6 @@ static int fits(const nsdae_whole *w, int island)
 int nsdae_stack_solve(nsdae_stack *c, const nsdae_whole *w, int island, double tol, double *L_block)
 {
   const nsdae_members *contacts = &w->islands->contact;
-  if (!fits(w, island)) return 0;
   c->count = nsdae_members_count(contacts, island);
   c->contact = contacts->of + contacts->first[island];
   sort(c, w, island);

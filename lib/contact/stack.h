@@ -7,7 +7,7 @@
  * set is where Lambda > 0 or the velocity < 0. A is factored in its envelope, with the contacts in
  * the order of Cuthill and McKee: what is stacked or strung is banded. Where the envelope is no
  * saving, the set does not settle, or contacts depend on one another, the island is left to the
- * cones (pile.h). */
+ * cones (cone_island.h). */
 #ifndef NSDAE_STACK_H
 #define NSDAE_STACK_H
 
@@ -32,8 +32,10 @@ void nsdae_stack_layout(nsdae_stack *stack, const nsdae_system *system, nsdae_ar
 int nsdae_stack_grow(nsdae_stack *stack, const nsdae_room *contacts);
 void nsdae_stack_release(nsdae_stack *stack);
 
-/* v, impulses, modes and velocities after of an island. 1 where it is solved to tol; 0: another way
- * must be found, and nothing is changed. */
+int nsdae_stack_fits(const nsdae_whole *whole, int island);
+
+/* v, impulses, modes and velocities after of an island that fits. 1 where it is solved to tol; 0:
+ * another way must be found, and nothing is changed. */
 int nsdae_stack_solve(nsdae_stack *stack, const nsdae_whole *whole, int island, double tol,
                       double *L_block);
 

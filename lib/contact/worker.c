@@ -19,18 +19,22 @@ void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_aren
 {
   nsdae_local_layout(&w->local, arena);
   nsdae_stack_layout(&w->stack, system, arena);
+  nsdae_cone_island_layout(&w->cones, system, arena);
   w->L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
 }
 
-int nsdae_worker_grow(nsdae_worker *w, const nsdae_room *contacts)
+int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_room *contacts,
+                      const nsdae_room *rows)
 {
   int status = w->solver ? NSDAE_OK : nsdae_friction_create(&w->solver);
-  return status < 0 ? status : nsdae_stack_grow(&w->stack, contacts);
+  if (status == NSDAE_OK) status = nsdae_stack_grow(&w->stack, contacts);
+  return status < 0 ? status : nsdae_cone_island_grow(&w->cones, system, contacts, rows);
 }
 
 void nsdae_worker_release(nsdae_worker *w)
 {
   nsdae_stack_release(&w->stack);
+  nsdae_cone_island_release(&w->cones);
   nsdae_sparse_kkt_release(&w->sparse);
   nsdae_friction_destroy(&w->solver);
 }
@@ -84,25 +88,39 @@ int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, const 
 
 /* ---- solvers of an island */
 
-/* One contact in closed form; 0 where it is not of that kind, or more than rounding is left. */
-static int solve_single(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int has_contacts(const nsdae_whole *whole, int island)
 {
-  nsdae_misfit misfit;
-  if (!nsdae_single_fits(whole, island) || !nsdae_single_solve(whole, island, &misfit)) return 0;
-  w->solved.lcps++;
-  nsdae_misfit_add(&w->solved.misfit, &misfit);
-  return 1;
+  return whole->with_contacts && nsdae_members_count(&whole->islands->contact, island) > 0;
 }
 
-/* A large island without friction; 0 where another way must be found. */
-static int solve_stack(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int fits_one_contact(const nsdae_whole *whole, int island)
+{
+  return whole->with_contacts && nsdae_single_fits(whole, island);
+}
+
+/* The next one if more than rounding is left. */
+static int solve_one_contact(nsdae_worker *w, const nsdae_whole *whole, int island)
+{
+  nsdae_misfit misfit;
+  if (!nsdae_single_solve(whole, island, &misfit)) return NSDAE_NEXT;
+  w->solved.lcps++;
+  nsdae_misfit_add(&w->solved.misfit, &misfit);
+  return NSDAE_OK;
+}
+
+static int fits_active_set(const nsdae_whole *whole, int island)
+{
+  return has_contacts(whole, island) && nsdae_stack_fits(whole, island);
+}
+
+static int solve_active_set(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
   nsdae_stack *c = &w->stack;
-  if (!nsdae_stack_solve(c, whole, island, w->tol, w->L)) return 0;
+  if (!nsdae_stack_solve(c, whole, island, w->tol, w->L)) return NSDAE_NEXT;
   w->solved.lcps++;
   w->solved.pivots += c->rounds;
   nsdae_misfit_add(&w->solved.misfit, &c->misfit);
-  return 1;
+  return NSDAE_OK;
 }
 
 static int unsolved(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
@@ -158,13 +176,13 @@ static int name_island(nsdae_worker *w, const nsdae_whole *whole, int island, in
   return status;
 }
 
-static int solve_local(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts)
+static int solve_dense(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
   nsdae_local *l = &w->local;
   nsdae_solved *s = &w->solved;
   const nsdae_kkt *kkt = &l->kkt;
   nsdae_misfit misfit = {0};
-  int status = nsdae_local_solve(l, whole, island, with_contacts, w->least_norm, &misfit);
+  int status = nsdae_local_solve(l, whole, island, w->least_norm, &misfit);
   count_rank(s, kkt->rank, kkt->kept, kkt->left);
   if (nsdae_contacts_any(&l->contacts)) {
     s->lcps++;
@@ -201,30 +219,17 @@ static int factor_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
              : NSDAE_OK;
 }
 
-/* A large island without contacts. */
-static int solve_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int fits_constraints(const nsdae_whole *whole, int island)
+{
+  return !has_contacts(whole, island);
+}
+
+static int solve_constraints(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
   int status = factor_sparse(w, whole, island);
   if (status < 0) return status;
   status = nsdae_sparse_kkt_solve(&w->sparse, whole->r, whole->v, whole->lambda);
   return status < 0 ? unsolved(w, whole, island, status) : NSDAE_OK;
-}
-
-/* ---- interface */
-
-int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, int with_contacts,
-                       int *cones)
-{
-  int contacts = nsdae_members_count(&whole->islands->contact, island);
-  *cones = 0;
-  if (contacts > w->solved.contacts) w->solved.contacts = contacts;
-  if (with_contacts && solve_single(w, whole, island)) return NSDAE_OK;
-  if (nsdae_local_fits(whole, island)) return solve_local(w, whole, island, with_contacts);
-  if (!with_contacts || contacts == 0) return solve_sparse(w, whole, island);
-  int rows = nsdae_members_count(&whole->islands->row, island);
-  int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
-  if (status == NSDAE_OK) *cones = !solve_stack(w, whole, island);
-  return status;
 }
 
 /* What stopped the problem: a mass, where one is not positive definite. */
@@ -240,15 +245,49 @@ static int cause_of(nsdae_worker *w, const nsdae_whole *whole, int island, int s
   return status;
 }
 
-int nsdae_worker_solve_cones(nsdae_worker *w, nsdae_pile *pile, const nsdae_whole *whole, int part)
+static int fits_cones(const nsdae_whole *whole, int island)
+{
+  (void)whole, (void)island;
+  return 1;
+}
+
+static int solve_cones(nsdae_worker *w, const nsdae_whole *whole, int island)
 {
   nsdae_solved *s = &w->solved;
-  nsdae_pile_work work = {.solver = w->solver, .L = w->L, .tol = w->tol, .error = &w->error};
-  int status = nsdae_pile_solve(pile, whole, part, &work);
-  if (status < 0) status = cause_of(w, whole, pile->part[part].island, status);
+  nsdae_cone_work work = {.solver = w->solver, .L = w->L, .tol = w->tol, .error = &w->error};
+  int rows = nsdae_members_count(&whole->islands->row, island);
+  int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
+  if (status < 0) return status;
+  status = nsdae_cone_island_solve(island == whole->kept_island ? whole->kept : &w->cones, whole,
+                                   island, &work);
+  if (status < 0) status = cause_of(w, whole, island, status);
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
   nsdae_misfit_add(&s->misfit, &work.misfit);
   s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, w->tol));
+  return status;
+}
+
+/* ---- the table */
+
+typedef struct island_solver {
+  int pass;
+  int (*fits)(const nsdae_whole *whole, int island);
+  int (*solve)(nsdae_worker *worker, const nsdae_whole *whole, int island);
+} island_solver;
+
+static const island_solver solvers[] = {{0, fits_one_contact, solve_one_contact},
+                                        {0, nsdae_local_fits, solve_dense},
+                                        {0, fits_constraints, solve_constraints},
+                                        {0, fits_active_set, solve_active_set},
+                                        {1, fits_cones, solve_cones}};
+
+int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, int pass)
+{
+  int status = NSDAE_NEXT, contacts = nsdae_members_count(&whole->islands->contact, island);
+  if (contacts > w->solved.contacts) w->solved.contacts = contacts;
+  for (size_t i = 0; status == NSDAE_NEXT && i < sizeof solvers / sizeof *solvers; i++)
+    if (solvers[i].pass == pass && solvers[i].fits(whole, island))
+      status = solvers[i].solve(w, whole, island);
   return status;
 }

@@ -55,7 +55,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->twofold.frictional_joint = -1;
   r->rate = (nsdae_rate){0, -1, 0};
   r->problem = NULL;
-  r->pile = NULL;
+  r->cones = NULL;
   r->counters = (nsdae_counters){.rank = dims->m, .rank_retained = 1};
 }
 

@@ -4,7 +4,7 @@
 #define NSDAE_RESULT_H
 
 #include "contacts.h"
-#include "pile.h"
+#include "cone_island.h"
 #include "state.h"
 
 /* Of one step. */
@@ -57,7 +57,8 @@ typedef struct nsdae_result {
   nsdae_twofold twofold;         /* the first of the step */
   int smooth;                    /* nothing was closed */
   const nsdae_contacts *problem; /* the one that was asked last, for who wants to see it fail */
-  const nsdae_pile *pile;        /* of contacts by list: that of the large islands; NULL: none */
+  const nsdae_cone_island
+      *cones; /* of a contact list: that of the largest island with cones; NULL: none */
   nsdae_counters counters;
   nsdae_memory memory; /* for the next step */
 } nsdae_result;

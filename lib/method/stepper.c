@@ -29,17 +29,18 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->iteration_tol = settled(s->system, o->iteration_tol);
   s->differences.system = s->system;
   nsdae_stepper_prepare_terms(s, &s->middle);
-  s->kkt.n = s->world ? 0 : s->system->dims.nv;
-  s->kkt.m = s->world ? 0 : s->system->dims.m;
+  s->kkt.n = s->system->by_list ? 0 : s->system->dims.nv;
+  s->kkt.m = s->system->by_list ? 0 : s->system->dims.m;
   s->kkt.blocks = &s->system->blocks;
   s->kkt.rank_tol = o->rank_tol;
   /* of event: the larger of its laws and of implicit's, which may step in */
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
   nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
-  if (s->world)
-    nsdae_world_prepare(s->world, &s->contacts.lcp.options, o->rank_tol,
-                        o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
+  s->problem.kkt = s->system->by_list ? NULL : &s->kkt;
+  s->problem.contacts = s->system->by_list ? NULL : &s->contacts;
+  s->problem.least_norm = o->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  nsdae_problem_prepare(&s->problem, &s->contacts.lcp.options, o->rank_tol);
 }
 
 void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
@@ -47,7 +48,7 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   const nsdae_dims *dims = &s->system->dims;
   const nsdae_blocks *blocks = &s->system->blocks;
   long n = dims->nv;
-  if (s->world) nsdae_world_layout(s->world, arena);
+  nsdae_problem_layout(&s->problem, arena);
   nsdae_differences_layout(&s->differences, arena);
   nsdae_terms_layout(&s->middle, arena);
   nsdae_kkt_layout(&s->kkt, arena);
@@ -91,10 +92,10 @@ void nsdae_step_end(const nsdae_step *step)
   const nsdae_stepper *s = step->tools;
   nsdae_result *result = step->result;
   for (int i = 0; i < s->system->dims.m; i++) result->multiplier[i] = s->impulse[i] / step->h;
-  result->smooth = !nsdae_step_any(step);
-  result->work = s->world ? nsdae_world_work(s->world) : nsdae_contacts_work(&s->contacts);
-  result->worst_residual =
-      s->world ? nsdae_misfit_residual(&s->world->solved.misfit) : s->contacts.lcp.info.residual;
+  result->smooth = !nsdae_problem_any(&s->problem);
+  if (result->smooth) return;
+  result->work = nsdae_problem_work(&s->problem);
+  result->worst_residual = nsdae_problem_residual(&s->problem);
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
@@ -105,21 +106,78 @@ int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
   return status;
 }
 
-int nsdae_stepper_impact(nsdae_stepper *s, nsdae_result *result, const nsdae_terms *terms,
-                         const double *r, double *v)
+int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms)
 {
-  int n = s->system->dims.nv, m = s->system->dims.m;
-  memcpy(v, r, (size_t)n * sizeof *v);
-  for (int i = 0; i < m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
-  int status = nsdae_terms_solve(terms, &s->kkt, 1, v, s->impulse);
-  if (status < 0 || !nsdae_contacts_any(&s->contacts)) return status;
-  result->problem = &s->contacts;
-  memcpy(s->size, r, (size_t)n * sizeof *s->size);
-  nsdae_kkt_solve_mass(&s->kkt, s->size);
-  status = nsdae_contacts_solve(&s->contacts, terms, &s->kkt, s->size, v, s->impulse);
-  result->counters.lcps++;
-  result->counters.lcp_pivots += s->contacts.lcp.info.pivots;
+  return nsdae_problem_close(&step->tools->problem, terms, &step->result->closed,
+                             &step->result->impulses, step->state->closed, step->state->impulses);
+}
+
+/* As far as closed contacts may have come apart since the start, twice: the fastest along its
+ * normal.
+ */
+int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms)
+{
+  const nsdae_impulses *r = &step->result->impulses;
+  double fastest = 0;
+  if (step->result->closed.count == 0) return NSDAE_OK;
+  for (int a = 0; a < step->result->closed.count; a++) {
+    fastest = fmax(fastest, fabs(r->before[a]));
+    fastest = fmax(fastest, fabs(nsdae_terms_normal_rate(step->start, a, terms->v)));
+  }
+  return nsdae_problem_update(&step->tools->problem, terms,
+                              nsdae_terms_touch(terms) + 2 * step->h * fastest);
+}
+
+static void count_rank(const nsdae_step *step)
+{
+  const nsdae_solved *s = &step->tools->problem.dispatch.solved;
+  nsdae_count_rank(&step->result->counters, s->rank, s->kept, s->left);
+}
+
+int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M, int hold)
+{
+  int status = nsdae_problem_factor(&step->tools->problem, terms, M, hold);
+  if (step->tools->problem.kkt) count_rank(step);
   return status;
+}
+
+static int solve(const nsdae_step *step, const nsdae_terms *terms, const double *M, const double *r,
+                 int with_contacts, double *v, double *lambda)
+{
+  nsdae_stepper *s = step->tools;
+  nsdae_counters *c = &step->result->counters;
+  const nsdae_solved *solved = &s->problem.dispatch.solved;
+  int status = nsdae_problem_solve(&s->problem, terms, M, r, with_contacts, v, s->size, lambda);
+  if (!s->problem.kkt) count_rank(step);
+  c->islands = solved->islands;
+  c->island_contacts = solved->contacts;
+  if (solved->lcps == 0 && status == NSDAE_OK) return status;
+  c->lcps += solved->lcps;
+  c->lcp_pivots += solved->pivots;
+  if (solved->problem) step->result->problem = solved->problem;
+  if (solved->cones) step->result->cones = solved->cones;
+  return status;
+}
+
+int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
+                    const double *r, double *v, double *lambda)
+{
+  return solve(step, terms, M, r, 0, v, lambda);
+}
+
+int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,
+                      const double *r, double *v)
+{
+  nsdae_stepper *s = step->tools;
+  for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
+  int status = solve(step, terms, M, r, 1, v, s->impulse);
+  if (status == NSDAE_OK) step->result->carried = nsdae_problem_carried(&s->problem, terms);
+  return status;
+}
+
+double nsdae_step_settled(const nsdae_step *step)
+{
+  return nsdae_larger(step->tools->iteration_tol, step->tools->problem.dispatch.solved.noise);
 }
 
 int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char *advice, double t,

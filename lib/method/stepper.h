@@ -7,7 +7,7 @@
 #include "kkt.h"
 #include "method.h"
 #include "system_impl.h"
-#include "world.h"
+#include "contact_problem.h"
 
 /* Of the two ends of a step, as in the terms. */
 typedef struct nsdae_means {
@@ -25,7 +25,7 @@ typedef struct nsdae_stepper {
   nsdae_terms middle;
   nsdae_kkt kkt;
   nsdae_contacts contacts;
-  nsdae_world *world; /* of a contact list, in place of kkt and contacts; else NULL */
+  nsdae_problem problem; /* of time-stepping methods, by kkt and contacts if these are fixed */
   nsdae_means mean;
   double *q, *v, *r; /* nq, nv, nv */
   double *v_other;   /* nv: a velocity in between */
@@ -79,62 +79,26 @@ static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_st
 }
 void nsdae_step_end(const nsdae_step *step);
 
-/* What is closed in a step, numbered or by list, and its equations. The terms named have what they
- * need, except lists, which come with closing and meeting.
- *
- * close: the contacts with a gap that is not above zero at the terms' point; meet: the same at
- * another one. before: their velocities along v, of all or of those that hit. */
-int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
-static inline int nsdae_step_any(const nsdae_step *step)
-{
-  const nsdae_stepper *s = step->tools;
-  return s->world ? step->result->closed.count > 0 : nsdae_contacts_any(&s->contacts);
-}
-int nsdae_step_meet(const nsdae_step *step, nsdae_terms *terms);
-void nsdae_step_before(const nsdae_step *step, const nsdae_terms *terms, const double *v,
-                       int impacts_only);
-/* How many are closed, and the number of the a-th, its place in the impulses. */
-int nsdae_step_closed(const nsdae_step *step);
-int nsdae_step_contact(const nsdae_step *step, int a);
-/* Prepares the equations with M and the terms' Phi_q; where impacts are marked, mark_hit follows.
+/* The problem of the step (contact_problem.h), with what it did counted. update: at another point,
+ * as far as closed contacts may have come apart. The terms named have what they need, except lists.
  */
-int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M);
-void nsdae_step_mark_hit(const nsdae_step *step);
-/* v and the stepper's impulse from r, see nsdae_stepper_impact; v and lambda from r without
- * contacts, lambda comes as the rates Phi_q v. */
-static inline int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M,
-                                    const double *r, double *v);
+int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
+int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms);
+int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M, int hold);
+/* v and the stepper's impulse from momentum r [nv] with the closed contacts of the terms' point:
+ * M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t. Without contacts lambda comes as the
+ * rates Phi_q v. */
+int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,
+                      const double *r, double *v);
 int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
                     const double *r, double *v, double *lambda);
-/* r += scale Phi_q^T impulse, only where nothing hits; r += scale W Lambda, likewise with
- * skip_impacts; r := M^-1 r. */
-void nsdae_step_add_constraints(const nsdae_step *step, const nsdae_terms *terms, double scale,
-                                int impact, double *r);
-void nsdae_step_add_impulse(const nsdae_step *step, const nsdae_terms *terms, double scale,
-                            int skip_impacts, double *r);
-/* The relative change below which an iteration cannot settle. */
+/* The relative change below which an iteration cannot converge. */
 double nsdae_step_settled(const nsdae_step *step);
-int nsdae_step_solve_mass(const nsdae_step *step, const double *M, double *r);
 
 /* The parts that methods share. */
 
 /* Factors [M Phi_q^T; Phi_q 0] with the given M and Phi_q of the terms; counts the rank. */
 int nsdae_stepper_factor(nsdae_stepper *stepper, nsdae_terms *terms, const double *M);
-
-/* v := the velocity and impulse := the bilateral impulses that momentum r [nv] leads to with the
- * closed contacts of the terms' point:  M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t.
- */
-int nsdae_stepper_impact(nsdae_stepper *stepper, nsdae_result *result, const nsdae_terms *terms,
-                         const double *r, double *v);
-
-int nsdae_step_impact_of_world(const nsdae_step *step, nsdae_terms *terms, const double *M,
-                               const double *r, double *v);
-static inline int nsdae_step_impact(const nsdae_step *step, nsdae_terms *terms, const double *M,
-                                    const double *r, double *v)
-{
-  if (step->tools->world) return nsdae_step_impact_of_world(step, terms, M, r, v);
-  return nsdae_stepper_impact(step->tools, step->result, terms, r, v);
-}
 
 /* After each step of an integrator inside a dt: whether it may go on, from t towards t_end.
  * NSDAE_OK; NSDAE_E_CONVERGENCE past inner_steps_max, with the advice of the method; or the

@@ -17,8 +17,7 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
     status = nsdae_result_grow(&sim->point[i].result, &c, &r);
     nsdae_point_show_arrays(&sim->point[i]);
   }
-  if (status == NSDAE_OK && sim->stepper.world)
-    status = nsdae_world_grow(sim->stepper.world, &c, &r);
+  if (status == NSDAE_OK) status = nsdae_problem_grow(&sim->stepper.problem, &c, &r);
   if (status < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
                            "out of memory for lists of %zu contacts and of %zu blocks of rows of "
@@ -64,5 +63,5 @@ void nsdae_sim_release_lists(nsdae_sim *sim)
 {
   nsdae_terms_release(&sim->stepper.middle);
   for (int i = 0; i < 3; i++) nsdae_result_release(&sim->point[i].result);
-  nsdae_world_release(sim->stepper.world);
+  nsdae_problem_release(&sim->stepper.problem);
 }

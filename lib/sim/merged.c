@@ -95,7 +95,7 @@ static double delassus(const closed_ones *c, int a, int b)
 static double restitution(const nsdae_sim *sim, const closed_ones *c, int a)
 {
   return c->numbered ? sim->model.contact[c->numbered->active[a]].e_n
-                     : sim->stepper.world->law[a].e_n;
+                     : sim->stepper.problem.law[a].e_n;
 }
 
 /* Number of impacts that contacts a and b would have one after another; 0: few. */
@@ -161,12 +161,13 @@ static int report(nsdae_point *point, const merged *m)
 int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   const nsdae_result *r = &point->result;
-  const nsdae_world *world = sim->stepper.world;
+  const nsdae_problem *problem = &sim->stepper.problem;
+  int listed = !problem->contacts;
   const nsdae_terms *T = &before->result.end;
   merged most = {0, -1, -1};
   if (r->located || r->counters.fallbacks > 0 || r->impacts == 0) return NSDAE_OK;
-  if (!world && !r->problem) return NSDAE_OK;
-  const closed_ones c = {world ? NULL : r->problem, world ? &world->home->by.normal : NULL,
+  if (!listed && !r->problem) return NSDAE_OK;
+  const closed_ones c = {listed ? NULL : r->problem, listed ? &problem->home->by.normal : NULL,
                          &sim->model.blocks, T->M, T->F};
   for (int p = 0; p < r->impacts; p++) {
     /* place among the closed ones of the contact that an impact names */

@@ -124,13 +124,10 @@ static int build(nsdae_sim *sim)
   stepper->system = &sim->model;
   stepper->options = &sim->options;
   stepper->error = &sim->error;
-  if (sim->system->by_list) {
-    stepper->world = nsdae_world_make(&sim->model, sim->options.threads, &sim->error);
-    if (!stepper->world)
-      return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
-                             "out of memory, or of threads of the system, for threads = %d",
-                             sim->options.threads);
-  }
+  if (nsdae_problem_make(&stepper->problem, &sim->model, sim->options.threads, &sim->error) < 0)
+    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
+                           "out of memory, or of threads of the system, for threads = %d",
+                           sim->options.threads);
   nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
   sim->projection.tools = stepper;
@@ -323,9 +320,9 @@ static int get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
   if (!sim->stage.started) return NSDAE_E_STATE;
   nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->stage.failed ? sim->next : sim->now;
-  if (last->result.pile) {
-    const nsdae_pile_last l = nsdae_pile_largest(last->result.pile);
-    *friction = (nsdae_step_friction){l.problem, l.options, l.guess, l.r, l.u};
+  const nsdae_cone_island *l = last->result.cones;
+  if (l) {
+    *friction = (nsdae_step_friction){l->problem, l->options, l->at.guess, l->at.r, l->at.u};
     return NSDAE_OK;
   }
   if (last->result.problem != c || c->active_count == 0 || nsdae_cones_describe(c) < 0)

@@ -354,7 +354,8 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
     return refuse_state(sim, "block", "the state is of another version of this library");
   int status = check_dims(sim, &h, &ours);
   if (status < 0) return status;
-  if (h.closed < 0 || h.closed > sim->options.contacts_max || (h.closed > 0 && !sim->stepper.world))
+  if (h.closed < 0 || h.closed > sim->options.contacts_max ||
+      (h.closed > 0 && !sim->system->by_list))
     return refuse_state(sim, "block",
                         "the state has an invalid number of contacts in the contact list");
   if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||

@@ -147,7 +147,7 @@ static int prepare_step(nsdae_sim *sim, double t1)
   while (status == NSDAE_OK && (status = advance_method(sim, t1, length)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
   int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
-  sim->stage.failed = problem && (sim->next->result.problem || sim->next->result.pile);
+  sim->stage.failed = problem && (sim->next->result.problem || sim->next->result.cones);
   if (status == NSDAE_OK)
     status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
   if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */

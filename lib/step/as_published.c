@@ -73,7 +73,7 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
 static int solve_smooth(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda)
 {
   const nsdae_step *step = of;
-  int status = nsdae_step_factor(step, terms, terms->M);
+  int status = nsdae_step_factor(step, terms, terms->M, 0);
   return status < 0 ? status : nsdae_step_free(step, terms, terms->M, r, a, lambda);
 }
 
@@ -98,9 +98,9 @@ static int solve_at_start(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_terms *start = step->start;
   int status = nsdae_terms_need(start, CONTACT_TERMS);
-  if (status == NSDAE_OK) status = nsdae_step_factor(step, start, start->M);
+  if (status == NSDAE_OK) status = nsdae_step_factor(step, start, start->M, 0);
   if (status < 0) return status;
-  nsdae_step_before(step, start, start->v, 0);
+  nsdae_problem_before(&s->problem, start, start->v, 0);
   nsdae_stepper_momentum(&s->system->blocks, start->M, start->v, step->h, start->F, s->r);
   return nsdae_step_impact(step, start, start->M, s->r, s->v);
 }
@@ -115,16 +115,16 @@ static int positions(const nsdae_step *step)
   nsdae_move(dims->nq, start->q, step->h, s->qdot[0], s->q);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(step->end, END_TERMS);
-  return status < 0 ? status : nsdae_step_meet(step, step->end);
+  return status < 0 ? status : nsdae_step_update(step, step->end);
 }
 
 /* v_1 = M(q_0)^-1 (M v_0 + h F - Phi_q(q_1)^T Lambda + W(q_1) Lambda_c); s->r holds M v_0 + h F. */
 static int velocity_at_end(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  nsdae_step_add_constraints(step, step->end, -1, 0, s->r);
-  nsdae_step_add_impulse(step, step->end, 1, 0, s->r);
-  int status = nsdae_step_solve_mass(step, step->start->M, s->r);
+  nsdae_problem_add_constraints(&s->problem, step->end, -1, 0, s->impulse, s->r);
+  nsdae_problem_add_impulse(&s->problem, step->end, 1, 0, s->r);
+  int status = nsdae_problem_solve_mass(&s->problem, step->start->M, s->r);
   /* where the matrices did not change, v_1 is v~ and not its rounding: a body at rest stays at rest
    */
   for (int i = 0; i < s->system->dims.nv; i++)
@@ -153,7 +153,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   int status = nsdae_terms_need(step.start, NSDAE_TERM_GAP);
   if (status == NSDAE_OK) status = nsdae_step_close(&step, step.start);
   if (status < 0) return status;
-  return nsdae_step_any(&step) ? contact_step(&step) : smooth_step(p, &step);
+  return nsdae_problem_any(&p->stepper->problem) ? contact_step(&step) : smooth_step(p, &step);
 }
 
 const nsdae_stepping nsdae_stepping_printed = {

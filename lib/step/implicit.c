@@ -31,19 +31,20 @@ enum {
 
 static int need(const nsdae_step *step, nsdae_terms *terms)
 {
-  int status =
-      nsdae_terms_need(terms, nsdae_step_any(step) ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
-  return status < 0 ? status : nsdae_step_meet(step, terms);
+  int status = nsdae_terms_need(
+      terms, nsdae_problem_any(&step->tools->problem) ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
+  return status < 0 ? status : nsdae_step_update(step, terms);
 }
 
 /* Marks the impacts; end is at q_0 + h v_0. Returns whether there is one. */
 static int mark_impacts(const nsdae_step *step, int all)
 {
+  const nsdae_problem *p = &step->tools->problem;
   nsdae_impulses *r = &step->result->impulses;
   double slow = step->tools->options->impact_velocity;
   int any = 0;
-  for (int a = 0; a < nsdae_step_closed(step); a++) {
-    int i = nsdae_step_contact(step, a);
+  for (int a = 0; a < nsdae_problem_count(p); a++) {
+    int i = nsdae_problem_contact(p, a);
     double turned = nsdae_terms_normal_rate(step->end, i, step->start->v);
     r->impact[i] = all || r->before[i] < -2 * fabs(turned - r->before[i]) - slow;
     any |= r->impact[i];
@@ -55,12 +56,12 @@ static int mark_impacts(const nsdae_step *step, int all)
 static int impact_velocities(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  nsdae_step_mark_hit(step);
+  nsdae_problem_mark_hit(&s->problem);
   memset(s->r, 0, (size_t)s->system->dims.nv * sizeof *s->r);
   nsdae_blocks_add_product(&s->system->blocks, s->mean.M, step->start->v, s->r);
   for (int i = 0; i < s->system->dims.m; i++) s->rate[i] = -step->end->constraint.phi_t[i];
   int status = nsdae_step_free(step, step->end, s->mean.M, s->r, s->v_other, s->rate);
-  if (status == NSDAE_OK) nsdae_step_before(step, step->end, s->v_other, 1);
+  if (status == NSDAE_OK) nsdae_problem_before(&s->problem, step->end, s->v_other, 1);
   return status;
 }
 
@@ -69,21 +70,25 @@ static int impact_velocities(const nsdae_step *step)
 static void right_hand_side(const nsdae_step *step, int impact)
 {
   nsdae_stepper *s = step->tools;
+  const nsdae_problem *p = &s->problem;
   const nsdae_terms *start = step->start, *end = step->end;
   for (int i = 0; i < s->system->dims.nv; i++) s->mean.F[i] = (start->F[i] + end->F[i]) / 2;
   nsdae_stepper_momentum(&s->system->blocks, s->mean.M, start->v, step->h, s->mean.F, s->r);
-  nsdae_step_add_constraints(step, end, 0.5, impact, s->r);
-  nsdae_step_add_constraints(step, start, -0.5, impact, s->r);
-  nsdae_step_add_impulse(step, end, -0.5, 1, s->r);
-  nsdae_step_add_impulse(step, start, 0.5, 1, s->r);
+  if (s->system->dims.m > 0) {
+    nsdae_problem_add_constraints(p, end, 0.5, impact, s->impulse, s->r);
+    nsdae_problem_add_constraints(p, start, -0.5, impact, s->impulse, s->r);
+  }
+  if (!nsdae_problem_any(p)) return;
+  nsdae_problem_add_impulse(p, end, -0.5, 1, s->r);
+  nsdae_problem_add_impulse(p, start, 0.5, 1, s->r);
 }
 
-static int factor_mean_mass(const nsdae_step *step)
+static int factor_mean_mass(const nsdae_step *step, int hold)
 {
   nsdae_stepper *s = step->tools;
   size_t size = s->system->blocks.square[s->system->blocks.count];
   for (size_t i = 0; i < size; i++) s->mean.M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_step_factor(step, step->end, s->mean.M);
+  return nsdae_step_factor(step, step->end, s->mean.M, hold);
 }
 
 /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
@@ -104,9 +109,7 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   int status = need(step, step->end);
   /* of redundant constraints the same are left out in all iterates: which these are is decided by
    * rounding, and they differ by the drift, so that the iteration would go to and fro */
-  s->kkt.hold = !first;
-  if (status == NSDAE_OK) status = factor_mean_mass(step);
-  s->kkt.hold = 0;
+  if (status == NSDAE_OK) status = factor_mean_mass(step, !first);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -170,14 +173,15 @@ static int attempt(const nsdae_step *step, int all_impacts)
   double moved = INFINITY;
   int status = nsdae_step_close(step, step->start);
   if (status < 0) return status;
-  nsdae_step_before(step, step->start, step->start->v, 0);
+  nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   first_guess(step);
   for (int i = 0; i < s->options->iteration_max; i++) {
     status = iterate(step, i == 0, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
-    if (s->kkt.rank < rank[0]) rank[0] = s->kkt.rank;
-    if (s->kkt.rank > rank[1]) rank[1] = s->kkt.rank;
+    int now = s->problem.dispatch.solved.rank;
+    if (now < rank[0]) rank[0] = now;
+    if (now > rank[1]) rank[1] = now;
     moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
             nsdae_relative_change(dims->nv, s->v, step->end->v);
     if (!(moved <= nsdae_step_settled(step))) continue; /* NaN goes on, to be reported */
@@ -189,7 +193,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
 
 static int worth_another_attempt(const nsdae_step *step, int status)
 {
-  return nsdae_step_closed(step) > 0 &&
+  return nsdae_problem_count(&step->tools->problem) > 0 &&
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 

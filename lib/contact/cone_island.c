@@ -1,4 +1,4 @@
-#include "pile.h"
+#include "cone_island.h"
 
 #include <float.h>
 #include <math.h>
@@ -10,20 +10,9 @@
 #include "friction_solver.h"
 #include "vector.h"
 
-/* One island at work. */
-typedef struct part {
-  nsdae_pile_arrays at;
-  nsdae_friction_problem problem;
-  int items, m;
-  double tol, *L, *lever;
-  double slow; /* velocities of contacts below it are none */
-  int driven;  /* a velocity is asked of a row or a contact */
-} part;
-
-void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *arena)
+void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, nsdae_arena *arena)
 {
   const nsdae_blocks *blocks = &system->blocks;
-  c->part = nsdae_arena_take(arena, blocks->count + 1L, sizeof *c->part);
   c->number = NSDAE_ARENA_INTS(arena, blocks->count);
   c->at.member = NSDAE_ARENA_INTS(arena, blocks->count);
   c->at.size = NSDAE_ARENA_INTS(arena, blocks->count);
@@ -32,10 +21,10 @@ void nsdae_pile_layout(nsdae_pile *c, const nsdae_system *system, nsdae_arena *a
   c->lever = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
 }
 
-int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room *contacts,
-                    const nsdae_room *rows)
+int nsdae_cone_island_grow(nsdae_cone_island *c, const nsdae_system *system,
+                           const nsdae_room *contacts, const nsdae_room *rows)
 {
-  nsdae_pile_arrays *at = &c->at;
+  nsdae_cone_arrays *at = &c->at;
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
   size_t items = contacts->entries + m;
   const nsdae_array by_item[] = {NSDAE_ARRAY(at->item, 1),       NSDAE_ARRAY(at->rows, 1),
@@ -46,16 +35,15 @@ int nsdae_pile_grow(nsdae_pile *c, const nsdae_system *system, const nsdae_room 
   const nsdae_array by_part[] = {NSDAE_ARRAY(at->block, 1)};
   const nsdae_array by_value[] = {NSDAE_ARRAY(at->value, 1)};
   int status = nsdae_arrays_grow(by_item, sizeof by_item / sizeof *by_item, items);
-  if (status == NSDAE_OK)
-    status = nsdae_arrays_grow(by_end, 1, 2 * items); /* an island has an item */
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(by_end, 1, items + 1);
   if (status == NSDAE_OK)
     status = nsdae_arrays_grow(by_part, 1, 2 * contacts->entries + rows->entries);
   return status < 0 ? status : nsdae_arrays_grow(by_value, 1, contacts->values + rows->values);
 }
 
-void nsdae_pile_release(nsdae_pile *c)
+void nsdae_cone_island_release(nsdae_cone_island *c)
 {
-  nsdae_pile_arrays *at = &c->at;
+  nsdae_cone_arrays *at = &c->at;
   const nsdae_array all[] = {NSDAE_ARRAY(at->item, 1),  NSDAE_ARRAY(at->rows, 1),
                              NSDAE_ARRAY(at->mu, 1),    NSDAE_ARRAY(at->w, 1),
                              NSDAE_ARRAY(at->r, 1),     NSDAE_ARRAY(at->u, 1),
@@ -64,50 +52,29 @@ void nsdae_pile_release(nsdae_pile *c)
   nsdae_arrays_release(all, sizeof all / sizeof *all);
 }
 
-/* ---- gathering: the end moves on */
+/* ---- gathering */
 
-void nsdae_pile_begin(nsdae_pile *c)
-{
-  c->parts = 0;
-  c->part[0] = (nsdae_pile_part){0};
-}
-
-static void add_blocks(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w, int island)
+static void add_blocks(nsdae_cone_island *c, const nsdae_whole *w, int island)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const nsdae_members *members = &w->islands->block;
-  for (int i = members->first[island]; i < members->first[island + 1]; i++) {
-    int b = members->of[i], n = nsdae_blocks_size(blocks, b);
+  double *M = c->at.M, *f = c->at.f;
+  c->problem.blocks = nsdae_members_count(members, island);
+  for (int i = 0; i < c->problem.blocks; i++) {
+    int b = members->of[members->first[island] + i], n = nsdae_blocks_size(blocks, b);
     size_t square = (size_t)n * (size_t)n;
-    c->number[b] = i - members->first[island];
-    c->at.member[end->block] = b;
-    c->at.size[end->block++] = n;
-    memcpy(c->at.M + end->square, w->M + blocks->square[b], square * sizeof *c->at.M);
-    memcpy(c->at.f + end->velocity, w->r + blocks->first[b], (size_t)n * sizeof *c->at.f);
-    end->square += square;
-    end->velocity += n;
+    c->number[b] = i;
+    c->at.member[i] = b;
+    c->at.size[i] = n;
+    memcpy(M, w->M + blocks->square[b], square * sizeof *M);
+    memcpy(f, w->r + blocks->first[b], (size_t)n * sizeof *f);
+    M += square;
+    f += n;
   }
 }
 
-/* Entry p of row i, of that number of columns one behind the other. */
-static void add_entry(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w,
-                      const nsdae_rows *rows, int p, int columns)
-{
-  int b = rows->block[p];
-  size_t count = (size_t)nsdae_blocks_size(&w->system->blocks, b) * (size_t)columns;
-  c->at.block[end->entry++] = c->number[b];
-  memcpy(c->at.value + end->value, rows->value + rows->at[p], count * sizeof *c->at.value);
-  end->value += count;
-}
-
-/* first of an island: behind those of the islands before, one more for each of them. */
-static int *first_of(const nsdae_pile *c, int number)
-{
-  return c->at.first + c->part[number].item + number;
-}
-
 /* Entry of row i whose block has the least number above last. */
-static int next_entry(const nsdae_pile *c, const nsdae_rows *rows, int i, int last)
+static int next_entry(const nsdae_cone_island *c, const nsdae_rows *rows, int i, int last)
 {
   int next = -1;
   for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
@@ -117,129 +84,99 @@ static int next_entry(const nsdae_pile *c, const nsdae_rows *rows, int i, int la
   return next;
 }
 
-/* Its entries in the order of their blocks, as files have them: sums then round alike. */
-static void add_item(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w,
-                     const nsdae_rows *rows, int i, int columns)
+/* Row i with that number of columns, which are one behind the other in each entry. Its entries in
+ * the order of their blocks, as files have them: sums then round alike. Returns the end of value.
+ */
+static double *add_item(nsdae_cone_island *c, const nsdae_whole *w, const nsdae_rows *rows, int i,
+                        int columns, double *value)
 {
-  const nsdae_pile_part *begin = &c->part[c->parts];
+  int entry = c->at.first[c->items];
   for (int p = next_entry(c, rows, i, -1); p >= 0;
-       p = next_entry(c, rows, i, c->number[rows->block[p]]))
-    add_entry(c, end, w, rows, p, columns);
-  c->at.item[end->item++] = i;
-  first_of(c, c->parts)[end->item - begin->item] = end->entry - begin->entry;
-  end->m += columns;
+       p = next_entry(c, rows, i, c->number[rows->block[p]])) {
+    int b = rows->block[p];
+    size_t count = (size_t)nsdae_blocks_size(&w->system->blocks, b) * (size_t)columns;
+    c->at.block[entry++] = c->number[b];
+    memcpy(value, rows->value + rows->at[p], count * sizeof *value);
+    value += count;
+  }
+  c->at.item[c->items++] = i;
+  c->at.first[c->items] = entry;
+  c->m += columns;
+  return value;
 }
 
 /* The directions of a contact are one behind the other in its list. */
-static void add_contact(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w, int a)
+static double *add_contact(nsdae_cone_island *c, const nsdae_whole *w, int a, double *value)
 {
   const nsdae_coefficients *law = &w->law[a];
   const nsdae_terms *T = w->terms;
   const nsdae_impulses *r = w->results;
   int nt = w->system->dims.nt, columns = law->mu > 0 ? 1 + nt : 1;
-  c->at.rows[end->item] = columns;
-  c->at.mu[end->item] = law->mu;
-  c->at.w[end->m] = T->w_N[a] + law->e_n * r->before[a];
-  c->at.r[end->m] = r->normal[a];
-  end->driven |= T->w_N[a] != 0;
+  c->at.rows[c->items] = columns;
+  c->at.mu[c->items] = law->mu;
+  c->at.w[c->m] = T->w_N[a] + law->e_n * r->before[a];
+  c->at.r[c->m] = r->normal[a];
+  c->driven |= T->w_N[a] != 0;
   for (int d = 1; d < columns; d++) {
     int j = a * nt + d - 1;
-    c->at.w[end->m + d] = T->w_T[j] + law->e_t * r->before_t[j];
-    c->at.r[end->m + d] = r->tangential[j];
-    end->driven |= T->w_T[j] != 0;
+    c->at.w[c->m + d] = T->w_T[j] + law->e_t * r->before_t[j];
+    c->at.r[c->m + d] = r->tangential[j];
+    c->driven |= T->w_T[j] != 0;
   }
-  add_item(c, end, w, &T->by.normal, a, columns);
+  return add_item(c, w, &T->by.normal, a, columns, value);
 }
 
-static void add_row(nsdae_pile *c, nsdae_pile_part *end, const nsdae_whole *w, int row)
+static double *add_row(nsdae_cone_island *c, const nsdae_whole *w, int row, double *value)
 {
-  c->at.w[end->m] = -w->lambda[row];
-  end->driven |= w->lambda[row] != 0;
-  c->at.r[end->m] = 0;
-  add_item(c, end, w, &w->terms->by.jacobian, row, 1);
+  c->at.w[c->m] = -w->lambda[row];
+  c->driven |= w->lambda[row] != 0;
+  c->at.r[c->m] = 0;
+  return add_item(c, w, &w->terms->by.jacobian, row, 1, value);
 }
 
-void nsdae_pile_add(nsdae_pile *c, const nsdae_whole *w, int island)
+static void gather(nsdae_cone_island *c, const nsdae_whole *w, int island)
 {
   const nsdae_members *contact = &w->islands->contact, *row = &w->islands->row;
-  nsdae_pile_part end = c->part[c->parts];
-  add_blocks(c, &end, w, island);
-  first_of(c, c->parts)[0] = 0;
+  const nsdae_cone_arrays *at = &c->at;
+  double *value = at->value;
+  c->items = c->m = c->driven = 0;
+  at->first[0] = 0;
+  c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL,
+                                        .contacts = nsdae_members_count(contact, island),
+                                        .bilateral = nsdae_members_count(row, island),
+                                        .rows = at->rows,
+                                        .mu = at->mu,
+                                        .w = at->w,
+                                        .size = at->size,
+                                        .M = at->M,
+                                        .f = at->f,
+                                        .first = at->first,
+                                        .block = at->block,
+                                        .value = at->value};
+  add_blocks(c, w, island);
   for (int i = contact->first[island]; i < contact->first[island + 1]; i++)
-    add_contact(c, &end, w, contact->of[i]);
-  for (int i = row->first[island]; i < row->first[island + 1]; i++) add_row(c, &end, w, row->of[i]);
-  c->part[c->parts].island = island;
-  c->part[c->parts].driven = end.driven;
-  c->part[c->parts].contacts = nsdae_members_count(contact, island);
-  end.driven = 0;
-  c->part[++c->parts] = end;
-}
-
-/* The arrays of part `number`, which lie behind those of the parts before it. */
-static nsdae_pile_arrays arrays_from(const nsdae_pile *c, int number)
-{
-  const nsdae_pile_arrays *at = &c->at;
-  const nsdae_pile_part *p = &c->part[number];
-  return (nsdae_pile_arrays){.member = at->member + p->block,
-                             .size = at->size + p->block,
-                             .M = at->M + p->square,
-                             .f = at->f + p->velocity,
-                             .item = at->item + p->item,
-                             .rows = at->rows + p->item,
-                             .mu = at->mu + p->item,
-                             .w = at->w + p->m,
-                             .r = at->r + p->m,
-                             .u = at->u + p->m,
-                             .guess = at->guess + p->m,
-                             .first = first_of(c, number),
-                             .block = at->block + p->entry,
-                             .value = at->value + p->value};
-}
-
-/* Part `number` as a friction problem of the global form. */
-static part part_of(const nsdae_pile *c, int number, const nsdae_pile_work *work)
-{
-  const nsdae_pile_part *p = &c->part[number];
-  part one = {.at = arrays_from(c, number),
-              .items = p[1].item - p->item,
-              .m = p[1].m - p->m,
-              .tol = work->tol,
-              .driven = p->driven,
-              .L = work->L,
-              .lever = c->lever};
-  const nsdae_pile_arrays *at = &one.at;
-  one.problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL,
-                                         .contacts = p->contacts,
-                                         .bilateral = one.items - p->contacts,
-                                         .blocks = p[1].block - p->block,
-                                         .rows = at->rows,
-                                         .mu = at->mu,
-                                         .w = at->w,
-                                         .size = at->size,
-                                         .M = at->M,
-                                         .f = at->f,
-                                         .first = at->first,
-                                         .block = at->block,
-                                         .value = at->value};
-  return one;
+    value = add_contact(c, w, contact->of[i], value);
+  for (int i = row->first[island]; i < row->first[island + 1]; i++)
+    value = add_row(c, w, row->of[i], value);
 }
 
 /* ---- solving */
 
-static int unsolved(const part *c, const nsdae_whole *w, int status, const nsdae_pile_work *work)
+static int unsolved(const nsdae_cone_island *c, const nsdae_whole *w, int status,
+                    const nsdae_cone_work *work)
 {
   long id = c->problem.contacts > 0 ? w->closed->id[c->at.item[0]] : -1;
   nsdae_error_set(work->error, status, "nsdae_contacts", "",
                   "contact problem of %d contacts (first id %ld) and %d constraints at t = %.17g: "
                   "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
                   c->problem.contacts, id, c->problem.bilateral, nsdae_terms_time(w->terms),
-                  nsdae_status_message(status), work->info.residual, c->tol);
+                  nsdae_status_message(status), work->info.residual, work->tol);
   work->error->time = nsdae_terms_time(w->terms);
   return status;
 }
 
 /* Of contact i of the problem, whose velocities after are known. */
-static int mode_of(const part *c, const nsdae_whole *w, int i, int row)
+static int mode_of(const nsdae_cone_island *c, const nsdae_whole *w, int i, int row)
 {
   const nsdae_impulses *r = w->results;
   int a = c->at.item[i], nt = w->system->dims.nt;
@@ -254,7 +191,7 @@ static int mode_of(const part *c, const nsdae_whole *w, int i, int row)
 
 /* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size
  * of the whole. */
-static void add_impulses(part *c, const nsdae_whole *w)
+static void add_impulses(nsdae_cone_island *c, const nsdae_whole *w)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   size_t at = 0;
@@ -281,9 +218,9 @@ static void sizes_of_velocity(const double *M, int n, double *size)
 }
 
 /* v := M^-1 v over the blocks of the problem. */
-static int solve_masses(part *c, const nsdae_whole *w)
+static int solve_masses(const nsdae_cone_island *c, const nsdae_whole *w, double *L)
 {
-  nsdae_block_factor factor = {.L = c->L};
+  nsdae_block_factor factor = {.L = L};
   for (int i = 0; i < c->problem.blocks; i++) {
     int b = c->at.member[i];
     if (nsdae_blocks_factor(&w->system->blocks, b, w->M, &factor) != 0) return NSDAE_E_MASS;
@@ -293,7 +230,7 @@ static int solve_masses(part *c, const nsdae_whole *w)
 }
 
 /* v := f, and the sizes of its terms. */
-static void begin_velocities(const part *c, const nsdae_whole *w)
+static void begin_velocities(const nsdae_cone_island *c, const nsdae_whole *w)
 {
   const double *f = c->at.f;
   for (int i = 0; i < c->problem.blocks; f += c->at.size[i++]) {
@@ -306,7 +243,7 @@ static void begin_velocities(const part *c, const nsdae_whole *w)
 }
 
 /* The largest entry of H along each velocity. */
-static void levers(part *c, const nsdae_whole *w)
+static void levers(nsdae_cone_island *c, const nsdae_whole *w)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *value = c->at.value;
@@ -329,43 +266,46 @@ static void levers(part *c, const nsdae_whole *w)
  * a spin about a contact's normal, a slide without friction, of which rounding leaves a lever. Its
  * own lever is its largest entry in a direction of an item, most that of all entries of its body.
  */
-static int stands(const part *c, const nsdae_whole *w, int j, double most, double speed)
+static int stands(const nsdae_cone_island *c, const nsdae_whole *w, int j, double most, double tol,
+                  double speed)
 {
-  double v = fabs(w->v[j]), digits = fmin(c->tol, NSDAE_STILL);
+  double v = fabs(w->v[j]), digits = fmin(tol, NSDAE_STILL);
   if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
   return !c->driven && v * c->lever[j] <= digits * speed &&
          (v * most <= digits * speed || v <= digits * w->size[j]);
 }
 
-static void settle(const part *c, const nsdae_whole *w, int at, int n, double speed)
+static void settle(const nsdae_cone_island *c, const nsdae_whole *w, int at, int n, double tol,
+                   double speed)
 {
   double most = 0;
   for (int j = at; j < at + n; j++) most = fmax(most, c->lever[j]);
   for (int j = at; j < at + n; j++)
-    if (stands(c, w, j, most, speed)) w->v[j] = 0;
+    if (stands(c, w, j, most, tol, speed)) w->v[j] = 0;
 }
 
 /* v = M^-1 (f + H r), and the items at rest; speed: of the fastest item without impulses, for which
  * all are scaled. */
-static int velocities(part *c, const nsdae_whole *w, double speed)
+static int velocities(nsdae_cone_island *c, const nsdae_whole *w, const nsdae_cone_work *work,
+                      double speed)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
-  c->slow = c->tol * speed;
+  c->slow = work->tol * speed;
   levers(c, w);
   begin_velocities(c, w);
   add_impulses(c, w);
-  int status = solve_masses(c, w);
+  int status = solve_masses(c, w, work->L);
   for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
     int at = blocks->first[c->at.member[i]], n = c->at.size[i];
     sizes_of_velocity(M, n, w->size + at);
-    settle(c, w, at, n, speed);
+    settle(c, w, at, n, work->tol, speed);
     M += (size_t)n * (size_t)n;
   }
   return status;
 }
 
-static void scatter(const part *c, const nsdae_whole *w)
+static void scatter(const nsdae_cone_island *c, const nsdae_whole *w)
 {
   nsdae_impulses *to = w->results;
   const nsdae_terms *T = w->terms;
@@ -385,54 +325,38 @@ static void scatter(const part *c, const nsdae_whole *w)
 }
 
 /* Solves it, and keeps with what and from where. */
-static int solve_with(const part *c, nsdae_pile_part *p, nsdae_pile_work *work,
+static int solve_with(nsdae_cone_island *c, nsdae_cone_work *work,
                       const nsdae_friction_options *options)
 {
-  p->tol = options->tol;
-  p->refine = options->refine;
+  c->options = *options;
   memcpy(c->at.guess, c->at.r, (size_t)c->m * sizeof *c->at.guess);
   return nsdae_friction_solver_solve(work->solver, &c->problem, options, c->at.r, c->at.u,
                                      &work->info);
 }
 
 /* From the best point on: a solution of fewer digits, refined as far as it goes. */
-static int polish(const part *c, nsdae_pile_part *p, nsdae_pile_work *work,
-                  const nsdae_friction_options *options)
+static int polish(nsdae_cone_island *c, nsdae_cone_work *work)
 {
-  nsdae_friction_options loose = *options;
-  loose.tol = fmin(1e4 * options->tol, 1e-5);
+  nsdae_friction_options loose = c->options;
+  loose.tol = fmin(1e4 * work->tol, 1e-5);
   loose.refine = 30;
-  int status = solve_with(c, p, work, &loose);
-  return status == NSDAE_OK && !(work->info.residual <= options->tol) ? NSDAE_E_LCP : status;
+  int status = solve_with(c, work, &loose);
+  return status == NSDAE_OK && !(work->info.residual <= work->tol) ? NSDAE_E_LCP : status;
 }
 
-int nsdae_pile_solve(const nsdae_pile *pile, const nsdae_whole *w, int number,
-                     nsdae_pile_work *work)
+int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_whole *w, int island,
+                            nsdae_cone_work *work)
 {
-  part c = part_of(pile, number, work);
   nsdae_friction_options options;
   nsdae_friction_options_default(&options);
   options.tol = work->tol;
-  nsdae_pile_part *p = &pile->part[number];
-  int status = solve_with(&c, p, work, &options);
-  if (status == NSDAE_E_LCP) status = polish(&c, p, work, &options);
-  if (status < 0) return unsolved(&c, w, status, work);
+  gather(c, w, island);
+  int status = solve_with(c, work, &options);
+  if (status == NSDAE_E_LCP) status = polish(c, work);
+  if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
   work->misfit = (nsdae_misfit){work->info.residual * (speed > 0 ? speed : 1), speed};
-  status = velocities(&c, w, speed);
-  if (status == NSDAE_OK) scatter(&c, w);
+  status = velocities(c, w, work, speed);
+  if (status == NSDAE_OK) scatter(c, w);
   return status;
-}
-
-nsdae_pile_last nsdae_pile_largest(const nsdae_pile *pile)
-{
-  int best = 0;
-  for (int k = 1; k < pile->parts; k++)
-    if (pile->part[k].contacts > pile->part[best].contacts) best = k;
-  part c = part_of(pile, best, &(nsdae_pile_work){.tol = pile->part[best].tol});
-  nsdae_pile_last last = {.problem = c.problem, .guess = c.at.guess, .r = c.at.r, .u = c.at.u};
-  nsdae_friction_options_default(&last.options);
-  last.options.tol = pile->part[best].tol;
-  last.options.refine = pile->part[best].refine;
-  return last;
 }

@@ -1,0 +1,60 @@
+/* An island with true cones, or a large one: a friction problem by blocks, in its global form
+ *
+ *   M v = r + [W, -Phi_q^T] (Lambda, .),  u = W^T v + w + e v(-),  Phi_q v + Phi_t = 0
+ *
+ * (see nsdae/friction.h), warm from the last impulses. v is formed again from the impulses; what of
+ * it is smaller than the certificate can tell from zero, is zero. */
+#ifndef NSDAE_CONE_ISLAND_H
+#define NSDAE_CONE_ISLAND_H
+
+#include <nsdae/friction.h>
+
+#include "local.h"
+
+/* The problem: blocks, items (contacts, then rows of Phi_q), and what their entries take. */
+typedef struct nsdae_cone_arrays {
+  int *member; /* blocks: that of the system */
+  int *size;   /* blocks */
+  double *M, *f;
+  int *item; /* contact or row of each item */
+  int *rows; /* contacts */
+  double *mu, *w, *r, *u;
+  double *guess;      /* r before it was solved */
+  int *first, *block; /* first: items + 1 */
+  double *value;
+} nsdae_cone_arrays;
+
+typedef struct nsdae_cone_island {
+  nsdae_cone_arrays at;
+  nsdae_friction_problem problem;
+  nsdae_friction_options options; /* of the last solution */
+  int items, m;
+  int driven;    /* a velocity is asked of a row or a contact */
+  double slow;   /* velocities of contacts below it are none */
+  int *number;   /* of a block of the system: its number in the island */
+  double *lever; /* nv of the system: the largest entry of H along each velocity */
+} nsdae_cone_island;
+
+/* system: sizes; then room for contacts, for their values and those of rows of Phi_q. */
+void nsdae_cone_island_layout(nsdae_cone_island *cones, const nsdae_system *system,
+                              nsdae_arena *arena);
+int nsdae_cone_island_grow(nsdae_cone_island *cones, const nsdae_system *system,
+                           const nsdae_room *contacts, const nsdae_room *rows);
+void nsdae_cone_island_release(nsdae_cone_island *cones);
+
+/* What it is solved with, L has room for a block; info: of the solver; misfit: its residual, not
+ * scaled. */
+typedef struct nsdae_cone_work {
+  nsdae_friction_solver *solver;
+  double *L, tol;
+  nsdae_error *error;
+  nsdae_friction_info info;
+  nsdae_misfit misfit;
+} nsdae_cone_work;
+
+/* NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE, NSDAE_E_MEMORY with
+ * the record. */
+int nsdae_cone_island_solve(nsdae_cone_island *cones, const nsdae_whole *whole, int island,
+                            nsdae_cone_work *work);
+
+#endif
