@@ -1,19 +1,13 @@
-/* The equations in implicit form and Newton's matrix for IDA, y = [q, v, lambda, F_N, F_T, F_S]:
+/* The equations for IDA (newton_kkt.h) with the forces of the law:
  *
- *   r_q = q' - H v                                 r_v = M v' + J^T lambda - F - W f
- *   r_lambda = J v' + omega + 2 alpha Phi' + beta^2 Phi
  *   r_N = F_N - f_N(g, g'),   r_T = F_T + mu F_N v_T / s,   r_S = F_S + mu |lambda| v_S / s
- *   with s = sqrt(v^2 + v_r^2), and all but r_q at q* = q - r_q / cj, see ida.h
+ *   with s = sqrt(v^2 + v_r^2)
  *
- * With dq* = H dv / cj, A = M + D / cj + K / cj^2, D = -dF/dv, K = -dF/dq H, l = dlambda / cj and
- * phi = df / cj, and without what is small as 1 / cj is, the change of M, J, W along the motion:
+ * Newton's method, with phi = df / cj, f_g = -df_N/dg, f_g' = -df_N/dg':
  *
- *   A dv + J^T l - W phi = r_v / cj,     J dv = r_lambda / (cj + 2 alpha + beta^2 / cj)
- *   cj phi_N + (f_g / cj + f_g') W_N^T dv = r_N,     f_g = -df_N/dg, f_g' = -df_N/dg'
+ *   cj phi_N + (f_g / cj + f_g') W_N^T dv = r_N
  *   cj phi_T + cj mu v_T / s phi_N + mu F_N (1 / s - v_T v_T^T / s^3) W_T^T dv = r_T
- *   cj phi_S + cj mu sign(lambda) v_S / s l + mu |lambda| v_r^2 / s^3 W_S^T dv = r_S
- *
- * which border.h solves. */
+ *   cj phi_S + cj mu sign(lambda) v_S / s l + mu |lambda| v_r^2 / s^3 W_S^T dv = r_S */
 #include "equations.h"
 #include "stalled_steps.h"
 #include "vector.h"
@@ -33,12 +27,7 @@ static int move(nsdae_penalty_equations *p, double t, const double *y, const dou
                 double cj, double *r)
 {
   nsdae_terms *T = &p->stepper->middle;
-  int nq = T->system->dims.nq, nv = T->system->dims.nv;
-  nsdae_terms_at(T, t, y, y + nq);
-  int status = nsdae_kinematics_at(T, T->v, p->room);
-  for (int i = 0; i < nq; i++) r[i] = ydot[i] - p->room[i];
-  nsdae_move(nq, y, -1 / cj, r, p->room);
-  memcpy(p->room + nq, y + nq, (size_t)nv * sizeof *y);
+  int status = nsdae_newton_kkt_move(T, t, y, ydot, cj, p->room, r);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(p, t, p->room);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, MOTION_TERMS);
   for (int j = 0; j < T->system->dims.f && status == NSDAE_OK; j++)
@@ -62,11 +51,10 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
   const nsdae_sim_options *o = p->stepper->options;
   const nsdae_dims *d = &s->dims;
   const nsdae_penalty_forces *at = &p->at;
-  double alpha = o->baumgarte_alpha, beta = o->baumgarte_beta;
   int status = move(p, t, y, ydot, cj, r);
   if (status < 0) return nsdae_progress_code(status, p->stepper->error);
-  double *v = r + d->nq, *of = r + nsdae_penalty_at_lambda(d);
-  const double *lambda = y + nsdae_penalty_at_lambda(d), *acceleration = ydot + d->nq;
+  const double *lambda = y + nsdae_penalty_at_lambda(d);
+  double *v = r + d->nq;
 
   /* ---- forces */
   const double *normal = y + nsdae_penalty_at_normal(d), *slide = y + nsdae_penalty_at_slide(d);
@@ -85,14 +73,7 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
   }
 
   /* ---- motion */
-  for (int i = 0; i < d->nv; i++) v[i] = -T->F[i];
-  nsdae_blocks_add_product(&s->blocks, T->M, acceleration, v);
-  for (int i = 0; i < d->m; i++) {
-    nsdae_rows_add(&s->blocks, &T->by.jacobian, i, lambda[i], v);
-    double rate = nsdae_terms_constraint_rate(T, i, T->v);
-    of[i] = nsdae_terms_rate(T, &T->by.jacobian, T->constraint.omega, i, acceleration) +
-            2 * alpha * rate + beta * beta * T->constraint.phi[i];
-  }
+  nsdae_newton_kkt_residual(T, o->baumgarte_alpha, o->baumgarte_beta, y, ydot, r);
   for (int i = 0; i < d->k; i++)
     if (normal[i] != 0) nsdae_rows_add(&s->blocks, &T->by.normal, i, -normal[i], v);
   for (int i = 0; i < d->k * d->nt; i++)
@@ -175,18 +156,12 @@ int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
   nsdae_stepper *s = p->stepper;
   const nsdae_dims *d = &s->system->dims;
   const nsdae_sim_options *o = s->options;
-  double alpha = o->baumgarte_alpha, beta = o->baumgarte_beta, *phi = p->border_room;
-  int forces = nsdae_penalty_at_normal(d), n = nsdae_penalty_at_work(d);
-  double *dv = x + d->nq, *l = x + nsdae_penalty_at_lambda(d);
-  for (int i = 0; i < d->nv; i++) dv[i] = r[d->nq + i] / cj;
-  for (int i = 0; i < d->m; i++)
-    l[i] = r[nsdae_penalty_at_lambda(d) + i] / (cj + 2 * alpha + beta * beta / cj);
-  for (int a = 0; a < p->newton.border.count; a++) phi[a] = r[forces + p->border_force[a]];
+  double *phi = p->border_room;
+  int forces = nsdae_penalty_at_normal(d), n = nsdae_penalty_at_work(d), *place = p->border_force;
+  for (int a = 0; a < p->newton.border.count; a++) phi[a] = r[forces + place[a]];
   memcpy(x + forces, r + forces, (size_t)(n - forces) * sizeof *x);
-  int status = nsdae_border_solve(&p->newton.border, &s->middle, dv, l, phi);
-  if (status == NSDAE_OK) status = nsdae_kinematics_at(&s->middle, dv, x);
-  for (int i = 0; i < d->m; i++) l[i] *= cj;
-  for (int a = 0; a < p->newton.border.count; a++) x[forces + p->border_force[a]] = cj * phi[a];
-  for (int i = 0; i < d->nq; i++) x[i] = (x[i] + r[i]) / cj;
+  int status = nsdae_newton_kkt_solve(&p->newton, &s->middle, cj, o->baumgarte_alpha,
+                                      o->baumgarte_beta, r, x, phi);
+  for (int a = 0; a < p->newton.border.count; a++) x[forces + place[a]] = cj * phi[a];
   return nsdae_progress_code(status, s->error);
 }

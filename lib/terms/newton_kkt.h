@@ -1,6 +1,15 @@
-/* Newton's equations of an index-1 problem of mechanics: the saddle-point matrix of
- * A = M + D / cj + K / cj^2 (newton_matrix.h) and Phi_q, with a border (border.h) of contact
- * forces. */
+/* The equations of motion in implicit form, y = [q, v, lambda, forces], as an index-1 problem:
+ *
+ *   r_q = q' - H v,   r_v = M v' + Phi_q^T lambda - F - W phi
+ *   r_lambda = Phi_q v' + omega + 2 alpha Phi' + beta^2 Phi
+ *
+ * all but r_q at q* = q - r_q / cj, see ida.h; and Newton's method for them. With dq = (H dv - r_q)
+ * / cj, l = dlambda / cj, A = M + D / cj + K / cj^2 (newton_matrix.h), and without what is small as
+ * 1 / cj is, the change of M, Phi_q and W along the motion:
+ *
+ *   A dv + Phi_q^T l - W dphi / cj = r_v / cj,   Phi_q dv = r_lambda / (cj + 2 alpha + beta^2 / cj)
+ *
+ * The rows of the forces are the border (border.h). */
 #ifndef NSDAE_TERMS_NEWTON_KKT_H
 #define NSDAE_TERMS_NEWTON_KKT_H
 
@@ -29,5 +38,18 @@ int nsdae_newton_kkt_start(nsdae_newton_kkt *newton, nsdae_terms *terms);
  * force is in the border yet. A status with the record. */
 int nsdae_newton_kkt_factor(nsdae_newton_kkt *newton, nsdae_terms *terms, double cj,
                             const double *basis, int rank);
+
+/* Of y [n] and y': r_q, and room [nq + nv] := q*, v. */
+int nsdae_newton_kkt_move(nsdae_terms *terms, double t, const double *y, const double *ydot,
+                          double cj, double *room, double *r);
+
+/* r_v without forces, and r_lambda, at the terms' point. */
+void nsdae_newton_kkt_residual(const nsdae_terms *terms, double alpha, double beta, const double *y,
+                               const double *ydot, double *r);
+
+/* The first nq + nv + m of x = dy from those of r, and phi [count] from the right-hand sides of the
+ * border to dphi / cj. */
+int nsdae_newton_kkt_solve(const nsdae_newton_kkt *newton, nsdae_terms *terms, double cj,
+                           double alpha, double beta, const double *r, double *x, double *phi);
 
 #endif
