@@ -15,26 +15,6 @@ static int put(nsdae_kkt_pattern *p, int *at, int value)
   return same;
 }
 
-/* Returns whether it is the pattern of the last call. */
-static int write_pattern(nsdae_kkt_pattern *p, const nsdae_kkt_part *part)
-{
-  int at = 0, same = put(p, &at, part->block_count);
-  const nsdae_rows *J = part->J;
-  same &= put(p, &at, part->row_count);
-  for (int i = 0; i < part->block_count; i++) {
-    p->number[part->block[i]] = i;
-    same &= put(p, &at, nsdae_blocks_size(part->blocks, part->block[i]));
-  }
-  for (int i = 0; i < part->row_count; i++) {
-    int row = part->row[i];
-    same &= put(p, &at, J->first[row + 1] - J->first[row]);
-    for (int e = J->first[row]; e < J->first[row + 1]; e++)
-      same &= put(p, &at, p->number[J->block[e]]);
-  }
-  p->used = at;
-  return same;
-}
-
 static void lay_out_part(void *object, nsdae_arena *arena)
 {
   nsdae_sparse_kkt *k = object;
@@ -140,7 +120,22 @@ int nsdae_sparse_kkt_analyse(nsdae_sparse_kkt *k, const nsdae_kkt_part *part)
   if (room > p->room && nsdae_arrays_grow(lists, 2, (size_t)room) < 0) return NSDAE_E_MEMORY;
   if (room > p->room) p->room = room;
   k->part = *part;
-  if (write_pattern(p, part) && k->ready) return NSDAE_OK;
+  /* ---- the pattern; same: it is that of the last call */
+  int at = 0, same = put(p, &at, part->block_count);
+  const nsdae_rows *J = part->J;
+  same &= put(p, &at, part->row_count);
+  for (int i = 0; i < part->block_count; i++) {
+    p->number[part->block[i]] = i;
+    same &= put(p, &at, nsdae_blocks_size(part->blocks, part->block[i]));
+  }
+  for (int i = 0; i < part->row_count; i++) {
+    int row = part->row[i];
+    same &= put(p, &at, J->first[row + 1] - J->first[row]);
+    for (int e = J->first[row]; e < J->first[row + 1]; e++)
+      same &= put(p, &at, p->number[J->block[e]]);
+  }
+  p->used = at;
+  if (same && k->ready) return NSDAE_OK;
   k->whole.ready = 0;
   int status = analyse(k);
   k->ready = status == NSDAE_OK;

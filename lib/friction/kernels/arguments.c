@@ -46,9 +46,3 @@ double nsdae_fc_arguments_diagonal(const nsdae_fc_arguments *p, int c, int i, do
         D[3 * k + l] = k == l ? sum / rows : 0;
   return sum / rows;
 }
-
-double nsdae_fc_arguments_scale(const nsdae_fc_arguments *p, int m)
-{
-  double most = nsdae_largest(m, p->q);
-  return most > 0 ? most : 1;
-}

@@ -30,7 +30,4 @@ int nsdae_fc_arguments_kind(const nsdae_fc_arguments *p, int c);
  */
 double nsdae_fc_arguments_diagonal(const nsdae_fc_arguments *p, int c, int i, double *D);
 
-/* max |q|; 1 if that is zero. */
-double nsdae_fc_arguments_scale(const nsdae_fc_arguments *p, int m);
-
 #endif

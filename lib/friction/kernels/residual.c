@@ -7,6 +7,7 @@
 #include "cone.h"
 #include "arguments.h"
 #include "double_double.h"
+#include "vector.h"
 
 int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, const double *q,
                  const double *mu, const double *r, double *u, double *residual)
@@ -17,7 +18,8 @@ int nsdae_dfcres(int nc, const int *rows, const double *a, int lda, const double
   if (!r && m > 0) return -7;
   if (!u && m > 0) return -8;
   if (!residual) return -9;
-  double worst = 0, scale = nsdae_fc_arguments_scale(&p, m), sum = 0;
+  double worst = 0, scale = nsdae_largest(m, q), sum = 0;
+  if (!(scale > 0)) scale = 1;
   for (int i = 0; i < m; i++) {
     double low = 0;
     u[i] = q[i];

@@ -67,7 +67,7 @@ int nsdae_lcp_chain_run(nsdae_lcp_work *w)
   if (status != NSDAE_OK && w->ray && w->n <= NSDAE_RAY_MAX) {
     /* The ray again, from which a later stage took the arrays. */
     int pivots;
-    if (nsdae_lcp_lemke_once(w, &pivots) == 1) nsdae_lcp_read_ray(w);
+    if (nsdae_lcp_lemke_once(w, NULL, &pivots) == 1) nsdae_lcp_read_ray(w);
   }
   nsdae_lcp_hand_over(w);
   return status;

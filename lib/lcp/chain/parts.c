@@ -153,23 +153,6 @@ static int judge_whole(const parts *p)
   return w->info->outcome == NSDAE_OUTCOME_SOLVED;
 }
 
-/* The certificate of the failed island is that of the whole. */
-static int report(const parts *p, int failed)
-{
-  part one;
-  nsdae_lcp_info *info = p->whole->info;
-  int m = nsdae_islands_members(p->whole->n, p->label, failed, p->member);
-  int status = solve_part(p, &one, m);
-  info->outcome = one.info.outcome;
-  info->stage = one.info.stage;
-  info->proof = one.info.proof;
-  info->ray = one.info.ray;
-  if (one.info.proof != NSDAE_PROOF_FARKAS) return status;
-  memset(p->whole->y, 0, (size_t)p->whole->n * sizeof *p->whole->y);
-  scatter_island(p, &one);
-  return status;
-}
-
 int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork)
 {
   int *label = iwork + ints_for(w->n);
@@ -187,5 +170,15 @@ int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork
   int proved = 0, failed = solve_all(&p, &proved);
   int stands = proved && !is_rounding(&p, failed);
   if (failed < 0 || (!stands && judge_whole(&p))) return NSDAE_OK;
-  return report(&p, failed);
+  /* The certificate of the failed island is that of the whole. */
+  part one;
+  int m = nsdae_islands_members(w->n, label, failed, p.member), status = solve_part(&p, &one, m);
+  w->info->outcome = one.info.outcome;
+  w->info->stage = one.info.stage;
+  w->info->proof = one.info.proof;
+  w->info->ray = one.info.ray;
+  if (one.info.proof != NSDAE_PROOF_FARKAS) return status;
+  memset(w->y, 0, (size_t)w->n * sizeof *w->y);
+  scatter_island(&p, &one);
+  return status;
 }

@@ -4,20 +4,8 @@
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
+#include "double_double.h"
 #include "vector.h"
-
-/* Row i of A x + b in twice the precision (Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26, 2005). */
-static double sum_carefully(int n, const double *row, int lda, double b, const double *x)
-{
-  double sum = b, rest = 0;
-  for (int j = 0; j < n; j++) {
-    double a = row[(size_t)j * (size_t)lda], term = a * x[j], next = sum + term;
-    double shadow = next - sum;
-    rest += (sum - (next - shadow)) + (term - shadow) + fma(a, x[j], -term);
-    sum = next;
-  }
-  return sum + rest;
-}
 
 /* y := A x + b and size_i := |b_i| + sum_j |a_ij x_j|, column by column; then sy. */
 static void product_and_sizes(int n, const double *a, int lda, const double *b, const double *x,
@@ -37,8 +25,11 @@ static void product_and_sizes(int n, const double *a, int lda, const double *b, 
     }
   }
   for (int i = 0; i < n; i++) {
-    if (size[i] > NSDAE_LCP_FAR * largest && isfinite(size[i])) {
-      y[i] = sum_carefully(n, a + i, lda, b[i], x);
+    if (size[i] > NSDAE_LCP_FAR * largest && isfinite(size[i])) { /* in twice the precision */
+      double high = b[i], low = 0;
+      for (int j = 0; j < n; j++)
+        nsdae_dd_add(a[(size_t)j * (size_t)lda + (size_t)i], x[j], &high, &low);
+      y[i] = high + low;
       size[i] = NSDAE_LCP_FAR * largest;
     }
     size[i] += 1e-3 * largest;

@@ -8,9 +8,9 @@
 int nsdae_lcp_try_lemke(nsdae_lcp_work *w);
 int nsdae_lcp_try_coverings(nsdae_lcp_work *w);
 
-/* Lemke's method with the vector of ones, not judged: w->x and w->room.trial are its end, returned
- * is what nsdae_dlemke returns. */
-int nsdae_lcp_lemke_once(nsdae_lcp_work *w, int *pivots);
+/* Lemke's method with this covering vector (NULL: ones), not judged: w->x and w->room.trial are its
+ * end, returned is what nsdae_dlemke returns. */
+int nsdae_lcp_lemke_once(nsdae_lcp_work *w, const double *cover, int *pivots);
 
 /* Damped Newton on the semismooth equations, for a large problem from a few starts, and from all.
  */

@@ -10,8 +10,7 @@ enum { COVERINGS = 12 };
 /* Residual of a solution that cannot be better. */
 static const double ROUNDING = 1e-15;
 
-/* Lemke's method; w->x and w->room.trial are its end. */
-static int run_lemke(nsdae_lcp_work *w, const double *cover, int *pivots)
+int nsdae_lcp_lemke_once(nsdae_lcp_work *w, const double *cover, int *pivots)
 {
   int n = w->n;
   int most = w->options->max_pivots > 0 ? w->options->max_pivots : 50 * n + 100;
@@ -21,7 +20,7 @@ static int run_lemke(nsdae_lcp_work *w, const double *cover, int *pivots)
 
 static int lemke_with(nsdae_lcp_work *w, const double *cover, int stage)
 {
-  int pivots = 0, info = run_lemke(w, cover, &pivots);
+  int pivots = 0, info = nsdae_lcp_lemke_once(w, cover, &pivots);
   w->info->pivots += pivots;
   if (!cover) w->ray = info == 1;
   if (info != 0) return 0;
@@ -34,11 +33,6 @@ static int lemke_with(nsdae_lcp_work *w, const double *cover, int stage)
 int nsdae_lcp_try_lemke(nsdae_lcp_work *w)
 {
   return lemke_with(w, NULL, NSDAE_LCP_LEMKE);
-}
-
-int nsdae_lcp_lemke_once(nsdae_lcp_work *w, int *pivots)
-{
-  return run_lemke(w, NULL, pivots);
 }
 
 int nsdae_lcp_try_coverings(nsdae_lcp_work *w)

@@ -1,8 +1,8 @@
 /* Sums of products in twice the precision (Dekker, Numer. Math. 18 (1971) 224; Ogita, Rump, Oishi,
  * SIAM J. Sci. Comput. 26 (2005) 1955). Where bodies are stacked, impulses are larger by far than
  * the momentum that their sum leaves, and their rounding would be the velocity's error. */
-#ifndef NSDAE_FRICTION_DOUBLE_DOUBLE_H
-#define NSDAE_FRICTION_DOUBLE_DOUBLE_H
+#ifndef NSDAE_BASE_DOUBLE_DOUBLE_H
+#define NSDAE_BASE_DOUBLE_DOUBLE_H
 
 #include <math.h>
 
