@@ -234,19 +234,16 @@ static int solve_system(nsdae_problem *p, const nsdae_terms *terms, const double
 {
   nsdae_contacts *c = p->contacts;
   nsdae_solved *s = &p->dispatch.solved;
-  size_t bytes = (size_t)p->kkt->n * sizeof *v;
-  memcpy(v, r, bytes);
-  s->problem = NULL;
-  s->lcps = 0;
-  int status = nsdae_terms_solve(terms, p->kkt, 1, v, lambda);
-  if (status < 0 || !with_contacts || !nsdae_contacts_any(c)) return status;
-  memcpy(size, r, bytes);
-  nsdae_kkt_solve_mass(p->kkt, size);
-  status = nsdae_contacts_solve(c, terms, p->kkt, size, v, lambda);
-  s->problem = c;
-  s->lcps = 1;
-  s->pivots = c->lcp.info.pivots;
-  return status;
+  int any = with_contacts && nsdae_contacts_any(c);
+  s->problem = any ? c : NULL;
+  s->lcps = any;
+  if (any) {
+    int status = nsdae_contacts_step(c, terms, p->kkt, r, v, size, lambda);
+    s->pivots = c->lcp.info.pivots;
+    return status;
+  }
+  memcpy(v, r, (size_t)p->kkt->n * sizeof *v);
+  return nsdae_terms_solve(terms, p->kkt, 1, v, lambda);
 }
 
 int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double *M,

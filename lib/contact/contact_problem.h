@@ -57,6 +57,11 @@ static inline int nsdae_problem_contact(const nsdae_problem *p, int a)
 {
   return p->contacts ? p->contacts->active[a] : a;
 }
+/* Their coefficients, by number. */
+static inline const nsdae_coefficients *nsdae_problem_laws(const nsdae_problem *p)
+{
+  return p->contacts ? p->system->contact : p->law;
+}
 static inline int nsdae_problem_any(const nsdae_problem *p)
 {
   return p->contacts ? nsdae_contacts_any(p->contacts) : p->closed->count > 0;

@@ -517,6 +517,18 @@ int nsdae_contacts_solve(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   return NSDAE_OK;
 }
 
+int nsdae_contacts_step(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
+                        const double *r, double *v, double *size, double *lambda)
+{
+  size_t bytes = (size_t)kkt->n * sizeof *v;
+  memcpy(v, r, bytes);
+  int status = nsdae_terms_solve(terms, kkt, 1, v, lambda);
+  if (status < 0) return status;
+  memcpy(size, r, bytes);
+  nsdae_kkt_solve_mass(kkt, size);
+  return nsdae_contacts_solve(c, terms, kkt, size, v, lambda);
+}
+
 double nsdae_contacts_work(const nsdae_contacts *c)
 {
   double work = nsdae_impulses_work(c->results, c->system->dims.nt, c->active_count, c->active);

@@ -170,6 +170,11 @@ static inline int nsdae_contacts_powerless(const nsdae_contacts *contacts, int c
 int nsdae_contacts_solve(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
                          double *size, double *v, double *lambda);
 
+/* The same of momentum r [nv]: v, lambda, which comes as -Phi_t, and size without contacts first.
+ */
+int nsdae_contacts_step(nsdae_contacts *contacts, const nsdae_terms *terms, const nsdae_kkt *kkt,
+                        const double *r, double *v, double *size, double *lambda);
+
 /* Work that the last impulses did on the system: the sum of Lambda (v(+) + v(-)) / 2. */
 double nsdae_contacts_work(const nsdae_contacts *contacts);
 

@@ -232,14 +232,8 @@ static void scatter(const nsdae_local *l, const nsdae_whole *w, int island)
 /* v, lambda, the impulses and the residuals of the laws, from the bases in memory. */
 static int solve(nsdae_local *l, const nsdae_whole *w, nsdae_misfit *misfit)
 {
-  int n = l->kkt.n, m = l->kkt.m;
-  memcpy(l->lambda, l->asked, (size_t)m * sizeof *l->lambda);
-  memcpy(l->v, l->r, (size_t)n * sizeof *l->v);
-  memcpy(l->size, l->r, (size_t)n * sizeof *l->size);
-  int status = nsdae_terms_solve(w->terms, &l->kkt, 1, l->v, l->lambda);
-  if (status < 0) return status;
-  nsdae_kkt_solve_mass(&l->kkt, l->size);
-  status = nsdae_contacts_solve(&l->contacts, w->terms, &l->kkt, l->size, l->v, l->lambda);
+  memcpy(l->lambda, l->asked, (size_t)l->kkt.m * sizeof *l->lambda);
+  int status = nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, l->r, l->v, l->size, l->lambda);
   if (status < 0 || !nsdae_contacts_any(&l->contacts)) return status;
   if (!driven(l, w) && stands(l)) stand(l);
   *misfit = fit(l);

@@ -229,7 +229,14 @@ static int solve_constraints(nsdae_worker *w, const nsdae_whole *whole, int isla
   int status = factor_sparse(w, whole, island);
   if (status < 0) return status;
   status = nsdae_sparse_kkt_solve(&w->sparse, whole->r, whole->v, whole->lambda);
-  return status < 0 ? unsolved(w, whole, island, status) : NSDAE_OK;
+  if (status < 0) return unsolved(w, whole, island, status);
+  const nsdae_blocks *blocks = &whole->system->blocks;
+  const nsdae_members *members = &whole->islands->block;
+  for (int i = members->first[island]; i < members->first[island + 1]; i++) {
+    int b = members->of[i], at = blocks->first[b];
+    memcpy(whole->size + at, whole->v + at, (size_t)nsdae_blocks_size(blocks, b) * sizeof(double));
+  }
+  return NSDAE_OK;
 }
 
 /* What stopped the problem: a mass, where one is not positive definite. */

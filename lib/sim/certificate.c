@@ -201,7 +201,7 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
       record->kinetic - point->accounts.watch.kinetic + record->dissipated - point->work.sum;
   /* ---- impulses and rates */
   if (r->located || !r->smooth)
-    measure_impulses(c, r, listed ? sim->stepper.problem.law : s->contact, count);
+    measure_impulses(c, r, nsdae_problem_laws(&sim->stepper.problem), count);
   if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
   if (status == NSDAE_OK) status = measure_rates(c, r);
   record->constraint_drift = c->constraint_drift;

@@ -25,14 +25,14 @@ static const double PI = 3.14159265358979324;
 
 typedef struct merged {
   double impacts;
-  int contact, other; /* contact list: places among the closed ones */
+  int contact, other; /* numbers of closed contacts */
 } merged;
 
-/* The closed contacts of a step: fixed ones of the last contact problem, or those of the contact
- * list. */
+/* The closed contacts of a step. */
 typedef struct closed_ones {
-  const nsdae_contacts *numbered; /* NULL: a contact list */
-  const nsdae_rows *normal;       /* of a contact list */
+  const nsdae_problem *problem;
+  const nsdae_coefficients *law; /* by number */
+  const nsdae_rows *normal;      /* the same, where they were found closed */
   const nsdae_blocks *blocks;
   const double *M, *F;
 } closed_ones;
@@ -48,17 +48,10 @@ static double pushed(const closed_ones *c, int b, const double *W, size_t stride
   return sum;
 }
 
-static double acceleration(const closed_ones *c, int a)
+static double acceleration(const closed_ones *c, int i)
 {
-  const nsdae_contacts *k = c->numbered;
   double sum = 0;
-  for (int b = 0; k && b < c->blocks->count; b++)
-    sum += pushed(c, b,
-                  k->delassus.W + (size_t)k->first_column[a] * (size_t)k->system->dims.nv +
-                      c->blocks->first[b],
-                  1);
-  if (k) return sum;
-  for (int p = c->normal->first[a]; p < c->normal->first[a + 1]; p++)
+  for (int p = c->normal->first[i]; p < c->normal->first[i + 1]; p++)
     sum += pushed(c, c->normal->block[p], c->normal->value + c->normal->at[p], c->normal->stride);
   return sum;
 }
@@ -78,10 +71,10 @@ static double part(const closed_ones *c, int p, int q)
   return sum;
 }
 
-/* G_ab; of a contact list without the constraints. */
+/* G of the closed contacts at places a and b; of a contact list without the constraints. */
 static double delassus(const closed_ones *c, int a, int b)
 {
-  const nsdae_contacts *k = c->numbered;
+  const nsdae_contacts *k = c->problem->contacts;
   if (k)
     return k->delassus
         .G[(size_t)k->first_column[a] * (size_t)k->columns + (size_t)k->first_column[b]];
@@ -92,50 +85,44 @@ static double delassus(const closed_ones *c, int a, int b)
   return sum;
 }
 
-static double restitution(const nsdae_sim *sim, const closed_ones *c, int a)
-{
-  return c->numbered ? sim->model.contact[c->numbered->active[a]].e_n
-                     : sim->stepper.problem.law[a].e_n;
-}
-
-/* Number of impacts that contacts a and b would have one after another; 0: few. */
-static double follow(const nsdae_sim *sim, const closed_ones *c, int a, int b)
+/* Number of impacts that contacts at a and b would have one after another; 0: few. */
+static double follow(const closed_ones *c, int a, int b)
 {
   double ij = delassus(c, a, b), ii = delassus(c, a, a), jj = delassus(c, b, b);
   if (!(ij < 0 && ii > 0 && jj > 0)) return 0;
   double n = PI / acos(fmin(-ij / sqrt(ii * jj), 1));
-  double e = sqrt(restitution(sim, c, a) * restitution(sim, c, b));
+  double e = sqrt(c->law[nsdae_problem_contact(c->problem, a)].e_n *
+                  c->law[nsdae_problem_contact(c->problem, b)].e_n);
   double impulse = e < 1 ? (1 - pow(e, n)) / (1 - e) : n;
   return impulse >= MANY ? n : 0;
 }
 
-/* Whether contact a had an impulse, restitution, and a velocity that no force explains. */
-static int acts(const nsdae_sim *sim, const closed_ones *c, const nsdae_impulses *r, int a,
-                double length)
+/* Whether contact i had an impulse, restitution, and a velocity that no force explains. */
+static int acts(const closed_ones *c, const nsdae_impulses *r, int i, double length)
 {
-  int i = c->numbered ? c->numbered->active[a] : a;
-  return r->normal[i] > 0 && restitution(sim, c, a) > 0 &&
-         fabs(r->before[i]) > 2 * length * acceleration(c, a);
+  return r->normal[i] > 0 && c->law[i].e_n > 0 &&
+         fabs(r->before[i]) > 2 * length * acceleration(c, i);
 }
 
-static int share_block(const nsdae_closed *closed, int a, int b)
+/* Whether two of a list touch the same block; fixed ones may. */
+static int share_block(const nsdae_result *r, int a, int b)
 {
-  const int *x = closed->block + 2 * (size_t)a, *y = closed->block + 2 * (size_t)b;
+  if (!r->end.system->by_list) return 1;
+  const int *x = r->closed.block + 2 * (size_t)a, *y = r->closed.block + 2 * (size_t)b;
   return (x[0] >= 0 && (x[0] == y[0] || x[0] == y[1])) ||
          (x[1] >= 0 && (x[1] == y[0] || x[1] == y[1]));
 }
 
-static void compare_pair(const nsdae_sim *sim, const closed_ones *c, const nsdae_result *r, int a,
-                         double length, merged *most)
+static void compare_pairs(const closed_ones *c, const nsdae_result *r, int i, double length,
+                          merged *most)
 {
-  int count = c->numbered ? c->numbered->active_count : r->closed.count;
-  for (int b = 0; b < count; b++) {
-    if (b == a || !(c->numbered || share_block(&r->closed, a, b))) continue;
-    if (!acts(sim, c, &r->impulses, b, length)) continue;
-    double impacts = follow(sim, c, a, b);
-    if (impacts > most->impacts)
-      *most = (merged){impacts, c->numbered ? c->numbered->active[a] : a,
-                       c->numbered ? c->numbered->active[b] : b};
+  int a = 0;
+  while (nsdae_problem_contact(c->problem, a) != i) a++;
+  for (int b = 0; b < nsdae_problem_count(c->problem); b++) {
+    int other = nsdae_problem_contact(c->problem, b);
+    if (b == a || !share_block(r, a, b) || !acts(c, &r->impulses, other, length)) continue;
+    double impacts = follow(c, a, b);
+    if (impacts > most->impacts) *most = (merged){impacts, i, other};
   }
 }
 
@@ -162,19 +149,15 @@ int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
 {
   const nsdae_result *r = &point->result;
   const nsdae_problem *problem = &sim->stepper.problem;
-  int listed = !problem->contacts;
   const nsdae_terms *T = &before->result.end;
   merged most = {0, -1, -1};
   if (r->located || r->counters.fallbacks > 0 || r->impacts == 0) return NSDAE_OK;
-  if (!listed && !r->problem) return NSDAE_OK;
-  const closed_ones c = {listed ? NULL : r->problem, listed ? &problem->home->by.normal : NULL,
-                         &sim->model.blocks, T->M, T->F};
-  for (int p = 0; p < r->impacts; p++) {
-    /* place among the closed ones of the contact that an impact names */
-    int contact = r->impact[p].contact, a = c.numbered ? 0 : contact;
-    while (c.numbered && c.numbered->active[a] != contact) a++;
-    if (acts(sim, &c, &r->impulses, a, point->record.duration))
-      compare_pair(sim, &c, r, a, point->record.duration, &most);
-  }
+  if (problem->contacts && !r->problem) return NSDAE_OK; /* fixed contacts without a problem */
+  const closed_ones c = {
+      problem, nsdae_problem_laws(problem), &problem->home->by.normal, &sim->model.blocks, T->M,
+      T->F};
+  for (int p = 0; p < r->impacts; p++)
+    if (acts(&c, &r->impulses, r->impact[p].contact, point->record.duration))
+      compare_pairs(&c, r, r->impact[p].contact, point->record.duration, &most);
   return most.impacts > 0 ? report(point, &most) : NSDAE_OK;
 }
