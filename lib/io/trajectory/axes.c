@@ -79,9 +79,3 @@ void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *s
     if (set >= 0) H5Dclose(set);
   }
 }
-
-void nsdae_axes_close(const hid_t scale[NSDAE_AXES])
-{
-  for (int i = 0; i < NSDAE_AXES; i++)
-    if (scale[i] >= 0) H5Dclose(scale[i]);
-}

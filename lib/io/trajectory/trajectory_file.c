@@ -95,7 +95,6 @@ void nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info
   write_own_bodies(t);
   write_blocks(h5, nsdae_sim_get_system(t->sim));
   for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_create(&t->rows.series[i], h5, axes);
-  nsdae_axes_close(axes);
   nsdae_h5_flush(h5);
 }
 
