@@ -119,13 +119,6 @@ int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_traject
   return status;
 }
 
-int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
-                            nsdae_trajectory **trajectory, nsdae_error *error)
-{
-  return nsdae_trajectory_start(sim, path, info, trajectory, error, "nsdae_trajectory_create",
-                                nsdae_trajectory_make_file);
-}
-
 /* ---- flushing */
 
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
