@@ -219,11 +219,6 @@ static nsdae_vfd *file_of(H5FD_t *own)
   return (nsdae_vfd *)(void *)own;
 }
 
-static const nsdae_vfd *look_at(const H5FD_t *own)
-{
-  return (const nsdae_vfd *)(const void *)own;
-}
-
 static H5FD_t *driver_open(const char *name, unsigned flags, hid_t access, haddr_t most)
 {
   nsdae_vfd *const *file = H5Pget_driver_info(access); /* of which HDF5 has a copy */
@@ -248,7 +243,7 @@ static herr_t driver_query(const H5FD_t *own, unsigned long *flags)
 
 static haddr_t driver_get_eoa(const H5FD_t *own, H5FD_mem_t kind)
 {
-  return look_at(own)->eoa;
+  return ((const nsdae_vfd *)(const void *)own)->eoa;
 }
 
 static herr_t driver_set_eoa(H5FD_t *own, H5FD_mem_t kind, haddr_t at)
@@ -259,7 +254,7 @@ static herr_t driver_set_eoa(H5FD_t *own, H5FD_mem_t kind, haddr_t at)
 
 static haddr_t driver_get_eof(const H5FD_t *own, H5FD_mem_t kind)
 {
-  return look_at(own)->eof;
+  return ((const nsdae_vfd *)(const void *)own)->eof;
 }
 
 static herr_t driver_read(H5FD_t *own, H5FD_mem_t kind, hid_t transfer, haddr_t at, size_t size,

@@ -42,7 +42,7 @@ int nsdae_h5_prepare(nsdae_h5 *h5, long bytes);
 /* After it the file on disk has all that was written; a program killed within it leaves what was
  * there at the flush before. */
 int nsdae_h5_flush(nsdae_h5 *h5);
-/* In any case, after a failure too. */
+/* In any case, after a failure too; datasets that are open in it are closed as well. */
 int nsdae_h5_close(nsdae_h5 *h5);
 /* Lets readers in: from here on nothing can be made in the file. */
 int nsdae_h5_start_swmr(nsdae_h5 *h5);

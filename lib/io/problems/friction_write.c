@@ -32,19 +32,11 @@ static const char SEE[] = "see FCLIB and nsdae/friction_file.h";
 
 /* ---- vectors */
 
-static void write_reals(writer *w, const char *root, const char *name, int count,
-                        const double *values)
+static void write_vector(writer *w, const char *root, const char *name, hid_t type, int count,
+                         const void *values)
 {
   char path[NSDAE_H5_PATH];
-  nsdae_h5_vector(&w->h5, nsdae_h5_join(path, root, name), H5T_NATIVE_DOUBLE, (hsize_t)count,
-                  values, "1", SEE);
-}
-
-static void write_ints(writer *w, const char *root, const char *name, int count, const int *values)
-{
-  char path[NSDAE_H5_PATH];
-  nsdae_h5_vector(&w->h5, nsdae_h5_join(path, root, name), H5T_NATIVE_INT, (hsize_t)count, values,
-                  "1", SEE);
+  nsdae_h5_vector(&w->h5, nsdae_h5_join(path, root, name), type, (hsize_t)count, values, "1", SEE);
 }
 
 /* A vector over the rows of the problem, if it is given: its contacts to one dataset, bilateral
@@ -58,8 +50,9 @@ static void write_rows(writer *w, const char *root, const char *name, const char
   for (int i = 0; i < w->view.items; i++)
     memcpy(w->spread + row_in_file(w, i), values + w->view.row[i],
            (size_t)nsdae_fc_rows(w->p, i) * sizeof *values);
-  write_reals(w, root, name, m, w->spread);
-  if (w->p->bilateral > 0) write_reals(w, root, behind, w->p->bilateral, w->spread + m);
+  write_vector(w, root, name, H5T_NATIVE_DOUBLE, m, w->spread);
+  if (w->p->bilateral > 0)
+    write_vector(w, root, behind, H5T_NATIVE_DOUBLE, w->p->bilateral, w->spread + m);
 }
 
 /* ---- matrices */
@@ -147,8 +140,8 @@ static void write_global(writer *w)
   write_triplets(w, "M", &M);
   write_range(w, "H", 0, nc, 0, p->blocks);
   if (p->bilateral > 0) write_range(w, "G", nc, w->view.items, 0, p->blocks);
-  write_reals(w, w->root, "vectors/f", n, p->f);
-  write_ints(w, w->root, "blocks", p->blocks, p->size);
+  write_vector(w, w->root, "vectors/f", H5T_NATIVE_DOUBLE, n, p->f);
+  write_vector(w, w->root, "blocks", H5T_NATIVE_INT, p->blocks, p->size);
 }
 
 /* ---- contacts */
@@ -162,9 +155,9 @@ static void write_contacts(writer *w)
     even &= nsdae_fc_rows(p, c) == w->dim;
     w->spread[c] = nsdae_fc_rows(p, c) > 1 ? p->mu[c] : 0;
   }
-  write_ints(w, w->root, "spacedim", 1, &w->dim);
-  write_reals(w, w->root, "vectors/mu", p->contacts, w->spread);
-  if (!even) write_ints(w, w->root, "vectors/rows", p->contacts, p->rows);
+  write_vector(w, w->root, "spacedim", H5T_NATIVE_INT, 1, &w->dim);
+  write_vector(w, w->root, "vectors/mu", H5T_NATIVE_DOUBLE, p->contacts, w->spread);
+  if (!even) write_vector(w, w->root, "vectors/rows", H5T_NATIVE_INT, p->contacts, p->rows);
 }
 
 /* ---- solution */
@@ -204,7 +197,7 @@ static void write_velocities(writer *w, const nsdae_friction_points *points)
     nsdae_la_solve_lower(n, 1, factor, n, v + at, n);
     nsdae_la_solve_lower_transposed(n, 1, factor, n, v + at, n);
   }
-  write_reals(w, "/solution", "v", w->view.nv, v);
+  write_vector(w, "/solution", "v", H5T_NATIVE_DOUBLE, w->view.nv, v);
   free(v);
 }
 
@@ -212,7 +205,7 @@ static void write_velocities(writer *w, const nsdae_friction_points *points)
 static void write_points(writer *w, const nsdae_friction_points *points)
 {
   const int one = 1;
-  if (points->guess) write_ints(w, "/guesses", "number_of_guesses", 1, &one);
+  if (points->guess) write_vector(w, "/guesses", "number_of_guesses", H5T_NATIVE_INT, 1, &one);
   write_rows(w, "/guesses/1", "r", "l", points->guess);
   write_rows(w, "/solution", "r", "l", points->r);
   if (points->r) write_rows(w, "/solution", "r_low", "l_low", points->low);

@@ -2,28 +2,28 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const struct axis {
-  const char *path, *name; /* the dimension has the dataset's name */
-  const char *letter;      /* name of number i where it has none: q0, v0, ... */
+  const char *path;   /* the dimension has the dataset's name */
+  const char *letter; /* name of number i where it has none: q0, v0, ... */
   const char *what;
   int kind;              /* enum nsdae_name_kind, or -1 */
   const char *unit_path; /* NULL: of the file's own */
 } axis[NSDAE_AXES] = {
-    [NSDAE_WIDTH_Q] = {"/coordinate", "coordinate", "q", "names of the coordinates",
-                       NSDAE_NAME_COORDINATE, "/coordinate_unit"},
-    [NSDAE_WIDTH_V] = {"/velocity", "velocity", "v", "names of the velocities", NSDAE_NAME_VELOCITY,
+    [NSDAE_WIDTH_Q] = {"/coordinate", "q", "names of the coordinates", NSDAE_NAME_COORDINATE,
+                       "/coordinate_unit"},
+    [NSDAE_WIDTH_V] = {"/velocity", "v", "names of the velocities", NSDAE_NAME_VELOCITY,
                        "/velocity_unit"},
-    [NSDAE_WIDTH_M] = {"/constraint", "constraint", "constraint", "names of the constraints",
+    [NSDAE_WIDTH_M] = {"/constraint", "constraint", "names of the constraints",
                        NSDAE_NAME_CONSTRAINT, "/constraint_unit"},
-    [NSDAE_WIDTH_K] = {"/contact/contact", "contact", "contact", "names of the contacts",
-                       NSDAE_NAME_CONTACT, NULL},
-    [NSDAE_WIDTH_T] = {"/tangent", "tangent", "tangent", "tangential directions of a contact", -1,
+    [NSDAE_WIDTH_K] = {"/contact/contact", "contact", "names of the contacts", NSDAE_NAME_CONTACT,
                        NULL},
-    [NSDAE_WIDTH_F] = {"/slide/slide", "slide", "frictional_joint",
+    [NSDAE_WIDTH_T] = {"/tangent", "tangent", "tangential directions of a contact", -1, NULL},
+    [NSDAE_WIDTH_F] = {"/slide/slide", "frictional_joint",
                        "names of the bilateral constraints with friction",
                        NSDAE_NAME_FRICTIONAL_JOINT, NULL},
-    [NSDAE_WIDTH_PAIR] = {"/side", "side", "side", "sides of a contact", -1, NULL},
+    [NSDAE_WIDTH_PAIR] = {"/side", "side", "sides of a contact", -1, NULL},
 };
 
 /* Past this number, one that has no name is its number: a text each costs more than the data. */
@@ -70,7 +70,7 @@ void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *s
     else
       write_texts(h5, system, i, n, 0);
     scale[i] = nsdae_h5_open_dataset(h5, axis[i].path);
-    nsdae_h5_make_scale(h5, scale[i], axis[i].name);
+    nsdae_h5_make_scale(h5, scale[i], strrchr(axis[i].path, '/') + 1);
     if (!axis[i].unit_path || n > NAMED_MOST) continue;
     /* the units beside the names, with the names as their dimension */
     write_texts(h5, system, i, n, 1);
@@ -78,10 +78,4 @@ void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *s
     nsdae_h5_attach_scale(h5, set, scale[i], 0);
     if (set >= 0) H5Dclose(set);
   }
-}
-
-void nsdae_axes_close(const hid_t scale[NSDAE_AXES])
-{
-  for (int i = 0; i < NSDAE_AXES; i++)
-    if (scale[i] >= 0) H5Dclose(scale[i]);
 }

@@ -13,7 +13,4 @@
  * none of it. */
 void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim);
 
-/* The scales, not the file. */
-void nsdae_axes_close(const hid_t scale[NSDAE_AXES]);
-
 #endif

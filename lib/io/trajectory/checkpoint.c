@@ -177,9 +177,3 @@ void nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim
   if (h5->status == NSDAE_OK) set_newest(c, h5, sim, place, rows, mark);
   free(place);
 }
-
-void nsdae_checkpoint_close(nsdae_checkpoint *checkpoint)
-{
-  if (checkpoint->set >= 0) H5Dclose(checkpoint->set);
-  checkpoint->set = -1;
-}

@@ -44,6 +44,5 @@ void nsdae_checkpoint_trim(nsdae_checkpoint *checkpoint, nsdae_h5 *h5);
  * there is none. */
 void nsdae_checkpoint_take(nsdae_checkpoint *checkpoint, nsdae_h5 *h5, nsdae_sim *sim,
                            const hsize_t rows[NSDAE_TABLES], nsdae_checkpoint_mark *mark);
-void nsdae_checkpoint_close(nsdae_checkpoint *checkpoint);
 
 #endif

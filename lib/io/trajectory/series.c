@@ -194,11 +194,3 @@ long nsdae_series_held_bytes(const nsdae_series *series)
   }
   return bytes;
 }
-
-void nsdae_series_close(nsdae_series *series)
-{
-  for (int i = 0; i < series->columns; i++) {
-    if (series->column[i].set >= 0) H5Dclose(series->column[i].set);
-    series->column[i].set = -1;
-  }
-}

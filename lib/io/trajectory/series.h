@@ -72,6 +72,5 @@ int nsdae_series_is_full(const nsdae_series *series);
 /* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of
  * them. */
 long nsdae_series_held_bytes(const nsdae_series *series);
-void nsdae_series_close(nsdae_series *series);
 
 #endif

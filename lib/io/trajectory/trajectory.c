@@ -27,18 +27,11 @@ static void release(nsdae_trajectory *t)
   free(t);
 }
 
-static int close_file(nsdae_trajectory *t)
-{
-  for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_close(&t->rows.series[i]);
-  nsdae_checkpoint_close(&t->checkpoint);
-  return nsdae_h5_close(&t->h5);
-}
-
 /* What failed to be made, with its file. */
 static void abandon(nsdae_trajectory *t)
 {
   nsdae_h5_start(&t->h5, NULL);
-  close_file(t);
+  nsdae_h5_close(&t->h5);
   release(t);
 }
 
@@ -126,13 +119,6 @@ int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_traject
   return status;
 }
 
-int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
-                            nsdae_trajectory **trajectory, nsdae_error *error)
-{
-  return nsdae_trajectory_start(sim, path, info, trajectory, error, "nsdae_trajectory_create",
-                                nsdae_trajectory_make_file);
-}
-
 /* ---- flushing */
 
 int nsdae_trajectory_flush(nsdae_trajectory *trajectory, nsdae_error *error)
@@ -160,11 +146,11 @@ static int end_file(nsdae_trajectory *t, int run_status)
 {
   nsdae_trajectory_count_rows(t);
   if (t->live && t->h5.status == NSDAE_OK) {
-    close_file(t);
+    nsdae_h5_close(&t->h5);
     nsdae_h5_reopen(&t->h5);
   }
   nsdae_description_set_ended(&t->h5, run_status);
-  return close_file(t);
+  return nsdae_h5_close(&t->h5);
 }
 
 /* A write failed: the file is as the last flush left it, and is to say how it ended, which needs no

@@ -55,9 +55,4 @@ void nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part);
 /* All rows that are written, as rows of the file. */
 void nsdae_trajectory_count_rows(nsdae_trajectory *t);
 
-/* ---- trajectory_file.c */
-
-/* A new file, without its rows. */
-void nsdae_trajectory_make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info);
-
 #endif
