@@ -13,9 +13,7 @@
  * Each impact has e = (e_i e_j)^(1/2) of the one before, so that n impacts have the impulse of
  * (1 - e^n) / (1 - e) first ones. Reported is one order of magnitude: an impulse of ten. In heaps
  * of e <= 0.9 it never is. */
-#include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "errors.h"
 #include "sim_impl.h"
@@ -98,17 +96,6 @@ static double restitution(const nsdae_sim *sim, const closed_ones *c, int a)
                      : sim->stepper.problem.law[a].e_n;
 }
 
-/* Number of impacts that contacts a and b would have one after another; 0: few. */
-static double follow(const nsdae_sim *sim, const closed_ones *c, int a, int b)
-{
-  double ij = delassus(c, a, b), ii = delassus(c, a, a), jj = delassus(c, b, b);
-  if (!(ij < 0 && ii > 0 && jj > 0)) return 0;
-  double n = PI / acos(fmin(-ij / sqrt(ii * jj), 1));
-  double e = sqrt(restitution(sim, c, a) * restitution(sim, c, b));
-  double impulse = e < 1 ? (1 - pow(e, n)) / (1 - e) : n;
-  return impulse >= MANY ? n : 0;
-}
-
 /* Whether contact a had an impulse, restitution, and a velocity that no force explains. */
 static int acts(const nsdae_sim *sim, const closed_ones *c, const nsdae_impulses *r, int a,
                 double length)
@@ -132,8 +119,13 @@ static void compare_pair(const nsdae_sim *sim, const closed_ones *c, const nsdae
   for (int b = 0; b < count; b++) {
     if (b == a || !(c->numbered || share_block(&r->closed, a, b))) continue;
     if (!acts(sim, c, &r->impulses, b, length)) continue;
-    double impacts = follow(sim, c, a, b);
-    if (impacts > most->impacts)
+    /* number of impacts that contacts a and b would have one after another */
+    double ij = delassus(c, a, b), ii = delassus(c, a, a), jj = delassus(c, b, b);
+    if (!(ij < 0 && ii > 0 && jj > 0)) continue;
+    double impacts = PI / acos(fmin(-ij / sqrt(ii * jj), 1));
+    double e = sqrt(restitution(sim, c, a) * restitution(sim, c, b));
+    double impulse = e < 1 ? (1 - pow(e, impacts)) / (1 - e) : impacts;
+    if (impulse >= MANY && impacts > most->impacts)
       *most = (merged){impacts, c->numbered ? c->numbered->active[a] : a,
                        c->numbered ? c->numbered->active[b] : b};
   }
