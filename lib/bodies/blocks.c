@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "broad_phase.h"
-#include "errors.h"
 
 static int mass_blocks(double t, const double *q, double *M, void *user)
 {
@@ -110,23 +109,11 @@ static int list_corners(const listing *l, int first, const nsdae_couple *two,
   double most = l->reach + two->solid[0]->radius + two->solid[1]->radius;
   int status = 0;
   for (int i = 0; i < two->solid[1]->points && status >= 0; i++) {
-    if (nsdae_height_above(met->above[0], two->solid[1]->point + 3 * i) > most) continue;
+    if (nsdae_height_above(met->by[0].above, two->solid[1]->point + 3 * i) > most) continue;
     nsdae_still still = nsdae_polygon_still(two, i, met);
     if (!still.far && still.gap <= l->reach) status = add_contact(l, first + i, two, &still);
   }
   return status;
-}
-
-/* Two solids of the plane with edges, whose features nsdae_pair_features has in this order. Nothing
- * where they are apart by more than the reach along a normal of either. */
-static int list_planar(const listing *l, const nsdae_couple *two, const nsdae_couple *other)
-{
-  double enough = l->reach + two->solid[0]->radius + two->solid[1]->radius;
-  const nsdae_meeting met = nsdae_find_meeting(two, enough);
-  if (met.value[0] > enough || met.value[1] > enough) return 0;
-  const nsdae_meeting turned = nsdae_meeting_turned(&met);
-  int status = list_corners(l, 0, two, &met);
-  return status < 0 ? status : list_corners(l, two->solid[1]->points, other, &turned);
 }
 
 /* Corners of the second solid against a plane; most of a body's are too high. */
@@ -159,8 +146,16 @@ static int list_pair(void *to, nsdae_broad *broad, int i, int j)
   l->pair = broad->pair[two.solid[0]->material][two.solid[1]->material];
   l->id = ((long)i * broad->solids + j) * broad->features;
   const nsdae_couple other = {{two.solid[1], two.solid[0]}, {two.pose[1], two.pose[0]}};
-  if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1]))
-    return list_planar(l, &two, &other);
+  if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1])) {
+    /* Of the plane, with features in the order of nsdae_pair_features. Nothing where they are apart
+     * by more than the reach along a normal of either. */
+    double enough = l->reach + two.solid[0]->radius + two.solid[1]->radius;
+    const nsdae_meeting met = nsdae_find_meeting(&two, enough);
+    if (met.by[0].value > enough || met.by[1].value > enough) return 0;
+    const nsdae_meeting turned = {{met.by[1], met.by[0]}};
+    int status = list_corners(l, 0, &two, &met);
+    return status < 0 ? status : list_corners(l, two.solid[1]->points, &other, &turned);
+  }
   if (two.solid[0]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, &two);
   if (two.solid[1]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, &other);
   return nsdae_pair_features(l->bodies->solid.at, i, j, two.pose, list_feature, l);

@@ -98,19 +98,23 @@ void *nsdae_list_add(nsdae_bodies *b, nsdae_list *list, size_t size)
   return entry;
 }
 
-int nsdae_bodies_check_vector(nsdae_bodies *b, const char *what, const char *argument, int index,
-                              const double *x, int planar_zero)
+static int check_finite(nsdae_bodies *b, const char *what, const char *argument, int index,
+                        const double *x, int count)
 {
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < count; i++)
     if (!isfinite(x[i]))
       return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, argument, index,
                                  "%s[%d] = %g is not a finite number", argument, i, x[i]);
-    if (i == 2 && planar_zero && b->dimension == 2 && x[i] != 0)
-      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, argument, index,
-                                 "%s[2] = %g lies outside of the plane: it must be 0", argument,
-                                 x[i]);
-  }
   return NSDAE_OK;
+}
+
+int nsdae_bodies_check_vector(nsdae_bodies *b, const char *what, const char *argument, int index,
+                              const double *x, int planar_zero)
+{
+  int status = check_finite(b, what, argument, index, x, 3);
+  if (status < 0 || !planar_zero || b->dimension == 3 || x[2] == 0) return status;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, argument, index,
+                             "%s[2] = %g lies outside of the plane: it must be 0", argument, x[2]);
 }
 
 int nsdae_bodies_check_least(nsdae_bodies *b, const char *what, const char *argument, int index,
@@ -128,11 +132,7 @@ int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double
   if (!isfinite(angle))
     return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "angle", index,
                                "angle = %g is not a finite number", angle);
-  for (int i = 0; i < 4; i++)
-    if (!isfinite(quaternion[i]))
-      return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "quaternion", index,
-                                 "quaternion[%d] = %g is not a finite number", i, quaternion[i]);
-  return NSDAE_OK;
+  return check_finite(b, what, "quaternion", index, quaternion, 4);
 }
 
 int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const int *body)

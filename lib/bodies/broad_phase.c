@@ -169,19 +169,6 @@ static int visit_cell(nsdae_broad *p, const nsdae_bodies *b, int i, int j, const
   return status;
 }
 
-/* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
-static void put_usual(nsdae_broad *p, int i, double width)
-{
-  int *cell = p->cell + 3 * i;
-  for (int l = 0; l < 3; l++) {
-    double at = floor(p->centre[3 * i + l] / width);
-    cell[l] = (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
-  }
-  int *head = &p->head[bucket_of(p, cell)];
-  p->next[i] = *head;
-  *head = i;
-}
-
 /* With those put before it into its own cell, and with all of the neighbours on one side: the other
  * side's look at it. */
 static int visit_usual(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
@@ -217,8 +204,18 @@ int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, do
     status = visit_large(p, b, p->large[i], reach, visit, to);
   double width = 2 * p->usual + reach;
   if (!(width > 0)) width = 1; /* points alone */
-  for (int i = 0; i < p->solids; i++)
-    if (p->radius[i] <= p->usual) put_usual(p, i, width);
+  /* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
+  for (int i = 0; i < p->solids; i++) {
+    int *cell = p->cell + 3 * i;
+    if (p->radius[i] > p->usual) continue;
+    for (int l = 0; l < 3; l++) {
+      double at = floor(p->centre[3 * i + l] / width);
+      cell[l] = (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
+    }
+    int *head = &p->head[bucket_of(p, cell)];
+    p->next[i] = *head;
+    *head = i;
+  }
   for (int i = 0; i < p->solids && status >= 0; i++)
     if (p->radius[i] <= p->usual) status = visit_usual(p, b, i, reach, visit, to);
   return status;

@@ -201,21 +201,6 @@ static int add_load(const nsdae_bodies *b, const nsdae_load *load, int along_q, 
 
 /* ---- all of them */
 
-static int add_gyroscopic(const nsdae_bodies *b, int body, const double *v, nsdae_block_list *list)
-{
-  const double *J = nsdae_body_at(b, body)->inertia, *w = v + 6 * body + 3;
-  const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
-  double D[36] = {0};
-  for (int j = 0; j < 3; j++) {
-    const double e[3] = {j == 0, j == 1, j == 2}, Je[3] = {J[0] * e[0], J[1] * e[1], J[2] * e[2]};
-    double first[3], second[3];
-    nsdae_cross3(Je, w, first);
-    nsdae_cross3(momentum, e, second);
-    for (int i = 0; i < 3; i++) D[3 + i + 6 * (3 + j)] = -first[i] - second[i];
-  }
-  return nsdae_block_add(list, body, body, D);
-}
-
 static int add_elements(const nsdae_bodies *b, int along_q, double t, const double *q,
                         const double *v, nsdae_block_list *list)
 {
@@ -236,8 +221,18 @@ static int damping_blocks(double t, const double *q, const double *v, nsdae_bloc
 {
   const nsdae_bodies *b = user;
   int status = 0;
-  for (int i = 0; i < b->body.count && b->dimension == 3 && status == 0; i++)
-    status = add_gyroscopic(b, i, v, list);
+  for (int i = 0; i < b->body.count && b->dimension == 3 && status == 0; i++) {
+    const double *J = nsdae_body_at(b, i)->inertia, *w = v + 6 * i + 3;
+    const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
+    double D[36] = {0}, first[3], second[3];
+    for (int j = 0; j < 3; j++) {
+      const double e[3] = {j == 0, j == 1, j == 2}, Je[3] = {J[0] * e[0], J[1] * e[1], J[2] * e[2]};
+      nsdae_cross3(Je, w, first);
+      nsdae_cross3(momentum, e, second);
+      for (int k = 0; k < 3; k++) D[3 + k + 6 * (3 + j)] = -first[k] - second[k];
+    }
+    status = nsdae_block_add(list, i, i, D);
+  }
   return status ? status : add_elements(b, 0, t, q, v, list);
 }
 

@@ -3,31 +3,6 @@
  *   M v' = F,   own axes:  J omega' = torque - omega x J omega */
 #include "bodies_impl.h"
 
-static void spinning(const nsdae_bodies *b, const double *v, double *F)
-{
-  if (b->dimension == 2) return;
-  for (int i = 0; i < b->body.count; i++) {
-    const double *omega = v + 6 * i + 3, *J = nsdae_body_at(b, i)->inertia;
-    const double momentum[3] = {J[0] * omega[0], J[1] * omega[1], J[2] * omega[2]};
-    double torque[3];
-    nsdae_cross3(momentum, omega, torque);
-    for (int j = 0; j < 3; j++) F[6 * i + 3 + j] += torque[j];
-  }
-}
-
-/* F = -(stiffness (l - rest) + damping l') along the row of l' */
-static void springs(const nsdae_bodies *b, double t, const double *q, const double *v, double *F)
-{
-  nsdae_places at = nsdae_nowhere;
-  nsdae_primitive_value l;
-  for (int i = 0; i < b->spring.count; i++) {
-    const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
-    nsdae_bodies_element(b, &s->length, t, q, v, &at, &l);
-    double force = -s->stiffness * l.phi.x - s->damping * l.phi.d;
-    nsdae_bodies_scatter(b, &at, &l.row, force, F, 1);
-  }
-}
-
 /* phi - rest of a torsion and the row of phi'. In space phi is the angle of a direction of body 1
  * in the frame of body 0, in (-pi, pi]. */
 static double torsion_angle(const nsdae_bodies *b, const nsdae_bodies_torsion *s,
@@ -45,20 +20,6 @@ static double torsion_angle(const nsdae_bodies *b, const nsdae_bodies_torsion *s
   nsdae_turn(pose[1].R, s->hand, hand);
   nsdae_cross3(u, zero, quarter);
   return atan2(nsdae_dot3(hand, quarter), nsdae_dot3(hand, zero)) - s->rest;
-}
-
-static void torsions(const nsdae_bodies *b, const double *q, const double *v, double *F)
-{
-  const nsdae_bodies_torsion *s = b->torsion.at;
-  nsdae_places at = nsdae_nowhere;
-  nsdae_velocity_row row;
-  for (int i = 0; i < b->torsion.count; i++, s++) {
-    nsdae_bodies_place(b, s->body, q, v, &at);
-    double angle = torsion_angle(b, s, at.pose, &row);
-    double rate =
-        nsdae_dot3(row.angular[0], at.pose[0].w) + nsdae_dot3(row.angular[1], at.pose[1].w);
-    nsdae_bodies_scatter(b, &at, &row, -s->stiffness * angle - s->damping * rate, F, 1);
-  }
 }
 
 int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t, double x[3],
@@ -95,12 +56,35 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
 int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const double *v,
                         double *F)
 {
-  for (int i = 0; i < b->body.count; i++)
-    for (int j = 0; j < b->dimension; j++)
-      F[i * nsdae_body_nv(b) + j] += nsdae_body_at(b, i)->mass * b->gravity[j];
-  spinning(b, v, F);
-  springs(b, t, q, v, F);
-  torsions(b, q, v, F);
+  const nsdae_bodies_torsion *torsion = b->torsion.at;
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value l;
+  nsdae_velocity_row row;
+  /* ---- gravity and spinning */
+  for (int i = 0, nv = nsdae_body_nv(b); i < b->body.count; i++) {
+    const nsdae_rigid_body *body = nsdae_body_at(b, i);
+    for (int j = 0; j < b->dimension; j++) F[i * nv + j] += body->mass * b->gravity[j];
+    if (b->dimension == 2) continue;
+    const double *w = v + nv * i + 3, *J = body->inertia;
+    const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
+    double torque[3];
+    nsdae_cross3(momentum, w, torque);
+    for (int j = 0; j < 3; j++) F[nv * i + 3 + j] += torque[j];
+  }
+  /* ---- F = -(stiffness (l - rest) + damping l') along the row of l', the same of angles */
+  for (int i = 0; i < b->spring.count; i++) {
+    const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+    nsdae_bodies_element(b, &s->length, t, q, v, &at, &l);
+    double force = -s->stiffness * l.phi.x - s->damping * l.phi.d;
+    nsdae_bodies_scatter(b, &at, &l.row, force, F, 1);
+  }
+  for (int i = 0; i < b->torsion.count; i++, torsion++) {
+    nsdae_bodies_place(b, torsion->body, q, v, &at);
+    double angle = torsion_angle(b, torsion, at.pose, &row);
+    double rate =
+        nsdae_dot3(row.angular[0], at.pose[0].w) + nsdae_dot3(row.angular[1], at.pose[1].w);
+    nsdae_bodies_scatter(b, &at, &row, -torsion->stiffness * angle - torsion->damping * rate, F, 1);
+  }
   return loads(b, t, q, v, F);
 }
 

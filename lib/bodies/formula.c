@@ -195,27 +195,20 @@ static int show_line(const nsdae_bodies *b, nsdae_system *system, const nsdae_pr
   return show(&p, system, what, number);
 }
 
-/* A hole is drawn as a ring. */
-static void set_size(nsdae_body *body, const nsdae_solid_of *s)
-{
-  const double ring = 1.15;
-  body->size[0] = s->radius;
-  if (s->shape == NSDAE_SHAPE_SEGMENT) body->size[0] = 2 * s->radius;
-  if (s->hollow) {
-    body->size[0] = ring * s->radius;
-    body->size[1] = s->radius;
-  }
-  if (s->shape == NSDAE_SHAPE_CAPSULE) body->size[1] = 2 * s->half[2];
-  for (int i = 0; i < 3 && s->shape == NSDAE_SHAPE_BOX; i++) body->size[i] = 2 * s->half[i];
-  for (int i = 0; i < 3 && s->shape == NSDAE_SHAPE_PLANE; i++) body->size[i] = s->R[6 + i];
-}
-
 static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
 {
   const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
   const nsdae_solid_of *s = nsdae_solid_at(b, i);
   portrait p = {.body = {.shape = s->shape}};
-  set_size(&p.body, s);
+  double *size = p.body.size;
+  size[0] = s->shape == NSDAE_SHAPE_SEGMENT ? 2 * s->radius : s->radius;
+  if (s->hollow) { /* drawn as a ring */
+    size[0] = 1.15 * s->radius;
+    size[1] = s->radius;
+  }
+  if (s->shape == NSDAE_SHAPE_CAPSULE) size[1] = 2 * s->half[2];
+  for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_BOX; j++) size[j] = 2 * s->half[j];
+  for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_PLANE; j++) size[j] = s->R[6 + j];
   if (s->shape == NSDAE_SHAPE_SEGMENT) {
     set_position(&p, b, s->body, s->point);
     set_point(b, s->body, s->point + 3, p.end, p.body.end);

@@ -34,8 +34,6 @@ int nsdae_has_edges(const nsdae_solid_of *solid);
 
 /* The meeting of two planar solids. */
 nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough);
-/* The same of the solids in the other order. */
-nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met);
 
 /* The contact of a corner of solid 1 against the polygon or rounded segment 0; met is theirs. */
 nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae_meeting *met);

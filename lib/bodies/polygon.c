@@ -27,17 +27,6 @@ typedef struct view {
 
 /* ---- separation along the normals */
 
-/* Of solid i, on the other one. */
-static view view_of(const nsdae_couple *two, int i)
-{
-  const nsdae_pose *polygon = two->pose[i], *other = two->pose[1 - i];
-  const double *R = polygon->R, *Q = other->R;
-  const double x = other->r[0] - polygon->r[0], y = other->r[1] - polygon->r[1];
-  return (view){R[0] * Q[0] + R[1] * Q[1],
-                R[0] * Q[1] - R[1] * Q[0],
-                {R[0] * x + R[1] * y, R[3] * x + R[4] * y}};
-}
-
 /* Height of the other solid's points p above the point x along n, both of the polygon's frame:
  * above[0] p_x + above[1] p_y + above[2]. */
 static void heights(const view *w, const double *n, const double *x, double *above)
@@ -56,22 +45,6 @@ static double lowest(const nsdae_solid_of *s, const double *above)
     if (height < least) least = height;
   }
   return least;
-}
-
-/* The largest s of the edges of a polygon; of one that is enough no larger one is looked for. */
-static void separate(const nsdae_couple *two, int side, const view *w, double enough,
-                     nsdae_meeting *met)
-{
-  const nsdae_solid_of *polygon = two->solid[side];
-  for (int e = 0; e < polygon->points && met->value[side] <= enough; e++) {
-    double above[3];
-    heights(w, edge_normal(polygon, e), nsdae_solid_corner(polygon, e), above);
-    double s = lowest(two->solid[1 - side], above);
-    if (s <= met->value[side]) continue;
-    met->value[side] = s;
-    met->edge[side] = e;
-    for (int i = 0; i < 3; i++) met->above[side][i] = above[i];
-  }
 }
 
 /* Beyond the ends of a line, along it: where two lie in one line its edges separate nothing. */
@@ -123,27 +96,31 @@ int nsdae_has_edges(const nsdae_solid_of *s)
 
 nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough)
 {
-  nsdae_meeting met = {.value = {-INFINITY, -INFINITY}, .ends = {-INFINITY, -INFINITY}};
-  for (int i = 0; i < 2 && met.value[0] <= enough; i++) {
+  const nsdae_separation none = {.value = -INFINITY, .ends = -INFINITY};
+  nsdae_meeting met = {{none, none}};
+  for (int i = 0; i < 2 && met.by[0].value <= enough; i++) {
+    nsdae_separation *best = &met.by[i];
     const nsdae_solid_of *solid = two->solid[i], *other = two->solid[1 - i];
     if (!nsdae_has_edges(solid) || other->points == 0) continue;
-    view w = view_of(two, i);
-    separate(two, i, &w, enough, &met);
-    if (solid->points == 2) met.ends[i] = separate_ends(solid, other, &w);
+    const nsdae_pose *here = two->pose[i], *there = two->pose[1 - i];
+    const double *R = here->R, *Q = there->R;
+    const double x = there->r[0] - here->r[0], y = there->r[1] - here->r[1];
+    const view w = {R[0] * Q[0] + R[1] * Q[1],
+                    R[0] * Q[1] - R[1] * Q[0],
+                    {R[0] * x + R[1] * y, R[3] * x + R[4] * y}};
+    /* the largest s of the edges of a polygon; of one that is enough no larger one is looked for */
+    for (int e = 0; e < solid->points && best->value <= enough; e++) {
+      double above[3];
+      heights(&w, edge_normal(solid, e), nsdae_solid_corner(solid, e), above);
+      double s = lowest(other, above);
+      if (s <= best->value) continue;
+      best->value = s;
+      best->edge = e;
+      for (int l = 0; l < 3; l++) best->above[l] = above[l];
+    }
+    if (solid->points == 2) best->ends = separate_ends(solid, other, &w);
   }
   return met;
-}
-
-nsdae_meeting nsdae_meeting_turned(const nsdae_meeting *met)
-{
-  nsdae_meeting other;
-  for (int i = 0; i < 2; i++) {
-    other.value[i] = met->value[1 - i];
-    other.ends[i] = met->ends[1 - i];
-    other.edge[i] = met->edge[1 - i];
-    for (int j = 0; j < 3; j++) other.above[i][j] = met->above[1 - i][j];
-  }
-  return other;
 }
 
 /* What a corner touches beside an edge: NONE: the edge's end that is near; FAR: another feature
@@ -160,7 +137,7 @@ static double slack_of(double part, place on, double most)
 
 static double separation(const nsdae_meeting *met)
 {
-  return nsdae_more_of(met->value[0], met->value[1]);
+  return nsdae_more_of(met->by[0].value, met->by[1].value);
 }
 
 static int is_above(place at)
@@ -182,9 +159,9 @@ static int unless_deeper(const nsdae_meeting *met, place on)
 static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, const double *x,
                              place *at)
 {
-  place on = *at = place_on(s, met->edge[0], x);
+  place on = *at = place_on(s, met->by[0].edge, x);
   double most = separation(met), slack = slack_of(drift, on, most);
-  int overlap = nsdae_more_of(most, met->ends[0]) <= drift * on.length;
+  int overlap = nsdae_more_of(most, met->by[0].ends) <= drift * on.length;
   int over = fabs(on.along - on.length / 2) <= on.length / 2 + slack_of(beside, on, most);
   if (overlap && over) return unless_deeper(met, on);
   if (!overlap && on.height >= 0 && is_above(on)) return on.edge;

@@ -42,22 +42,6 @@ static void separate_faces(const core *c, const core *other, const double *apart
   }
 }
 
-/* The best separation along a normal of two edges. Those nearer to parallel than 1e-8 give no axis
- * that faces do not. */
-static double separate_edges(const core *c, const core *other, const double *apart)
-{
-  double most = -INFINITY;
-  for (int i = c->faces ? 0 : 2; i < 3; i++)
-    for (int j = other->faces ? 0 : 2; j < 3; j++) {
-      double n[3];
-      nsdae_cross3(c->axis[i], other->axis[j], n);
-      double length = sqrt(nsdae_dot3(n, n));
-      if (length < 1e-8) continue;
-      most = fmax(most, (fabs(nsdae_dot3(n, apart)) - reach(c, n) - reach(other, n)) / length);
-    }
-  return most;
-}
-
 nsdae_separating_axis nsdae_separating_axis_find(const nsdae_couple *two)
 {
   core c0 = core_of(two->solid[0], two->pose[0]), c1 = core_of(two->solid[1], two->pose[1]);
@@ -73,6 +57,16 @@ nsdae_separating_axis nsdae_separating_axis_find(const nsdae_couple *two)
   o.most = o.face;
   if (o.face > o.slack) return o;
   separate_faces(&c1, &c0, back, &there);
-  o.most = fmax(fmax(o.face, there.face), separate_edges(&c0, &c1, apart));
+  o.most = fmax(o.face, there.face);
+  /* The best separation along a normal of two edges. Those nearer to parallel than 1e-8 give no
+   * axis that faces do not. */
+  for (int i = c0.faces ? 0 : 2; i < 3; i++)
+    for (int j = c1.faces ? 0 : 2; j < 3; j++) {
+      double n[3];
+      nsdae_cross3(c0.axis[i], c1.axis[j], n);
+      double length = sqrt(nsdae_dot3(n, n));
+      if (length < 1e-8) continue;
+      o.most = fmax(o.most, (fabs(nsdae_dot3(n, apart)) - reach(&c0, n) - reach(&c1, n)) / length);
+    }
   return o;
 }

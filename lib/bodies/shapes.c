@@ -32,21 +32,6 @@ const char *nsdae_solid_name(int shape)
 
 /* ---- checks of a solid */
 
-/* How often the edges of a polygon that turns left at every corner go around: as often as their
- * direction comes from below (or from straight left) to above. A star of five goes twice. */
-static int count_turns(const nsdae_solid *s)
-{
-  int turns = 0, above, before = 0;
-  for (int i = 0; i <= s->points; i++) {
-    const double *a = s->point + 2 * (i % s->points), *b = s->point + 2 * ((i + 1) % s->points);
-    double x = b[0] - a[0], y = b[1] - a[1];
-    above = y > 0 || (y == 0 && x > 0);
-    turns += i > 0 && above && !before;
-    before = above;
-  }
-  return turns;
-}
-
 /* What is wrong with a polygon's corners, into the record. */
 static int check_polygon(const nsdae_solid *s, nsdae_error *error)
 {
@@ -70,7 +55,15 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
           "its corners in anticlockwise order",
           middle);
   }
-  int turns = count_turns(s);
+  /* How often the edges of a polygon that turns left at every corner go around: as often as their
+   * direction comes from below (or from straight left) to above. A star of five goes twice. */
+  int turns = 0, before = 0;
+  for (int i = 0; i <= s->points; i++) {
+    const double *a = s->point + 2 * (i % s->points), *b = s->point + 2 * ((i + 1) % s->points);
+    int above = b[1] - a[1] > 0 || (b[1] - a[1] == 0 && b[0] - a[0] > 0);
+    turns += i > 0 && above && !before;
+    before = above;
+  }
   if (turns == 1) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
                          "the corners of the polygon wind around it %d times: they must wind once",
@@ -96,18 +89,6 @@ static int check_solid(const nsdae_solid *s, nsdae_error *error)
 
 /* ---- a solid in its body */
 
-/* Corner i of the shape in its own frame. */
-static void own_corner(const nsdae_solid *s, int i, double *x)
-{
-  double side = i ? 0.5 : -0.5;
-  memset(x, 0, 3 * sizeof *x);
-  if (s->shape == NSDAE_SHAPE_SEGMENT) x[0] = side * s->length[0];
-  if (s->shape == NSDAE_SHAPE_CAPSULE) x[2] = side * s->length[2];
-  if (s->shape == NSDAE_SHAPE_POLYGON) memcpy(x, s->point + 2 * i, 2 * sizeof *x);
-  for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_BOX; j++)
-    x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
-}
-
 static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
   memcpy(made->turn, s->quaternion, sizeof made->turn);
@@ -119,8 +100,13 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   memcpy(made->origin, s->position, sizeof made->origin);
   made->size = 0;
   for (int i = 0; i < made->points; i++) {
-    double x[3], d[3], *corner = made->point + 3 * i;
-    own_corner(s, i, x);
+    double x[3] = {0, 0, 0}, d[3], *corner = made->point + 3 * i, side = i ? 0.5 : -0.5;
+    /* in the frame of the shape */
+    if (s->shape == NSDAE_SHAPE_SEGMENT) x[0] = side * s->length[0];
+    if (s->shape == NSDAE_SHAPE_CAPSULE) x[2] = side * s->length[2];
+    if (s->shape == NSDAE_SHAPE_POLYGON) memcpy(x, s->point + 2 * i, 2 * sizeof *x);
+    for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_BOX; j++)
+      x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
     nsdae_turn(made->R, x, corner);
     for (int j = 0; j < 3; j++) {
       corner[j] += made->origin[j];
@@ -292,23 +278,6 @@ static int check_coefficients(nsdae_bodies *b, const char *what, int index, doub
   return b->error.status;
 }
 
-static int check_contact(nsdae_bodies *b, int i, int j, const pairing *p)
-{
-  const char *what = "contact";
-  int index = b->feature.count, count = b->solid.count;
-  if (i < 0 || i >= count || j < 0 || j >= count)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
-                               "solids %d and %d: there are %d, from 0", i, j, count);
-  if (nsdae_solid_at(b, i)->body == nsdae_solid_at(b, j)->body)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
-                               "solids %d and %d belong to the same body, %d", i, j,
-                               nsdae_solid_at(b, i)->body);
-  if (is_base(nsdae_solid_at(b, i)) && is_base(nsdae_solid_at(b, j)))
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
-                               "solids %d and %d are both without corners", i, j);
-  return check_coefficients(b, what, index, p->mu, p->e_n, p->e_t);
-}
-
 int nsdae_bodies_set_pair(nsdae_bodies *b, int material0, int material1, double mu, double e_n,
                           double e_t)
 {
@@ -331,8 +300,20 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   int status = nsdae_bodies_open(b, b, "bodies");
   if (status < 0) return status;
   pairing p = {b, mu, e_n, e_t};
-  int index = b->feature.count;
-  status = check_contact(b, solid0, solid1, &p);
+  const char *what = "contact";
+  int index = b->feature.count, count = b->solid.count;
+  if (solid0 < 0 || solid0 >= count || solid1 < 0 || solid1 >= count)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d: there are %d, from 0", solid0, solid1, count);
+  const nsdae_solid_of *s0 = nsdae_solid_at(b, solid0), *s1 = nsdae_solid_at(b, solid1);
+  if (s0->body == s1->body)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d belong to the same body, %d", solid0, solid1,
+                               s0->body);
+  if (is_base(s0) && is_base(s1))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d are both without corners", solid0, solid1);
+  status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
   return b->error.status < 0 ? b->error.status : index;

@@ -48,13 +48,18 @@ typedef struct nsdae_facing {
   unsigned of[NSDAE_EDGES_MAX];
 } nsdae_facing;
 
-/* How far two planar solids are apart along the best outer normal of an edge of each, and which
- * edge; of a line also beyond its ends. All its features go by that. -INFINITY: has no edges. Where
- * one edge separates them by more than enough that is all it says. */
+/* How far two planar solids are apart along the best outer normal of an edge of one, and which
+ * edge; of a line also beyond its ends. -INFINITY: has no edges. */
+typedef struct nsdae_separation {
+  double value, ends;
+  int edge;
+  double above[3]; /* height of the other's points over that edge: see nsdae_height_above */
+} nsdae_separation;
+
+/* By edges of each. All features of the two go by that. Where one edge separates them by more than
+ * enough that is all it says. */
 typedef struct nsdae_meeting {
-  double value[2], ends[2];
-  int edge[2];
-  double above[2][3]; /* height of the other's points over that edge: see nsdae_height_above */
+  nsdae_separation by[2];
 } nsdae_meeting;
 
 /* above_x p_x + above_y p_y + above_0. No contact of a corner at p is nearer than this height over

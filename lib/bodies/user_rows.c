@@ -1,5 +1,4 @@
 /* Coordinates and rows of one's own: what is given must fit the sizes. */
-#include "errors.h"
 #include "bodies_impl.h"
 
 typedef struct callback_need {

@@ -58,10 +58,3 @@ int nsdae_sim_grow(nsdae_sim *sim)
   if (status == NSDAE_OK) sim->lists.growths++;
   return status;
 }
-
-void nsdae_sim_release_lists(nsdae_sim *sim)
-{
-  nsdae_terms_release(&sim->stepper.middle);
-  for (int i = 0; i < 3; i++) nsdae_result_release(&sim->point[i].result);
-  nsdae_problem_release(&sim->stepper.problem);
-}

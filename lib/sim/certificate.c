@@ -209,25 +209,6 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
   return status;
 }
 
-/* most := the larger of each figure, the energies of the other. */
-static inline void keep_worst(nsdae_certificate *most, const nsdae_certificate *c)
-{
-  most->energy = c->energy;
-  most->work = c->work;
-  most->dissipated = c->dissipated;
-  most->unexplained = c->unexplained;
-  if ((c->pull_contact & c->cone_contact & c->penetration_contact & c->drift_constraint &
-       c->rate_constraint & c->complementarity_contact) == -1)
-    return; /* all are 0 */
-  worst(c->pull, c->pull_contact, &most->pull, &most->pull_contact);
-  worst(c->cone_excess, c->cone_contact, &most->cone_excess, &most->cone_contact);
-  worst(c->penetration, c->penetration_contact, &most->penetration, &most->penetration_contact);
-  worst(c->constraint_drift, c->drift_constraint, &most->constraint_drift, &most->drift_constraint);
-  worst(c->constraint_rate, c->rate_constraint, &most->constraint_rate, &most->rate_constraint);
-  worst(c->complementarity, c->complementarity_contact, &most->complementarity,
-        &most->complementarity_contact);
-}
-
 int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
 {
   nsdae_certificate *c = &point->record.certificate;
@@ -256,7 +237,23 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
     status = work_of_step(before, point);
   }
   if (status == NSDAE_OK) status = measure_certificate(sim, point);
-  keep_worst(&point->accounts.stats.certificate, &point->record.certificate);
+  /* most := the larger of each figure, the energies of the other */
+  const nsdae_certificate *c = &point->record.certificate;
+  nsdae_certificate *most = &point->accounts.stats.certificate;
+  most->energy = c->energy;
+  most->work = c->work;
+  most->dissipated = c->dissipated;
+  most->unexplained = c->unexplained;
+  if ((c->pull_contact & c->cone_contact & c->penetration_contact & c->drift_constraint &
+       c->rate_constraint & c->complementarity_contact) == -1)
+    return status; /* all are 0 */
+  worst(c->pull, c->pull_contact, &most->pull, &most->pull_contact);
+  worst(c->cone_excess, c->cone_contact, &most->cone_excess, &most->cone_contact);
+  worst(c->penetration, c->penetration_contact, &most->penetration, &most->penetration_contact);
+  worst(c->constraint_drift, c->drift_constraint, &most->constraint_drift, &most->drift_constraint);
+  worst(c->constraint_rate, c->rate_constraint, &most->constraint_rate, &most->rate_constraint);
+  worst(c->complementarity, c->complementarity_contact, &most->complementarity,
+        &most->complementarity_contact);
   return status;
 }
 

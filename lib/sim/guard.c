@@ -24,16 +24,6 @@ static int refuse_concurrent(const nsdae_sim *sim, const char *where)
                          where);
 }
 
-/* Nothing else writes to the record while an observer is called. */
-static int refuse_observer(const nsdae_sim *sim, const char *where)
-{
-  nsdae_refusal_forget(sim);
-  return nsdae_error_set(&((nsdae_sim *)sim)->error, NSDAE_E_STATE, where, "",
-                         "%s was called by an observer, before the end of its step: return a "
-                         "positive value to stop the run instead",
-                         where);
-}
-
 /* What the call before has written is seen after it: acquire here, release in leave. */
 static int take(nsdae_guard *guard, enum nsdae_use use)
 {
@@ -52,7 +42,13 @@ int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
   nsdae_guard *guard = guard_of(sim);
   if (is_mine(guard)) {
     if (!guard->showing) return refuse_concurrent(sim, where);
-    if (use == NSDAE_MOVE) return refuse_observer(sim, where);
+    if (use == NSDAE_MOVE) { /* nothing else writes to the record while an observer is called */
+      nsdae_refusal_forget(sim);
+      return nsdae_error_set(&((nsdae_sim *)sim)->error, NSDAE_E_STATE, where, "",
+                             "%s was called by an observer, before the end of its step: return a "
+                             "positive value to stop the run instead",
+                             where);
+    }
     guard->showing = use == NSDAE_READ; /* what it asks may call a callback */
     return NSDAE_OK;
   }

@@ -11,12 +11,10 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "errors.h"
 #include "penalty_law.h"
-#include "listed.h"
 #include "sim_impl.h"
 #include "system_impl.h"
 #include "tangent_check.h"
@@ -121,23 +119,6 @@ static void trial_velocity(int n, int number, double *v)
     v[j] = number == STILL ? 0 : cos(1 + number + 2.399963 * (j + 1)); /* no two alike */
 }
 
-/* W v + w of a row, and the sum of its terms. */
-static double given_rate(const relation *r, const nsdae_blocks *blocks, int i, const double *v,
-                         double *size)
-{
-  double rate = r->bias[i];
-  *size = fabs(rate);
-  for (int p = r->rate->first[i]; p < r->rate->first[i + 1]; p++) {
-    const double *value = r->rate->value + r->rate->at[p];
-    int b = r->rate->block[p];
-    for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++, value += r->rate->stride) {
-      rate += *value * v[j];
-      *size += fabs(*value * v[j]);
-    }
-  }
-  return rate;
-}
-
 static int wrong_rate(const nsdae_terms *T, const char *callback, int kind, int i, int number,
                       double given, double difference)
 {
@@ -159,9 +140,17 @@ static int judge_rates(const nsdae_terms *T, const relation *r, int number, cons
                        double s)
 {
   const nsdae_differences *d = T->differences;
+  const nsdae_blocks *blocks = &T->system->blocks;
   for (int i = 0; i < r->rows; i++) {
     if (nsdae_system_exact(T->system, r->kind, i)) continue;
-    double size, given = given_rate(r, &T->system->blocks, i, v, &size);
+    /* W v + w of a row, and the sum of its terms */
+    double given = nsdae_rows_add_dot(blocks, r->rate, i, v, r->bias[i]), size = fabs(r->bias[i]);
+    for (int p = r->rate->first[i]; p < r->rate->first[i + 1]; p++) {
+      const double *value = r->rate->value + r->rate->at[p],
+                   *u = v + blocks->first[r->rate->block[p]];
+      for (int j = 0; j < nsdae_blocks_size(blocks, r->rate->block[p]); j++)
+        size += fabs(value[(size_t)j * r->rate->stride] * u[j]);
+    }
     double ahead = (d->plus[i] - r->value[i]) / s, back = (r->value[i] - d->minus[i]) / s;
     double middle = (ahead + back) / 2;
     if (!isfinite(middle)) continue;                     /* the end of where it is defined */
@@ -186,15 +175,6 @@ static int displaced(const nsdae_terms *T, const relation *r, double s, double *
                                       nsdae_terms_time(T), T->error);
 }
 
-static int look(const nsdae_projector *p, const nsdae_terms *T, const relation *r, int number,
-                double s)
-{
-  nsdae_differences *d = T->differences;
-  int status = displaced(T, r, s, d->plus);
-  if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
-  return status < 0 ? status : judge_rates(T, r, number, p->v, s);
-}
-
 /* What is wrong in the usual step is looked at in a far shorter one: a pin that is off the middle
  * of its hole by less than the step, as by microns of clearance, turns its normal within it. */
 static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation *r)
@@ -208,10 +188,12 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
     if (status < 0) return status;
     double s =
         nsdae_differences_step(dims->nq, nsdae_terms_time(T), T->q, d->qdot, cbrt(DBL_EPSILON));
-    status = look(p, T, r, number, s);
-    if (status == NSDAE_E_DERIVATIVE) {
+    status = NSDAE_E_DERIVATIVE;
+    for (int finer = 0; finer < 2 && status == NSDAE_E_DERIVATIVE; finer++, s *= shorter) {
       nsdae_error_clear(T->error);
-      status = look(p, T, r, number, shorter * s);
+      status = displaced(T, r, s, d->plus);
+      if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
+      if (status == NSDAE_OK) status = judge_rates(T, r, number, p->v, s);
     }
     if (status < 0) return status;
   }

@@ -3,9 +3,7 @@
  * letters h is the step, c the largest entry of Phi_q at the start, l = max h c max |v_j| the way
  * along such a row in one step so far, g the largest change of a gap in one; neither is below the
  * way h^2 F / M that the forces of the start lead to from rest. */
-#include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "errors.h"
 #include "sim_impl.h"
@@ -189,21 +187,6 @@ static int judge_fallback(const nsdae_sim *sim, const nsdae_point *before, nsdae
   return known ? NSDAE_OK : report(point, &deep, NSDAE_WARN_PENETRATION);
 }
 
-static int report_twofold(nsdae_point *point)
-{
-  const nsdae_terms *end = &point->result.end;
-  const nsdae_twofold *of = &point->result.twofold;
-  char called[NSDAE_CALLED_SIZE];
-  point->accounts.stats.warnings |= NSDAE_MONITORS_PAINLEVE;
-  nsdae_error_set(
-      end->error, NSDAE_WARN_PAINLEVE, "nsdae_sim", "mu",
-      "%s has two solutions for its friction at t = %.6g (Painleve): the one of the multiplier "
-      "%.6g is used; a smaller mu makes it unique",
-      nsdae_system_called(end->system, NSDAE_NAME_FRICTIONAL_JOINT, of->frictional_joint, called),
-      of->t, of->lambda);
-  return nsdae_error_at(end->error, NSDAE_WARN_PAINLEVE, of->frictional_joint, of->t);
-}
-
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   nsdae_monitors *w = &point->accounts.watch;
@@ -218,7 +201,17 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   for (int i = 0; i < found; i++)
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
       return report(point, &all[i], rules[all[i].rule].status);
-  if (point->result.twofold.frictional_joint >= 0 && (new &NSDAE_MONITORS_PAINLEVE))
-    return report_twofold(point);
-  return new &NSDAE_MONITORS_IMPACTS ? nsdae_merged_report(sim, before, point) : NSDAE_OK;
+  const nsdae_twofold *of = &point->result.twofold;
+  const nsdae_terms *end = &point->result.end;
+  char called[NSDAE_CALLED_SIZE];
+  if (of->frictional_joint < 0 || !(new &NSDAE_MONITORS_PAINLEVE))
+    return new &NSDAE_MONITORS_IMPACTS ? nsdae_merged_report(sim, before, point) : NSDAE_OK;
+  point->accounts.stats.warnings |= NSDAE_MONITORS_PAINLEVE;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_PAINLEVE, "nsdae_sim", "mu",
+      "%s has two solutions for its friction at t = %.6g (Painleve): the one of the multiplier "
+      "%.6g is used; a smaller mu makes it unique",
+      nsdae_system_called(end->system, NSDAE_NAME_FRICTIONAL_JOINT, of->frictional_joint, called),
+      of->t, of->lambda);
+  return nsdae_error_at(end->error, NSDAE_WARN_PAINLEVE, of->frictional_joint, of->t);
 }

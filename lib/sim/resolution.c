@@ -23,11 +23,6 @@ static const double OWN_LENGTHS = 0.01; /* of a row */
 
 enum { SEEN = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_GAP };
 
-static int has_tolerance(const nsdae_sim_options *o)
-{
-  return o->method == NSDAE_METHOD_EVENT || o->method == NSDAE_METHOD_PENALTY;
-}
-
 static int differ(const double *a, const double *b, int n)
 {
   for (int i = 0; i < n; i++)
@@ -50,23 +45,6 @@ static int depends_on_time(nsdae_sim *sim, const nsdae_terms *start)
          (differ(start->F, later->F, d->nv) || differ(start->M, later->M, (int)squares) ||
           differ(start->constraint.phi, later->constraint.phi, d->m) ||
           differ(start->gap, later->gap, d->k));
-}
-
-static int check_time(nsdae_sim *sim, const nsdae_terms *start)
-{
-  const nsdae_sim_options *o = &sim->options;
-  double t0 = nsdae_terms_time(start), apart = DBL_EPSILON * fabs(t0);
-  if (!(o->dt >= apart))
-    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "dt",
-                           "dt = %g is lost in rounding at t0 = %.17g: it must be at least %.2g; a "
-                           "smaller t0 allows smaller steps",
-                           o->dt, t0, apart);
-  if (!has_tolerance(o) || apart <= NOISE * o->rtol * o->dt || !depends_on_time(sim, start))
-    return NSDAE_OK;
-  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "t0",
-                         "t0 = %.17g: times have a spacing of %.2g, callbacks depend on t, and "
-                         "rtol dt = %.2g must be at least %.2g: use a smaller t0, or a larger rtol",
-                         t0, apart, o->rtol * o->dt, apart / NOISE);
 }
 
 /* Amounts of a row's terms: of its lengths, and of its way in a step h. */
@@ -111,9 +89,21 @@ static int check_rows(nsdae_sim *sim, const nsdae_terms *T, const nsdae_rows *ro
 
 int nsdae_start_resolved(nsdae_sim *sim, const nsdae_terms *start)
 {
-  int status = check_time(sim, start);
-  if (status < 0 || !has_tolerance(&sim->options)) return status;
-  status = check_rows(sim, start, &start->by.normal, NSDAE_NAME_CONTACT);
+  const nsdae_sim_options *o = &sim->options;
+  double t0 = nsdae_terms_time(start), apart = DBL_EPSILON * fabs(t0);
+  if (!(o->dt >= apart))
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "dt",
+                           "dt = %g is lost in rounding at t0 = %.17g: it must be at least %.2g; a "
+                           "smaller t0 allows smaller steps",
+                           o->dt, t0, apart);
+  if (o->method != NSDAE_METHOD_EVENT && o->method != NSDAE_METHOD_PENALTY) return NSDAE_OK;
+  if (apart > NOISE * o->rtol * o->dt && depends_on_time(sim, start))
+    return nsdae_error_set(
+        &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "t0",
+        "t0 = %.17g: times have a spacing of %.2g, callbacks depend on t, and "
+        "rtol dt = %.2g must be at least %.2g: use a smaller t0, or a larger rtol",
+        t0, apart, o->rtol * o->dt, apart / NOISE);
+  int status = check_rows(sim, start, &start->by.normal, NSDAE_NAME_CONTACT);
   if (status == NSDAE_OK)
     status = check_rows(sim, start, &start->by.jacobian, NSDAE_NAME_CONSTRAINT);
   return status;
@@ -124,22 +114,6 @@ static double largest_entry(const nsdae_blocks *blocks, const nsdae_rows *rows)
   double most = 0;
   for (int i = 0; i < rows->count; i++) most = fmax(most, nsdae_rows_largest(blocks, rows, i));
   return most;
-}
-
-/* The forces at the start's place with v = 0: a damper that brakes what is fast leads nothing that
- * rests anywhere. What is not defined there is as it is at the start. */
-static int force_at_rest(const nsdae_terms *T, double *still, double *F)
-{
-  const nsdae_system *s = T->system;
-  size_t size = (size_t)s->dims.nv * sizeof *F;
-  memcpy(F, T->F, size);
-  if (nsdae_largest(s->dims.nv, T->v) == 0) return NSDAE_OK;
-  memset(still, 0, size);
-  memset(F, 0, size);
-  int code = s->call.force(nsdae_terms_time(T), T->q, still, F, s->user);
-  for (int i = 0; i < s->dims.nv; i++)
-    if (!isfinite(F[i])) F[i] = T->F[i];
-  return nsdae_system_callback_status(code, "force", nsdae_terms_time(T), T->error);
 }
 
 /* The largest gap, if start_tol does not make it none; else 0, as of penalty, whose stiffness gives
@@ -176,8 +150,19 @@ int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point)
   const nsdae_terms *start = &point->result.end;
   const nsdae_dims *d = &start->system->dims;
   double *still = sim->probe, *F = still + d->nv, h = sim->options.dt;
-  int status = force_at_rest(start, still, F);
-  if (status < 0) return status;
+  size_t size = (size_t)d->nv * sizeof *F;
+  /* The forces at the start's place with v = 0: a damper that brakes what is fast leads nothing
+   * that rests anywhere. What is not defined there is as it is at the start. */
+  memcpy(F, start->F, size);
+  if (nsdae_largest(d->nv, start->v) > 0) {
+    double t = nsdae_terms_time(start);
+    memset(still, 0, size);
+    memset(F, 0, size);
+    int code = start->system->call.force(t, start->q, still, F, start->system->user);
+    if (code) return nsdae_system_callback_status(code, "force", t, start->error);
+    for (int i = 0; i < d->nv; i++)
+      if (!isfinite(F[i])) F[i] = start->F[i];
+  }
   double rounding, from_rest = way_from_rest(start, F, h, &rounding);
   point->accounts.watch =
       (nsdae_monitors){.change = from_rest,

@@ -73,21 +73,6 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
                          "projection does not support contact lists: set projection = none");
 }
 
-static int check_create(const nsdae_system *system, const nsdae_sim_options *options,
-                        nsdae_sim **sim, nsdae_error *error)
-{
-  nsdae_error_clear(error);
-  if (!system || !sim)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", system ? "sim" : "system",
-                           "%s is NULL", system ? "sim" : "system");
-  *sim = NULL;
-  int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
-  if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
-  if (status == NSDAE_OK) status = nsdae_system_told(system, error);
-  if (status == NSDAE_OK) status = check_lists(system, options, error);
-  return status < 0 ? status : check_rows(system, options, error);
-}
-
 /* The system with coefficients of its own; law and they are in blocks of their own, for their
  * number sizes the arena. */
 static int copy_system(nsdae_sim *sim)
@@ -154,7 +139,16 @@ static int build(nsdae_sim *sim)
 int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options, nsdae_sim **sim,
                      nsdae_error *error)
 {
-  int status = check_create(system, options, sim, error);
+  nsdae_error_clear(error);
+  if (!system || !sim)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", system ? "sim" : "system",
+                           "%s is NULL", system ? "sim" : "system");
+  *sim = NULL;
+  int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
+  if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
+  if (status == NSDAE_OK) status = nsdae_system_told(system, error);
+  if (status == NSDAE_OK) status = check_lists(system, options, error);
+  if (status == NSDAE_OK) status = check_rows(system, options, error);
   if (status < 0) return status;
   nsdae_sim *made = calloc(1, sizeof *made);
   if (!made) return no_memory_for_sim(NULL, error);
@@ -185,7 +179,9 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   nsdae_cones_close(&(*sim)->stepper.contacts.cones);
   nsdae_kkt_release(&(*sim)->stepper.kkt);
   nsdae_least_release(&(*sim)->projection.least);
-  nsdae_sim_release_lists(*sim);
+  nsdae_terms_release(&(*sim)->stepper.middle);
+  for (int i = 0; i < 3; i++) nsdae_result_release(&(*sim)->point[i].result);
+  nsdae_problem_release(&(*sim)->stepper.problem);
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->model.contact);
   free((*sim)->model.frictional_joint);

@@ -139,7 +139,6 @@ struct nsdae_sim {
 int nsdae_sim_grow(nsdae_sim *sim);
 /* Room for at least as much. */
 int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows);
-void nsdae_sim_release_lists(nsdae_sim *sim);
 
 /* What an observer sees: the step that waits for it, else the state. */
 static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)

@@ -381,17 +381,6 @@ static int are_finite(const double *a, int n)
   return nsdae_all_finite((size_t)n, a);
 }
 
-/* The listed contacts that were read. */
-static int check_closed(const nsdae_sim *sim)
-{
-  const nsdae_result *r = &sim->next->result;
-  int k = r->closed.count, blocks = sim->system->blocks.count;
-  for (int i = 0; i < 2 * k; i++)
-    if (r->closed.block[i] < -1 || r->closed.block[i] >= blocks) return 0;
-  return k == 0 || (are_finite(r->impulses.normal, k) && are_finite(r->closed.gap, k) &&
-                    are_finite(r->impulses.tangential, k * r->closed.nt) && r->end.by.reach >= 0);
-}
-
 /* What was read into next. */
 static int check_values(nsdae_sim *sim)
 {
@@ -412,11 +401,18 @@ static int check_values(nsdae_sim *sim)
   const double certificate[] = {
       r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
       c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
-  if (are_finite(sums, (int)(sizeof sums / sizeof *sums)) && are_finite(r->end.q, d->nq) &&
+  /* the listed contacts */
+  int listed = r->closed.count, right = listed == 0 || r->end.by.reach >= 0;
+  for (int i = 0; i < 2 * listed; i++)
+    right &= r->closed.block[i] >= -1 && r->closed.block[i] < sim->system->blocks.count;
+  if (listed > 0)
+    right &= are_finite(r->impulses.normal, listed) && are_finite(r->closed.gap, listed) &&
+             are_finite(r->impulses.tangential, listed * r->closed.nt);
+  if (right && are_finite(sums, (int)(sizeof sums / sizeof *sums)) && are_finite(r->end.q, d->nq) &&
       are_finite(r->end.v, d->nv) && are_finite(r->multiplier, d->m) &&
       are_finite(r->impulses.normal, d->k) && are_finite(r->impulses.tangential, d->k * d->nt) &&
       are_finite(r->impulses.frictional_joint_impulse, d->f) &&
-      !any_nan(certificate, sizeof certificate / sizeof *certificate) && check_closed(sim) &&
+      !any_nan(certificate, sizeof certificate / sizeof *certificate) &&
       !any_nan(r->memory.real, r->memory.reals))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
@@ -468,7 +464,9 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
     return status;
   }
   nsdae_sim_commit(sim);
-  nsdae_units_swap(&sim->projection);
+  const nsdae_units units = sim->projection.units;
+  sim->projection.units = sim->projection.other;
+  sim->projection.other = units;
   sim->stage.started = sim->stage.told = 1;
   sim->stage.failed = 0;
   sim->stage.warning.status = sim->stage.start.status = NSDAE_OK;

@@ -154,13 +154,6 @@ static void keep_there(nsdae_projector *p, const part *b, int same)
   for (int i = 0; i < b->nq; i++) of[i] = of[i] < 0 ? -2 - of[i] : -1;
 }
 
-void nsdae_units_swap(nsdae_projector *p)
-{
-  nsdae_units units = p->units;
-  p->units = p->other;
-  p->other = units;
-}
-
 void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length)
 {
   memset(length, 0, (size_t)units->count * sizeof *length);
@@ -256,18 +249,6 @@ static int solve_projection(nsdae_projector *p, const nsdae_terms *T, int least)
   return nsdae_least_solve(&p->least, T);
 }
 
-/* Contacts that would pull are open; returns how many. */
-static int open_pulling(nsdae_projector *p, int rows)
-{
-  int opened = 0;
-  for (int i = 0; i < rows; i++) {
-    if (p->contact[i] < 0 || !(p->least.c[i] > 0)) continue;
-    p->closed[p->contact[i]] = 0;
-    opened++;
-  }
-  return opened;
-}
-
 /* The contact that overlaps most, by more than rounding, takes part from here on: one at a time,
  * for what puts it right may put others right. Returns whether there is one. */
 static int close_deepest(nsdae_projector *p, const nsdae_terms *T)
@@ -346,7 +327,13 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
     }
     before = worst;
     status = solve_projection(p, T, least);
-    if (status == NSDAE_OK && open_pulling(p, rows) == 0) status = move(p, T);
+    int opened = 0; /* contacts that would pull */
+    for (int i = 0; i < rows && status == NSDAE_OK; i++) {
+      if (p->contact[i] < 0 || !(p->least.c[i] > 0)) continue;
+      p->closed[p->contact[i]] = 0;
+      opened++;
+    }
+    if (status == NSDAE_OK && opened == 0) status = move(p, T);
   }
   return status < 0 ? status : not_converged(p, T, row);
 }

@@ -45,8 +45,6 @@ void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
 /* Looks for the groups at (t, q) and keeps their lengths. NSDAE_OK, or what the kinematics returns.
  */
 int nsdae_units_find(nsdae_projector *projection, double t, const double *q);
-/* Puts other in the place of units. */
-void nsdae_units_swap(nsdae_projector *projection);
 /* length [count]: of the groups of q. */
 void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length);
 

@@ -74,22 +74,6 @@ static int energy(nsdae_terms *T, double *value)
   return status;
 }
 
-/* Which contacts that were closed in the step are moved, and how deep they may be. One that is
- * found in it stays where it was found. That it sinks in from there is Newton's law: on a surface
- * of radius r the normal turns, so that it comes at u = -h v^2 / r and leaves at -e_N u, and gets
- * h (1 - e_N) |u| / 2 deeper. */
-static void choose_contacts(const nsdae_sim *sim, const nsdae_result *r, nsdae_projector *p)
-{
-  const double *before = sim->now->record.gap;
-  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS;
-  int any = sim->options.projection >= NSDAE_PROJECTION_CONTACTS;
-  for (int i = 0; i < sim->system->dims.k; i++) {
-    p->depth[i] = lasting ? fmin(before[i], 0) : 0;
-    p->closed[i] = any && r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < p->depth[i] &&
-                   !(lasting && before[i] > 0);
-  }
-}
-
 /* The option projection, of the time-stepping methods: the end of the step is moved to the
  * constraints, and the contacts that were closed in it to touching, or to the depth that they had;
  * what that does to the energy is work on the system. */
@@ -101,7 +85,18 @@ static int project(nsdae_sim *sim)
   int status = energy(&r->end, &before);
   if (status == NSDAE_OK) status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
   if (status < 0) return status;
-  choose_contacts(sim, r, p);
+  /* Which contacts that were closed in the step are moved, and how deep they may be. One that is
+   * found in it stays where it was found. That it sinks in from there is Newton's law: on a surface
+   * of radius r the normal turns, so that it comes at u = -h v^2 / r and leaves at -e_N u, and gets
+   * h (1 - e_N) |u| / 2 deeper. */
+  const double *gap = sim->now->record.gap;
+  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS;
+  int any = sim->options.projection >= NSDAE_PROJECTION_CONTACTS;
+  for (int i = 0; i < sim->system->dims.k; i++) {
+    p->depth[i] = lasting ? fmin(gap[i], 0) : 0;
+    p->closed[i] = any && r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < p->depth[i] &&
+                   !(lasting && gap[i] > 0);
+  }
   status = nsdae_project_positions(p, &r->end, 0);
   if (status == NSDAE_OK) status = energy(&r->end, &moved);
   if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);

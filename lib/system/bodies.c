@@ -1,6 +1,5 @@
 /* What trajectory files show of a system: copies of bodies, each with its points and texts behind
  * it in one piece of memory, which begins with the points. */
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,10 +58,4 @@ const nsdae_body *nsdae_system_get_bodies(const nsdae_system *system, int *n)
 {
   if (n) *n = system ? system->bodies : 0;
   return system ? system->body : NULL;
-}
-
-void nsdae_system_release_bodies(nsdae_system *system)
-{
-  for (int i = 0; i < system->bodies; i++) free((void *)(uintptr_t)system->body[i].point);
-  free(system->body);
 }

@@ -144,41 +144,31 @@ static int check_finite(probe *p)
   return NSDAE_OK;
 }
 
-/* Positions, gaps and rates are all of something: there a zero that was never written is a mistake,
- * while a matrix or a force may well be written where it is not zero. */
-static int check_written(probe *p)
-{
-  static const char *const names[] = {"constraint", "gap", "kinematics", "potential"};
-  if (!is_among(p->callback->name, names, sizeof names / sizeof *names)) return NSDAE_OK;
-  int status = call(p, 1);
-  if (status < 0) return status;
-  size_t entry = find_mark(p->array[0].first, p->array[0].size, 1);
-  if (entry == p->array[0].size) return NSDAE_OK;
-  return found(p, 0, (long)entry, NSDAE_E_CALLBACK, "never set");
-}
-
-static int run_probe(probe *p)
-{
-  double *next = p->of->work;
-  for (int i = 0; i < p->callback->outputs; i++) {
-    array *a = &p->array[i];
-    *a = output_shape(p->of->system, &p->callback->output[i]);
-    a->block = next;
-    a->first = next + a->guard;
-    next += whole(a);
-  }
-  int status = call(p, 0);
-  if (status == NSDAE_OK) status = check_guards(p);
-  if (status == NSDAE_OK && p->of->finite) status = check_finite(p);
-  return status < 0 ? status : check_written(p);
-}
-
 int nsdae_callback_guard_callbacks(const nsdae_callback_guard *of)
 {
+  static const char *const names[] = {"constraint", "gap", "kinematics", "potential"};
   int status = NSDAE_OK;
   for (int c = 0; c < nsdae_callbacks_count && status == NSDAE_OK; c++) {
     probe p = {.of = of, .callback = &nsdae_callbacks[c]};
-    if (p.callback->given(of->system)) status = run_probe(&p);
+    double *next = of->work;
+    if (!p.callback->given(of->system)) continue;
+    for (int i = 0; i < p.callback->outputs; i++) {
+      array *a = &p.array[i];
+      *a = output_shape(of->system, &p.callback->output[i]);
+      a->block = next;
+      a->first = next + a->guard;
+      next += whole(a);
+    }
+    status = call(&p, 0);
+    if (status == NSDAE_OK) status = check_guards(&p);
+    if (status == NSDAE_OK && of->finite) status = check_finite(&p);
+    /* Positions, gaps and rates are all of something: there a zero that was never written is a
+     * mistake, while a matrix or a force may well be written where it is not zero. */
+    if (status < 0 || !is_among(p.callback->name, names, sizeof names / sizeof *names)) continue;
+    status = call(&p, 1);
+    if (status < 0) continue;
+    size_t entry = find_mark(p.array[0].first, p.array[0].size, 1);
+    if (entry < p.array[0].size) status = found(&p, 0, (long)entry, NSDAE_E_CALLBACK, "never set");
   }
   return status;
 }

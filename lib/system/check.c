@@ -12,30 +12,25 @@
 
 typedef nsdae_derivative_check check;
 
-static long largest(const nsdae_system *system)
-{
-  const nsdae_dims *dims = &system->dims;
-  long n = dims->nv, m = 2L * dims->m, k = (long)dims->k * (1 + dims->nt) + dims->f;
-  const long sizes[] = {m, k, (long)system->blocks.square[system->blocks.count],
-                        system->call.constraint_jacobian ? n * dims->m : 0, n * dims->k};
-  long size = n;
-  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-    if (sizes[i] > size) size = sizes[i];
-  return size;
-}
-
 static void layout_check(void *object, nsdae_arena *arena)
 {
   check *c = object;
-  long size = largest(c->system);
+  const nsdae_system *s = c->system;
+  const nsdae_dims *dims = &s->dims;
+  long n = dims->nv, size = n;
+  const long sizes[] = {2L * dims->m, (long)dims->k * (1 + dims->nt) + dims->f,
+                        (long)s->blocks.square[s->blocks.count],
+                        s->call.constraint_jacobian ? n * dims->m : 0, n * dims->k};
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+    if (sizes[i] > size) size = sizes[i];
   nsdae_differences_layout(&c->differences, arena);
   c->given = NSDAE_ARENA_DOUBLES(arena, size);
   c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
   c->spare = NSDAE_ARENA_DOUBLES(arena, size);
-  c->trial = NSDAE_ARENA_DOUBLES(arena, c->system->dims.nv);
-  c->first = NSDAE_ARENA_INTS(arena, c->system->dims.m + 1L);
+  c->trial = NSDAE_ARENA_DOUBLES(arena, n);
+  c->first = NSDAE_ARENA_INTS(arena, dims->m + 1L);
   c->directions.differences = &c->differences;
-  if (c->system->call.gap_tangent) nsdae_directions_layout(&c->directions, arena);
+  if (s->call.gap_tangent) nsdae_directions_layout(&c->directions, arena);
 }
 
 int nsdae_check_callback(check *c, int code, const char *callback)

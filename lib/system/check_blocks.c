@@ -118,35 +118,6 @@ static int check_rates(context *x, double reach)
   return status;
 }
 
-static int check_contacts(context *x)
-{
-  check *c = x->c;
-  double reach = 0.1 * (1 + nsdae_largest(c->system->dims.nq, c->q));
-  int status = list_contacts(c, &x->list, c->t, c->q, reach);
-  for (int number = 0; number < 2 && status == NSDAE_OK; number++) {
-    for (int j = 0; j < c->system->dims.nv; j++) c->trial[j] = cos(1 + number + 2.399963 * (j + 1));
-    status = check_rates(x, reach);
-  }
-  return status;
-}
-
-/* The mass against its transpose. */
-static int check_mass(check *c)
-{
-  const nsdae_blocks *blocks = &c->system->blocks;
-  memset(c->given, 0, blocks->square[blocks->count] * sizeof *c->given);
-  int code = c->system->call.mass_blocks(c->t, c->q, c->given, c->system->user);
-  int status = nsdae_check_callback(c, code, "mass_blocks");
-  for (int b = 0; b < blocks->count && status == NSDAE_OK; b++) {
-    int n = nsdae_blocks_size(blocks, b), at = blocks->first[b];
-    const double *M = c->given + blocks->square[b];
-    for (int j = 0; j < n; j++)
-      for (int i = 0; i < n; i++)
-        nsdae_check_keep(c, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
-  }
-  return status;
-}
-
 int nsdae_check_lists(check *c)
 {
   nsdae_system *s = c->system;
@@ -155,9 +126,24 @@ int nsdae_check_lists(check *c)
   x.jacobian = (nsdae_rows){.count = s->dims.m, .stride = 1, .first = c->first};
   x.rows =
       (nsdae_row_list){.system = s, .blocks = &s->blocks, .error = &s->error, .rows = &x.jacobian};
-  int status = check_mass(c);
+  /* The mass against its transpose. */
+  memset(c->given, 0, s->blocks.square[s->blocks.count] * sizeof *c->given);
+  int code = s->call.mass_blocks(c->t, c->q, c->given, s->user);
+  int status = nsdae_check_callback(c, code, "mass_blocks");
+  for (int b = 0; b < s->blocks.count && status == NSDAE_OK; b++) {
+    int n = nsdae_blocks_size(&s->blocks, b), at = s->blocks.first[b];
+    const double *M = c->given + s->blocks.square[b];
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++)
+        nsdae_check_keep(c, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
+  }
   if (status == NSDAE_OK && s->call.constraint_rows) status = check_rows(&x);
-  if (status == NSDAE_OK && s->call.contacts) status = check_contacts(&x);
+  double reach = 0.1 * (1 + nsdae_largest(s->dims.nq, c->q));
+  if (status == NSDAE_OK && s->call.contacts) status = list_contacts(c, &x.list, c->t, c->q, reach);
+  for (int number = 0; number < 2 && s->call.contacts && status == NSDAE_OK; number++) {
+    for (int j = 0; j < s->dims.nv; j++) c->trial[j] = cos(1 + number + 2.399963 * (j + 1));
+    status = check_rates(&x, reach);
+  }
   if (status == NSDAE_E_MEMORY) nsdae_error_memory(&s->error, "nsdae_system_check");
   nsdae_contact_list_release(&x.list);
   nsdae_contact_list_release(&x.ahead);

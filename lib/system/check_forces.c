@@ -32,19 +32,6 @@ static int force_displaced(check *c, int along_q, double s, double *F)
                               "force");
 }
 
-/* A column of the callback by blocks, into given. */
-static int block_column(check *c, const derivative *x)
-{
-  nsdae_block_list list = {.system = c->system,
-                           .callback = x->name_blocks,
-                           .error = &c->system->error,
-                           .x = c->differences.unit,
-                           .product = c->given};
-  memset(c->given, 0, (size_t)c->system->dims.nv * sizeof *c->given);
-  int code = x->blocks(c->t, c->q, c->v, &list, c->system->user);
-  return list.status < 0 ? list.status : nsdae_check_callback(c, code, x->name_blocks);
-}
-
 static int check_column(check *c, const derivative *x, int j)
 {
   const nsdae_dims *dims = &c->system->dims;
@@ -60,7 +47,16 @@ static int check_column(check *c, const derivative *x, int j)
                         : ldexp(0x1p-17, ilogb(fmax(1, nsdae_largest(dims->nv, c->v))));
   status = force_displaced(c, x->along_q, s, plus);
   if (status == NSDAE_OK) status = force_displaced(c, x->along_q, -s, minus);
-  if (status == NSDAE_OK && !x->dense) status = block_column(c, x);
+  if (status == NSDAE_OK && !x->dense) { /* its column into given */
+    nsdae_block_list list = {.system = c->system,
+                             .callback = x->name_blocks,
+                             .error = &c->system->error,
+                             .x = d->unit,
+                             .product = c->given};
+    memset(c->given, 0, (size_t)dims->nv * sizeof *c->given);
+    code = x->blocks(c->t, c->q, c->v, &list, c->system->user);
+    status = list.status < 0 ? list.status : nsdae_check_callback(c, code, x->name_blocks);
+  }
   for (int i = 0; i < dims->nv && status == NSDAE_OK; i++) {
     double difference = (minus[i] - plus[i]) / (2 * s);
     double rounding = 2 * DBL_EPSILON * (fabs(plus[i]) + fabs(minus[i])) / s;

@@ -2,7 +2,6 @@
 #ifndef NSDAE_SYSTEM_DERIVATIVE_CHECK_H
 #define NSDAE_SYSTEM_DERIVATIVE_CHECK_H
 
-#include "arena.h"
 #include "contact_directions.h"
 #include "differences.h"
 #include "system_impl.h"

@@ -25,17 +25,6 @@ int nsdae_moment_arms_bends(nsdae_moment_arms *arms, int i, double bend, double 
   return code;
 }
 
-/* v = e_j - a n - b t, of the translations of velocity `of`. */
-static void turn_about(nsdae_moment_arms *arms, const nsdae_contact_directions *c, int of, int j,
-                       double tol)
-{
-  for (int i = 0; i < c->nv; i++)
-    arms->v[i] = nsdae_tangent_translates(c, of, i, tol)
-                     ? -c->normal[j] * c->normal[i] - c->tangent[j] * c->tangent[i]
-                     : 0;
-  arms->v[j] = 1;
-}
-
 /* n x t, of two translations. */
 static double turns(const nsdae_contact_directions *c, int of, double tol)
 {
@@ -139,7 +128,11 @@ static int doubt_one(nsdae_moment_arms *arms, int i, int of, int j, double tol, 
   const sense before = *seen;
   arm x = {i, j, .a = c.normal[j], .b = c.tangent[j], .turns = turns(&c, of, tol)};
   int bends = 1;
-  turn_about(arms, &c, of, j, tol);
+  /* v = e_j - a n - b t, of the translations of velocity `of` */
+  for (int l = 0; l < c.nv; l++)
+    arms->v[l] =
+        nsdae_tangent_translates(&c, of, l, tol) ? -x.a * c.normal[l] - x.b * c.tangent[l] : 0;
+  arms->v[j] = 1;
   int code = nsdae_moment_arms_bend(arms, i, &x.bend);
   if (code) return code;
   code = nsdae_kinematics(c.system, arms->t, arms->q, arms->v, arms->rate);

@@ -213,31 +213,27 @@ static int by_name(const void *a, const void *b)
   return strcmp((*left)->name, (*right)->name);
 }
 
-static int distinct(const nsdae_system *system, int kind, nsdae_error *error)
-{
-  int count = nsdae_system_count(system, kind), named = 0, status = NSDAE_OK;
-  if (!system->label[kind]) return NSDAE_OK;
-  const nsdae_label **order = malloc((size_t)count * sizeof *order);
-  if (!order) return nsdae_error_memory(error, "nsdae_system");
-  for (int i = 0; i < count; i++)
-    if (system->label[kind][i].name[0]) order[named++] = &system->label[kind][i];
-  qsort(order, (size_t)named, sizeof *order, by_name);
-  for (int i = 1; i < named && status == NSDAE_OK; i++)
-    if (strcmp(order[i - 1]->name, order[i]->name) == 0) {
-      int a = (int)(order[i - 1] - system->label[kind]), b = (int)(order[i] - system->label[kind]);
-      status =
-          nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system", "name",
-                          "%s %d and %s %d both have the name '%s': names of one kind must differ",
-                          kinds[kind], a < b ? a : b, kinds[kind], a < b ? b : a, order[i]->name);
-    }
-  free(order);
-  return status;
-}
-
 int nsdae_names_distinct(const nsdae_system *system, nsdae_error *error)
 {
   int status = NSDAE_OK;
-  for (int kind = 0; kind < NSDAE_NAME_KINDS && status == NSDAE_OK; kind++)
-    status = distinct(system, kind, error);
+  for (int kind = 0; kind < NSDAE_NAME_KINDS && status == NSDAE_OK; kind++) {
+    const nsdae_label *label = system->label[kind];
+    int count = nsdae_system_count(system, kind), named = 0;
+    if (!label) continue;
+    const nsdae_label **order = malloc((size_t)count * sizeof *order);
+    if (!order) return nsdae_error_memory(error, "nsdae_system");
+    for (int i = 0; i < count; i++)
+      if (label[i].name[0]) order[named++] = &label[i];
+    qsort(order, (size_t)named, sizeof *order, by_name);
+    for (int i = 1; i < named && status == NSDAE_OK; i++) {
+      int a = (int)(order[i - 1] - label), b = (int)(order[i] - label);
+      if (strcmp(label[a].name, label[b].name) != 0) continue;
+      status =
+          nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system", "name",
+                          "%s %d and %s %d both have the name '%s': names of one kind must differ",
+                          kinds[kind], a < b ? a : b, kinds[kind], a < b ? b : a, label[a].name);
+    }
+    free(order);
+  }
   return status;
 }

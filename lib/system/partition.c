@@ -1,6 +1,5 @@
 /* The part of a description that large systems have: blocks, and the callbacks by blocks and by
  * list. The derivatives of constraints are rows by blocks, a dense matrix or differences. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,6 +4,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,18 +18,6 @@ static int bad_size(nsdae_error *error, const char *name, int value, const char 
                          "dims.%s = %d is outside its range: it must be %s", name, value, range);
 }
 
-static int check_dims(const nsdae_dims *dims, nsdae_error *error)
-{
-  enum { MOST = 1 << 20 }; /* so that no index overflows an int */
-  if (dims->nq < 1 || dims->nq > MOST) return bad_size(error, "nq", dims->nq, "1 .. 2^20");
-  if (dims->nv < 0 || dims->nv > dims->nq) return bad_size(error, "nv", dims->nv, "0 .. nq");
-  if (dims->m < 0 || dims->m > MOST) return bad_size(error, "m", dims->m, "0 .. 2^20");
-  if (dims->k < 0 || dims->k > MOST) return bad_size(error, "k", dims->k, "0 .. 2^20");
-  if (dims->nt < 0 || dims->nt > 2) return bad_size(error, "nt", dims->nt, "0, 1 or 2");
-  if (dims->f < 0 || dims->f > dims->m) return bad_size(error, "f", dims->f, "0 .. m");
-  return NSDAE_OK;
-}
-
 int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_error *error)
 {
   nsdae_error_clear(error);
@@ -36,8 +25,13 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system_create", dims ? "system" : "dims",
                            "%s is NULL", dims ? "system" : "dims");
   *system = NULL;
-  int status = check_dims(dims, error);
-  if (status < 0) return status;
+  enum { MOST = 1 << 20 }; /* so that no index overflows an int */
+  if (dims->nq < 1 || dims->nq > MOST) return bad_size(error, "nq", dims->nq, "1 .. 2^20");
+  if (dims->nv < 0 || dims->nv > dims->nq) return bad_size(error, "nv", dims->nv, "0 .. nq");
+  if (dims->m < 0 || dims->m > MOST) return bad_size(error, "m", dims->m, "0 .. 2^20");
+  if (dims->k < 0 || dims->k > MOST) return bad_size(error, "k", dims->k, "0 .. 2^20");
+  if (dims->nt < 0 || dims->nt > 2) return bad_size(error, "nt", dims->nt, "0, 1 or 2");
+  if (dims->f < 0 || dims->f > dims->m) return bad_size(error, "f", dims->f, "0 .. m");
   nsdae_system *made = calloc(1, sizeof *made);
   if (made) atomic_init(&made->owners, 1);
   if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
@@ -66,7 +60,8 @@ static void release(nsdae_system *system)
     free(system->label[kind]);
     free(system->size[kind]);
   }
-  nsdae_system_release_bodies(system);
+  for (int i = 0; i < system->bodies; i++) free((void *)(uintptr_t)system->body[i].point);
+  free(system->body);
   free(system->contact);
   free(system->frictional_joint);
   nsdae_blocks_release(&system->blocks);

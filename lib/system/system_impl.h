@@ -163,9 +163,6 @@ void nsdae_system_name_entry(const nsdae_system *system, const char *callback, i
 /* NSDAE_OK, or NSDAE_E_ARGUMENT where two of a kind have one name; NSDAE_E_MEMORY. */
 int nsdae_names_distinct(const nsdae_system *system, nsdae_error *error);
 
-/* Releases the bodies. */
-void nsdae_system_release_bodies(nsdae_system *system);
-
 /* A callback's return as a status: NSDAE_OK, or NSDAE_E_CALLBACK with its code in the record. */
 int nsdae_system_callback_failed(int code, const char *callback, double t, nsdae_error *error);
 static inline int nsdae_system_callback_status(int code, const char *callback, double t,

@@ -89,7 +89,7 @@ static void expect_same(const nsdae_feature *f, const nsdae_couple *two, const n
   double length = fabs(still.gap + s0->radius + s1->radius);
   expect_still(&still, touch, length);
   if (still.far) return;
-  assert_true(nsdae_height_above(met.above[0], s1->point + 3 * f->part[1]) <=
+  assert_true(nsdae_height_above(met.by[0].above, s1->point + 3 * f->part[1]) <=
               still.gap + s0->radius + s1->radius + 1e-14);
 }
 
