@@ -28,7 +28,7 @@ nsdae_unit_test(terms terms)
 nsdae_unit_test(terms newton_matrix)
 target_link_libraries(test_unit_terms_newton_matrix PRIVATE test_allocator)
 
-foreach(name graph law contacts random slides)
+foreach(name contact_islands law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
 

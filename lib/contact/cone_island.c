@@ -54,7 +54,7 @@ void nsdae_cone_island_release(nsdae_cone_island *c)
 
 /* ---- gathering */
 
-static void add_blocks(nsdae_cone_island *c, const nsdae_whole *w, int island)
+static void add_blocks(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const nsdae_members *members = &w->islands->block;
@@ -87,8 +87,8 @@ static int next_entry(const nsdae_cone_island *c, const nsdae_rows *rows, int i,
 /* Row i with that number of columns, which are one behind the other in each entry. Its entries in
  * the order of their blocks, as files have them: sums then round alike. Returns the end of value.
  */
-static double *add_item(nsdae_cone_island *c, const nsdae_whole *w, const nsdae_rows *rows, int i,
-                        int columns, double *value)
+static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w,
+                        const nsdae_rows *rows, int i, int columns, double *value)
 {
   int entry = c->at.first[c->items];
   for (int p = next_entry(c, rows, i, -1); p >= 0;
@@ -106,7 +106,8 @@ static double *add_item(nsdae_cone_island *c, const nsdae_whole *w, const nsdae_
 }
 
 /* The directions of a contact are one behind the other in its list. */
-static double *add_contact(nsdae_cone_island *c, const nsdae_whole *w, int a, double *value)
+static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w, int a,
+                           double *value)
 {
   const nsdae_coefficients *law = &w->law[a];
   const nsdae_terms *T = w->terms;
@@ -126,7 +127,8 @@ static double *add_contact(nsdae_cone_island *c, const nsdae_whole *w, int a, do
   return add_item(c, w, &T->by.normal, a, columns, value);
 }
 
-static double *add_row(nsdae_cone_island *c, const nsdae_whole *w, int row, double *value)
+static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, int row,
+                       double *value)
 {
   c->at.w[c->m] = -w->lambda[row];
   c->driven |= w->lambda[row] != 0;
@@ -134,7 +136,7 @@ static double *add_row(nsdae_cone_island *c, const nsdae_whole *w, int row, doub
   return add_item(c, w, &w->terms->by.jacobian, row, 1, value);
 }
 
-static void gather(nsdae_cone_island *c, const nsdae_whole *w, int island)
+static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *contact = &w->islands->contact, *row = &w->islands->row;
   const nsdae_cone_arrays *at = &c->at;
@@ -162,7 +164,7 @@ static void gather(nsdae_cone_island *c, const nsdae_whole *w, int island)
 
 /* ---- solving */
 
-static int unsolved(const nsdae_cone_island *c, const nsdae_whole *w, int status,
+static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w, int status,
                     const nsdae_cone_work *work)
 {
   long id = c->problem.contacts > 0 ? w->closed->id[c->at.item[0]] : -1;
@@ -176,7 +178,7 @@ static int unsolved(const nsdae_cone_island *c, const nsdae_whole *w, int status
 }
 
 /* Of contact i of the problem, whose velocities after are known. */
-static int mode_of(const nsdae_cone_island *c, const nsdae_whole *w, int i, int row)
+static int mode_of(const nsdae_cone_island *c, const nsdae_island_equations *w, int i, int row)
 {
   const nsdae_impulses *r = w->results;
   int a = c->at.item[i], nt = w->system->dims.nt;
@@ -191,7 +193,7 @@ static int mode_of(const nsdae_cone_island *c, const nsdae_whole *w, int i, int 
 
 /* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size
  * of the whole. */
-static void add_impulses(nsdae_cone_island *c, const nsdae_whole *w)
+static void add_impulses(nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   size_t at = 0;
@@ -218,7 +220,7 @@ static void sizes_of_velocity(const double *M, int n, double *size)
 }
 
 /* v := M^-1 v over the blocks of the problem. */
-static int solve_masses(const nsdae_cone_island *c, const nsdae_whole *w, double *L)
+static int solve_masses(const nsdae_cone_island *c, const nsdae_island_equations *w, double *L)
 {
   nsdae_block_factor factor = {.L = L};
   for (int i = 0; i < c->problem.blocks; i++) {
@@ -230,7 +232,7 @@ static int solve_masses(const nsdae_cone_island *c, const nsdae_whole *w, double
 }
 
 /* v := f, and the sizes of its terms. */
-static void begin_velocities(const nsdae_cone_island *c, const nsdae_whole *w)
+static void begin_velocities(const nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   const double *f = c->at.f;
   for (int i = 0; i < c->problem.blocks; f += c->at.size[i++]) {
@@ -243,7 +245,7 @@ static void begin_velocities(const nsdae_cone_island *c, const nsdae_whole *w)
 }
 
 /* The largest entry of H along each velocity. */
-static void levers(nsdae_cone_island *c, const nsdae_whole *w)
+static void levers(nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *value = c->at.value;
@@ -266,8 +268,8 @@ static void levers(nsdae_cone_island *c, const nsdae_whole *w)
  * a spin about a contact's normal, a slide without friction, of which rounding leaves a lever. Its
  * own lever is its largest entry in a direction of an item, most that of all entries of its body.
  */
-static int stands(const nsdae_cone_island *c, const nsdae_whole *w, int j, double most, double tol,
-                  double speed)
+static int stands(const nsdae_cone_island *c, const nsdae_island_equations *w, int j, double most,
+                  double tol, double speed)
 {
   double v = fabs(w->v[j]), digits = fmin(tol, NSDAE_STILL);
   if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
@@ -275,8 +277,8 @@ static int stands(const nsdae_cone_island *c, const nsdae_whole *w, int j, doubl
          (v * most <= digits * speed || v <= digits * w->size[j]);
 }
 
-static void settle(const nsdae_cone_island *c, const nsdae_whole *w, int at, int n, double tol,
-                   double speed)
+static void settle(const nsdae_cone_island *c, const nsdae_island_equations *w, int at, int n,
+                   double tol, double speed)
 {
   double most = 0;
   for (int j = at; j < at + n; j++) most = fmax(most, c->lever[j]);
@@ -286,8 +288,8 @@ static void settle(const nsdae_cone_island *c, const nsdae_whole *w, int at, int
 
 /* v = M^-1 (f + H r), and the items at rest; speed: of the fastest item without impulses, for which
  * all are scaled. */
-static int velocities(nsdae_cone_island *c, const nsdae_whole *w, const nsdae_cone_work *work,
-                      double speed)
+static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
+                      const nsdae_cone_work *work, double speed)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
@@ -305,7 +307,7 @@ static int velocities(nsdae_cone_island *c, const nsdae_whole *w, const nsdae_co
   return status;
 }
 
-static void scatter(const nsdae_cone_island *c, const nsdae_whole *w)
+static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   nsdae_impulses *to = w->results;
   const nsdae_terms *T = w->terms;
@@ -344,7 +346,7 @@ static int polish(nsdae_cone_island *c, nsdae_cone_work *work)
   return status == NSDAE_OK && !(work->info.residual <= work->tol) ? NSDAE_E_LCP : status;
 }
 
-int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_whole *w, int island,
+int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                             nsdae_cone_work *work)
 {
   nsdae_friction_options options;
@@ -355,7 +357,7 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_whole *w, int isla
   if (status == NSDAE_E_LCP) status = polish(c, work);
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
-  work->misfit = (nsdae_misfit){work->info.residual * (speed > 0 ? speed : 1), speed};
+  work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
   status = velocities(c, w, work, speed);
   if (status == NSDAE_OK) scatter(c, w);
   return status;

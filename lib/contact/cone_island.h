@@ -9,7 +9,7 @@
 
 #include <nsdae/friction.h>
 
-#include "local.h"
+#include "island_equations.h"
 
 /* The problem: blocks, items (contacts, then rows of Phi_q), and what their entries take. */
 typedef struct nsdae_cone_arrays {
@@ -42,19 +42,19 @@ int nsdae_cone_island_grow(nsdae_cone_island *cones, const nsdae_system *system,
                            const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_cone_island_release(nsdae_cone_island *cones);
 
-/* What it is solved with, L has room for a block; info: of the solver; misfit: its residual, not
+/* What it is solved with, L has room for a block; info: of the solver; residual: its residual, not
  * scaled. */
 typedef struct nsdae_cone_work {
   nsdae_friction_solver *solver;
   double *L, tol;
   nsdae_error *error;
   nsdae_friction_info info;
-  nsdae_misfit misfit;
+  nsdae_natural_residual residual;
 } nsdae_cone_work;
 
 /* NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE, NSDAE_E_MEMORY with
  * the record. */
-int nsdae_cone_island_solve(nsdae_cone_island *cones, const nsdae_whole *whole, int island,
-                            nsdae_cone_work *work);
+int nsdae_cone_island_solve(nsdae_cone_island *cones, const nsdae_island_equations *whole,
+                            int island, nsdae_cone_work *work);
 
 #endif

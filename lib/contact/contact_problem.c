@@ -204,7 +204,7 @@ static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
 
 int nsdae_problem_factor(nsdae_problem *p, nsdae_terms *T, const double *M, int hold)
 {
-  nsdae_graph *islands = &p->dispatch.islands;
+  nsdae_contact_islands *islands = &p->dispatch.islands;
   if (p->kkt) {
     p->kkt->hold = hold;
     int status = nsdae_terms_factor(T, M, p->kkt, p->least_norm);
@@ -215,7 +215,8 @@ int nsdae_problem_factor(nsdae_problem *p, nsdae_terms *T, const double *M, int 
     solved->left = p->kkt->left;
     return status;
   }
-  int row = nsdae_graph_find(islands, p->closed->count, p->closed->block, &T->by.jacobian);
+  int row =
+      nsdae_contact_islands_find(islands, p->closed->count, p->closed->block, &T->by.jacobian);
   memset(p->hit, 0, (size_t)islands->count * sizeof *p->hit);
   return row < 0 ? NSDAE_OK : no_block(p, T, row);
 }
@@ -250,18 +251,18 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                         const double *r, int with_contacts, double *v, double *size, double *lambda)
 {
   if (p->kkt) return solve_system(p, terms, r, with_contacts, v, size, lambda);
-  nsdae_whole whole = {.system = p->system,
-                       .islands = &p->dispatch.islands,
-                       .terms = terms,
-                       .law = p->law,
-                       .M = M,
-                       .r = r,
-                       .closed = p->closed,
-                       .results = p->results,
-                       .v = v,
-                       .size = size,
-                       .lambda = lambda,
-                       .with_contacts = with_contacts};
+  nsdae_island_equations whole = {.system = p->system,
+                                  .islands = &p->dispatch.islands,
+                                  .terms = terms,
+                                  .law = p->law,
+                                  .M = M,
+                                  .r = r,
+                                  .closed = p->closed,
+                                  .results = p->results,
+                                  .v = v,
+                                  .size = size,
+                                  .lambda = lambda,
+                                  .with_contacts = with_contacts};
   return nsdae_island_dispatch_solve(&p->dispatch, &whole);
 }
 
@@ -278,7 +279,7 @@ void nsdae_problem_add_constraints(const nsdae_problem *p, const nsdae_terms *T,
                                    int any_impact, const double *lambda, double *y)
 {
   const nsdae_rows *J = &T->by.jacobian;
-  const nsdae_graph *islands = &p->dispatch.islands;
+  const nsdae_contact_islands *islands = &p->dispatch.islands;
   if (p->kkt && !any_impact) nsdae_terms_add_constraints(T, scale, lambda, y);
   for (int i = 0; !p->kkt && i < J->count; i++)
     if (!p->hit[islands->of[J->block[J->first[i]]]])
@@ -322,5 +323,5 @@ double nsdae_problem_carried(const nsdae_problem *p, const nsdae_terms *T)
 double nsdae_problem_residual(const nsdae_problem *p)
 {
   return p->contacts ? p->contacts->lcp.info.residual
-                     : nsdae_misfit_residual(&p->dispatch.solved.misfit);
+                     : nsdae_natural_residual_scaled(&p->dispatch.solved.residual);
 }

@@ -37,7 +37,7 @@ void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_system 
 void nsdae_island_dispatch_layout(nsdae_island_dispatch *d, const nsdae_system *system,
                                   nsdae_arena *arena)
 {
-  nsdae_graph_layout(&d->islands, arena);
+  nsdae_contact_islands_layout(&d->islands, arena);
   for (int i = 0; i < d->workers; i++) nsdae_worker_layout(&d->worker[i], system, arena);
   nsdae_cone_island_layout(&d->kept, system, arena);
 }
@@ -68,7 +68,7 @@ int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *d, const nsdae_syste
 }
 
 /* Blocks that no contact and no constraint touches. */
-static int solve_free(nsdae_island_dispatch *d, const nsdae_whole *whole)
+static int solve_free(nsdae_island_dispatch *d, const nsdae_island_equations *whole)
 {
   const nsdae_blocks *blocks = &whole->system->blocks;
   int status = NSDAE_OK;
@@ -86,7 +86,7 @@ static int solve_free(nsdae_island_dispatch *d, const nsdae_whole *whole)
 /* What the passes over islands share; each writes its own places of them. */
 typedef struct shared {
   nsdae_island_dispatch *by;
-  const nsdae_whole *whole;
+  const nsdae_island_equations *whole;
   int *second; /* islands: left to the second pass; then which are, in their order */
 } shared;
 
@@ -127,7 +127,7 @@ static int share(nsdae_island_dispatch *d, shared *s, int count, int portion,
 
 /* Those of the second pass, in place of their marks; how many. The problem of the largest is kept:
  * without any, that of before. */
-static int list_second(nsdae_island_dispatch *d, nsdae_whole *whole, int *second)
+static int list_second(nsdae_island_dispatch *d, nsdae_island_equations *whole, int *second)
 {
   int count = 0, most = -1;
   for (int i = 0; i < d->islands.count; i++) {
@@ -144,7 +144,7 @@ static int list_second(nsdae_island_dispatch *d, nsdae_whole *whole, int *second
 }
 
 /* The marks are in place of the parents, which are not read after the islands are found. */
-int nsdae_island_dispatch_solve(nsdae_island_dispatch *d, nsdae_whole *whole)
+int nsdae_island_dispatch_solve(nsdae_island_dispatch *d, nsdae_island_equations *whole)
 {
   shared s = {d, whole, d->islands.parent};
   d->solved = (nsdae_solved){.islands = d->islands.count, .kept = 1};

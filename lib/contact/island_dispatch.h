@@ -8,7 +8,7 @@
 
 typedef struct nsdae_island_dispatch {
   nsdae_error *error;
-  nsdae_graph islands;
+  nsdae_contact_islands islands;
   nsdae_cone_island kept; /* the largest of the second pass */
   nsdae_thread_pool *pool;
   nsdae_worker *worker;
@@ -31,7 +31,7 @@ int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_syst
 
 /* v and lambda of every island and of free blocks, and the impulses; a status with the record of
  * the first island that failed. */
-int nsdae_island_dispatch_solve(nsdae_island_dispatch *dispatch, nsdae_whole *whole);
+int nsdae_island_dispatch_solve(nsdae_island_dispatch *dispatch, nsdae_island_equations *whole);
 
 /* r := M^-1 r by blocks; NSDAE_OK or NSDAE_E_MASS. */
 int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *dispatch, const nsdae_system *system,

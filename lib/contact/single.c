@@ -25,9 +25,9 @@ typedef struct single {
 
 /* ---- G and b of one contact */
 
-int nsdae_single_fits(const nsdae_whole *w, int island)
+int nsdae_single_fits(const nsdae_island_equations *w, int island)
 {
-  const nsdae_graph *is = w->islands;
+  const nsdae_contact_islands *is = w->islands;
   if (nsdae_members_count(&is->contact, island) != 1) return 0;
   if (nsdae_members_count(&is->row, island) != 0) return 0;
   int a = is->contact.of[is->contact.first[island]];
@@ -38,7 +38,7 @@ int nsdae_single_fits(const nsdae_whole *w, int island)
 }
 
 /* The factor of M_b and the velocity without impulse; 0 where M_b is not positive definite. */
-static int gather_side(const nsdae_whole *w, side *s, int b)
+static int gather_side(const nsdae_island_equations *w, side *s, int b)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   s->b = b;
@@ -71,9 +71,9 @@ static void gather_direction(single *c, const nsdae_rows *rows, int row, int d)
 }
 
 /* G = W^T M^-1 W and b of contact a, of one or two directions; 0 if M is not positive definite. */
-static int gather(const nsdae_whole *w, single *c, int island, int a)
+static int gather(const nsdae_island_equations *w, single *c, int island, int a)
 {
-  const nsdae_graph *is = w->islands;
+  const nsdae_contact_islands *is = w->islands;
   const nsdae_terms *T = w->terms;
   const nsdae_coefficients *law = &w->law[a];
   c->mu = law->mu;
@@ -129,7 +129,7 @@ static int solve(single *c)
 /* ---- velocities */
 
 /* v(+) of a side. What cancels to rounding is zero, as in contacts.c. */
-static void scatter_side(const nsdae_whole *w, const single *c, const side *s)
+static void scatter_side(const nsdae_island_equations *w, const single *c, const side *s)
 {
   const double rounding = 32 * DBL_EPSILON;
   double size_x = fmax(fabs(c->x[0]), fabs(c->x[1]));
@@ -145,17 +145,18 @@ static void scatter_side(const nsdae_whole *w, const single *c, const side *s)
 }
 
 /* The residual at the velocities xi that v has now. */
-static nsdae_misfit left_over(const single *c, const double xi[3])
+static nsdae_natural_residual left_over(const single *c, const double xi[3])
 {
-  nsdae_misfit misfit = {0};
+  nsdae_natural_residual residual = {0};
   double d = c->columns == 2 ? (c->G[0][0] + c->G[1][1]) / 2 : c->G[0][0];
   const double x[3] = {d * c->x[0], d * c->x[1], 0};
-  for (int i = 0; i < c->columns; i++) nsdae_misfit_speed(&misfit, c->b[i]);
-  nsdae_misfit_contact(&misfit, c->mu, x, xi);
-  return misfit;
+  for (int i = 0; i < c->columns; i++) nsdae_natural_residual_speed(&residual, c->b[i]);
+  nsdae_natural_residual_contact(&residual, c->mu, x, xi);
+  return residual;
 }
 
-int nsdae_single_solve(const nsdae_whole *w, int island, nsdae_misfit *misfit)
+int nsdae_single_solve(const nsdae_island_equations *w, int island,
+                       nsdae_natural_residual *residual)
 {
   const double most = 1e-13;
   single c;
@@ -173,6 +174,6 @@ int nsdae_single_solve(const nsdae_whole *w, int island, nsdae_misfit *misfit)
   }
   double xi[3] = {to->after[a] + w->law[a].e_n * to->before[a]};
   if (c.columns == 2) xi[1] = to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt];
-  *misfit = left_over(&c, xi);
-  return nsdae_misfit_residual(misfit) <= most;
+  *residual = left_over(&c, xi);
+  return nsdae_natural_residual_scaled(residual) <= most;
 }

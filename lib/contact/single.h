@@ -6,17 +6,18 @@
  *   slide   Lambda_T = -s mu Lambda_N,    xi_N = 0,  s xi_T >= 0,    s = +-1
  *
  * the first of these that holds. Where none does, or more than rounding is left of a law, the
- * complementarity problem is asked (local.h). */
+ * complementarity problem is asked (dense_island.h). */
 #ifndef NSDAE_SINGLE_H
 #define NSDAE_SINGLE_H
 
-#include "local.h"
+#include "island_equations.h"
 
 /* Whether an island is of this kind. */
-int nsdae_single_fits(const nsdae_whole *whole, int island);
+int nsdae_single_fits(const nsdae_island_equations *whole, int island);
 
-/* v of its blocks, impulse, mode and velocities after. 1 where it is solved, else 0; misfit: the
+/* v of its blocks, impulse, mode and velocities after. 1 where it is solved, else 0; residual: the
  * residual of the laws, at rounding level. */
-int nsdae_single_solve(const nsdae_whole *whole, int island, nsdae_misfit *misfit);
+int nsdae_single_solve(const nsdae_island_equations *whole, int island,
+                       nsdae_natural_residual *residual);
 
 #endif

@@ -9,7 +9,7 @@
 void nsdae_worker_prepare(nsdae_worker *w, const nsdae_system *system,
                           const nsdae_lcp_options *options, double rank_tol, int least_norm)
 {
-  nsdae_local_prepare(&w->local, system, &w->error, options, rank_tol);
+  nsdae_dense_island_prepare(&w->dense, system, &w->error, options, rank_tol);
   w->tol = options->tol;
   w->least_norm = least_norm;
   w->sparse.rank_tol = rank_tol;
@@ -17,8 +17,8 @@ void nsdae_worker_prepare(nsdae_worker *w, const nsdae_system *system,
 
 void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_arena *arena)
 {
-  nsdae_local_layout(&w->local, arena);
-  nsdae_stack_layout(&w->stack, system, arena);
+  nsdae_dense_island_layout(&w->dense, arena);
+  nsdae_active_set_layout(&w->active_set, system, arena);
   nsdae_cone_island_layout(&w->cones, system, arena);
   w->L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
 }
@@ -27,13 +27,13 @@ int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_r
                       const nsdae_room *rows)
 {
   int status = w->solver ? NSDAE_OK : nsdae_friction_create(&w->solver);
-  if (status == NSDAE_OK) status = nsdae_stack_grow(&w->stack, contacts);
+  if (status == NSDAE_OK) status = nsdae_active_set_grow(&w->active_set, contacts);
   return status < 0 ? status : nsdae_cone_island_grow(&w->cones, system, contacts, rows);
 }
 
 void nsdae_worker_release(nsdae_worker *w)
 {
-  nsdae_stack_release(&w->stack);
+  nsdae_active_set_release(&w->active_set);
   nsdae_cone_island_release(&w->cones);
   nsdae_sparse_kkt_release(&w->sparse);
   nsdae_friction_destroy(&w->solver);
@@ -57,7 +57,7 @@ static void count_rank(nsdae_solved *s, int rank, double kept, double left)
 
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
 {
-  nsdae_misfit_add(&sum->misfit, &one->misfit);
+  nsdae_natural_residual_add(&sum->residual, &one->residual);
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
@@ -88,44 +88,44 @@ int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, const 
 
 /* ---- solvers of an island */
 
-static int has_contacts(const nsdae_whole *whole, int island)
+static int has_contacts(const nsdae_island_equations *whole, int island)
 {
   return whole->with_contacts && nsdae_members_count(&whole->islands->contact, island) > 0;
 }
 
-static int fits_one_contact(const nsdae_whole *whole, int island)
+static int fits_one_contact(const nsdae_island_equations *whole, int island)
 {
   return whole->with_contacts && nsdae_single_fits(whole, island);
 }
 
 /* The next one if more than rounding is left. */
-static int solve_one_contact(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int solve_one_contact(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
-  nsdae_misfit misfit;
-  if (!nsdae_single_solve(whole, island, &misfit)) return NSDAE_NEXT;
+  nsdae_natural_residual residual;
+  if (!nsdae_single_solve(whole, island, &residual)) return NSDAE_NEXT;
   w->solved.lcps++;
-  nsdae_misfit_add(&w->solved.misfit, &misfit);
+  nsdae_natural_residual_add(&w->solved.residual, &residual);
   return NSDAE_OK;
 }
 
-static int fits_active_set(const nsdae_whole *whole, int island)
+static int fits_active_set(const nsdae_island_equations *whole, int island)
 {
-  return has_contacts(whole, island) && nsdae_stack_fits(whole, island);
+  return has_contacts(whole, island) && nsdae_active_set_fits(whole, island);
 }
 
-static int solve_active_set(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int solve_active_set(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
-  nsdae_stack *c = &w->stack;
-  if (!nsdae_stack_solve(c, whole, island, w->tol, w->L)) return NSDAE_NEXT;
+  nsdae_active_set_island *c = &w->active_set;
+  if (!nsdae_active_set_solve(c, whole, island, w->tol, w->L)) return NSDAE_NEXT;
   w->solved.lcps++;
   w->solved.pivots += c->rounds;
-  nsdae_misfit_add(&w->solved.misfit, &c->misfit);
+  nsdae_natural_residual_add(&w->solved.residual, &c->residual);
   return NSDAE_OK;
 }
 
-static int unsolved(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
+static int unsolved(nsdae_worker *w, const nsdae_island_equations *whole, int island, int status)
 {
-  const nsdae_graph *is = whole->islands;
+  const nsdae_contact_islands *is = whole->islands;
   double t = nsdae_terms_time(whole->terms);
   nsdae_error_set(
       &w->error, status, "nsdae_terms", "constraint_rows",
@@ -138,9 +138,10 @@ static int unsolved(nsdae_worker *w, const nsdae_whole *whole, int island, int s
 }
 
 /* dependent: the first row that depends on others. */
-static int bad_rank(nsdae_worker *w, const nsdae_whole *whole, int island, int rank, int dependent)
+static int bad_rank(nsdae_worker *w, const nsdae_island_equations *whole, int island, int rank,
+                    int dependent)
 {
-  const nsdae_graph *is = whole->islands;
+  const nsdae_contact_islands *is = whole->islands;
   double t = nsdae_terms_time(whole->terms);
   nsdae_error_set(&w->error, NSDAE_E_RANK, "nsdae_terms", "constraint_rows",
                   "in the island of block %d: Phi_q has rank %d of %d at t = %.17g: leave out the "
@@ -154,7 +155,8 @@ static int bad_rank(nsdae_worker *w, const nsdae_whole *whole, int island, int r
 }
 
 /* Pivot of the island's M, from 1, as one of a block. */
-static int bad_local_mass(nsdae_worker *w, const nsdae_whole *whole, int island, int pivot)
+static int bad_local_mass(nsdae_worker *w, const nsdae_island_equations *whole, int island,
+                          int pivot)
 {
   const int *block = whole->islands->block.of + whole->islands->block.first[island];
   for (; pivot > nsdae_blocks_size(&whole->system->blocks, *block); block++)
@@ -163,9 +165,9 @@ static int bad_local_mass(nsdae_worker *w, const nsdae_whole *whole, int island,
 }
 
 /* The record of the contact problem, with the island in front of it. */
-static int name_island(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
+static int name_island(nsdae_worker *w, const nsdae_island_equations *whole, int island, int status)
 {
-  const nsdae_graph *is = whole->islands;
+  const nsdae_contact_islands *is = whole->islands;
   const nsdae_error was = w->error;
   int b = is->block.of[is->block.first[island]];
   nsdae_error_set(&w->error, status, was.where, was.argument,
@@ -176,18 +178,18 @@ static int name_island(nsdae_worker *w, const nsdae_whole *whole, int island, in
   return status;
 }
 
-static int solve_dense(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
-  nsdae_local *l = &w->local;
+  nsdae_dense_island *l = &w->dense;
   nsdae_solved *s = &w->solved;
   const nsdae_kkt *kkt = &l->kkt;
-  nsdae_misfit misfit = {0};
-  int status = nsdae_local_solve(l, whole, island, w->least_norm, &misfit);
+  nsdae_natural_residual residual = {0};
+  int status = nsdae_dense_island_solve(l, whole, island, w->least_norm, &residual);
   count_rank(s, kkt->rank, kkt->kept, kkt->left);
   if (nsdae_contacts_any(&l->contacts)) {
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
-    nsdae_misfit_add(&s->misfit, &misfit);
+    nsdae_natural_residual_add(&s->residual, &residual);
   }
   if (status == NSDAE_OK) return status;
   if (status == NSDAE_E_MASS) return bad_local_mass(w, whole, island, kkt->pivot);
@@ -199,9 +201,9 @@ static int solve_dense(nsdae_worker *w, const nsdae_whole *whole, int island)
 }
 
 /* The factors of the constraints of a large island, and their rank. */
-static int factor_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
-  const nsdae_graph *is = whole->islands;
+  const nsdae_contact_islands *is = whole->islands;
   nsdae_sparse_kkt *k = &w->sparse;
   const nsdae_kkt_part part = {.blocks = &whole->system->blocks,
                                .J = &whole->terms->by.jacobian,
@@ -219,12 +221,12 @@ static int factor_sparse(nsdae_worker *w, const nsdae_whole *whole, int island)
              : NSDAE_OK;
 }
 
-static int fits_constraints(const nsdae_whole *whole, int island)
+static int fits_constraints(const nsdae_island_equations *whole, int island)
 {
   return !has_contacts(whole, island);
 }
 
-static int solve_constraints(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int solve_constraints(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   int status = factor_sparse(w, whole, island);
   if (status < 0) return status;
@@ -240,7 +242,7 @@ static int solve_constraints(nsdae_worker *w, const nsdae_whole *whole, int isla
 }
 
 /* What stopped the problem: a mass, where one is not positive definite. */
-static int cause_of(nsdae_worker *w, const nsdae_whole *whole, int island, int status)
+static int cause_of(nsdae_worker *w, const nsdae_island_equations *whole, int island, int status)
 {
   const nsdae_members *members = &whole->islands->block;
   nsdae_block_factor factor = {.L = w->L};
@@ -252,13 +254,13 @@ static int cause_of(nsdae_worker *w, const nsdae_whole *whole, int island, int s
   return status;
 }
 
-static int fits_cones(const nsdae_whole *whole, int island)
+static int fits_cones(const nsdae_island_equations *whole, int island)
 {
   (void)whole, (void)island;
   return 1;
 }
 
-static int solve_cones(nsdae_worker *w, const nsdae_whole *whole, int island)
+static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
   nsdae_cone_work work = {.solver = w->solver, .L = w->L, .tol = w->tol, .error = &w->error};
@@ -270,7 +272,7 @@ static int solve_cones(nsdae_worker *w, const nsdae_whole *whole, int island)
   if (status < 0) status = cause_of(w, whole, island, status);
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
-  nsdae_misfit_add(&s->misfit, &work.misfit);
+  nsdae_natural_residual_add(&s->residual, &work.residual);
   s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, w->tol));
   return status;
 }
@@ -279,17 +281,17 @@ static int solve_cones(nsdae_worker *w, const nsdae_whole *whole, int island)
 
 typedef struct island_solver {
   int pass;
-  int (*fits)(const nsdae_whole *whole, int island);
-  int (*solve)(nsdae_worker *worker, const nsdae_whole *whole, int island);
+  int (*fits)(const nsdae_island_equations *whole, int island);
+  int (*solve)(nsdae_worker *worker, const nsdae_island_equations *whole, int island);
 } island_solver;
 
 static const island_solver solvers[] = {{0, fits_one_contact, solve_one_contact},
-                                        {0, nsdae_local_fits, solve_dense},
+                                        {0, nsdae_dense_island_fits, solve_dense},
                                         {0, fits_constraints, solve_constraints},
                                         {0, fits_active_set, solve_active_set},
                                         {1, fits_cones, solve_cones}};
 
-int nsdae_worker_solve(nsdae_worker *w, const nsdae_whole *whole, int island, int pass)
+int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int island, int pass)
 {
   int status = NSDAE_NEXT, contacts = nsdae_members_count(&whole->islands->contact, island);
   if (contacts > w->solved.contacts) w->solved.contacts = contacts;

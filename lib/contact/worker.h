@@ -2,9 +2,9 @@
  *
  *   pass  solver       island
  *   0     one contact  no cone, no constraints, in closed form (single.h)
- *   0     dense        small, no cone (local.h)
+ *   0     dense        small, no cone (dense_island.h)
  *   0     constraints  no contacts: sparse equations (sparse_kkt.h)
- *   0     active set   no friction, no constraints, in its envelope (stack.h)
+ *   0     active set   no friction, no constraints, in its envelope (active_set_island.h)
  *   1     cones        the rest (cone_island.h)
  *
  * Pass 0 are many small ones, pass 1 few large ones. An island is solved from what it is alone, and
@@ -14,10 +14,11 @@
 
 #include "cone_island.h"
 #include "sparse_kkt.h"
-#include "stack.h"
+#include "active_set_island.h"
+#include "dense_island.h"
 
 typedef struct nsdae_solved {
-  nsdae_misfit misfit; /* of the contacts and their rows */
+  nsdae_natural_residual residual; /* of the contacts and their rows */
   long pivots;
   double kept, left; /* smallest sine that counts in the rank, largest that does not */
   double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
@@ -29,8 +30,8 @@ typedef struct nsdae_solved {
 typedef struct nsdae_worker {
   nsdae_error error; /* of the island that failed */
   int failed;        /* which; -1: none */
-  nsdae_local local;
-  nsdae_stack stack;
+  nsdae_dense_island dense;
+  nsdae_active_set_island active_set;
   nsdae_sparse_kkt sparse;
   nsdae_cone_island cones;
   nsdae_friction_solver *solver;
@@ -56,7 +57,8 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one);
 
 /* An island in this pass: NSDAE_OK, NSDAE_NEXT: the next pass, or a failure with the record. */
 enum { NSDAE_NEXT = 1 };
-int nsdae_worker_solve(nsdae_worker *worker, const nsdae_whole *whole, int island, int pass);
+int nsdae_worker_solve(nsdae_worker *worker, const nsdae_island_equations *whole, int island,
+                       int pass);
 
 /* x [size of the block] := M_b^-1 x */
 int nsdae_worker_solve_block(nsdae_worker *worker, const nsdae_system *system, const double *M,

@@ -1,4 +1,4 @@
-#include "stack.h"
+#include "active_set_island.h"
 
 #include <float.h>
 #include <math.h>
@@ -9,7 +9,8 @@
 
 enum { ROUNDS = 60, WIDEST = 24 }; /* of the set; mean width of an envelope */
 
-void nsdae_stack_layout(nsdae_stack *c, const nsdae_system *system, nsdae_arena *arena)
+void nsdae_active_set_layout(nsdae_active_set_island *c, const nsdae_system *system,
+                             nsdae_arena *arena)
 {
   c->first = NSDAE_ARENA_INTS(arena, system->blocks.count + 2L);
   c->touched = NSDAE_ARENA_INTS(arena, system->blocks.count);
@@ -17,7 +18,7 @@ void nsdae_stack_layout(nsdae_stack *c, const nsdae_system *system, nsdae_arena 
 
 enum { ARRAYS = 11 };
 
-int nsdae_stack_grow(nsdae_stack *c, const nsdae_room *contacts)
+int nsdae_active_set_grow(nsdae_active_set_island *c, const nsdae_room *contacts)
 {
   const nsdae_array each[ARRAYS] = {
       NSDAE_ARRAY(c->order, 1),  NSDAE_ARRAY(c->position, 1), NSDAE_ARRAY(c->of_block, 2),
@@ -31,7 +32,7 @@ int nsdae_stack_grow(nsdae_stack *c, const nsdae_room *contacts)
   return status < 0 ? status : nsdae_arrays_grow(envelopes, 2, contacts->entries);
 }
 
-void nsdae_stack_release(nsdae_stack *c)
+void nsdae_active_set_release(nsdae_active_set_island *c)
 {
   const nsdae_array all[] = {
       NSDAE_ARRAY(c->order, 1),  NSDAE_ARRAY(c->position, 1), NSDAE_ARRAY(c->of_block, 1),
@@ -44,13 +45,13 @@ void nsdae_stack_release(nsdae_stack *c)
 
 /* ---- memory and order */
 
-static const nsdae_rows *normals(const nsdae_whole *w)
+static const nsdae_rows *normals(const nsdae_island_equations *w)
 {
   return &w->terms->by.normal;
 }
 
 /* Contacts of the island by block; blocks are counted by their numbers in the island. */
-static void by_block(nsdae_stack *c, const nsdae_whole *w, int island)
+static void by_block(nsdae_active_set_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *blocks = &w->islands->block;
   const nsdae_rows *N = normals(w);
@@ -67,7 +68,7 @@ static void by_block(nsdae_stack *c, const nsdae_whole *w, int island)
 }
 
 /* From the contact in c->order[0] on, neighbours behind neighbours. */
-static void breadth_first(nsdae_stack *c, const nsdae_rows *N)
+static void breadth_first(nsdae_active_set_island *c, const nsdae_rows *N)
 {
   for (int i = 0; i < c->count; i++) c->position[i] = -1;
   c->position[c->order[0]] = 0;
@@ -86,7 +87,7 @@ static void breadth_first(nsdae_stack *c, const nsdae_rows *N)
 }
 
 /* The order of Cuthill and McKee, begun at one end: the last of a search from anywhere. */
-static void sort(nsdae_stack *c, const nsdae_whole *w, int island)
+static void sort(nsdae_active_set_island *c, const nsdae_island_equations *w, int island)
 {
   by_block(c, w, island);
   c->order[0] = 0;
@@ -98,7 +99,8 @@ static void sort(nsdae_stack *c, const nsdae_whole *w, int island)
 /* ---- G and b */
 
 /* U = M^-1 W part by part; b. */
-static int gather(nsdae_stack *c, const nsdae_whole *w, int island, double *L_block)
+static int gather(nsdae_active_set_island *c, const nsdae_island_equations *w, int island,
+                  double *L_block)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const nsdae_members *members = &w->islands->block;
@@ -133,7 +135,7 @@ static int gather(nsdae_stack *c, const nsdae_whole *w, int island, double *L_bl
 }
 
 /* W_i . U_j over the blocks that both touch. */
-static double entry(const nsdae_stack *c, const nsdae_whole *w, int i, int j)
+static double entry(const nsdae_active_set_island *c, const nsdae_island_equations *w, int i, int j)
 {
   const nsdae_rows *N = normals(w);
   int pi = N->first[c->contact[i]], pj = N->first[c->contact[j]];
@@ -151,7 +153,7 @@ static double entry(const nsdae_stack *c, const nsdae_whole *w, int i, int j)
 
 /* Where each row's envelope lies; 0 where it is too wide. Row i of A, in the order, has the columns
  * low[i] .. i, the last at at[i]. */
-static int lay_out(nsdae_stack *c, const nsdae_whole *w)
+static int lay_out(nsdae_active_set_island *c, const nsdae_island_equations *w)
 {
   const nsdae_rows *N = normals(w);
   size_t end = 0;
@@ -170,7 +172,7 @@ static int lay_out(nsdae_stack *c, const nsdae_whole *w)
   return 1;
 }
 
-static void assemble(nsdae_stack *c, const nsdae_whole *w)
+static void assemble(nsdae_active_set_island *c, const nsdae_island_equations *w)
 {
   const nsdae_rows *N = normals(w);
   if (c->count > 0) memset(c->A, 0, (c->at[c->count - 1] + 1) * sizeof *c->A);
@@ -187,7 +189,7 @@ static void assemble(nsdae_stack *c, const nsdae_whole *w)
 }
 
 /* The envelope of the set, factored row by row into L; rows outside it are those of one. */
-static int factor(nsdae_stack *c)
+static int factor(nsdae_active_set_island *c)
 {
   for (int i = 0; i < c->count; i++) {
     double *row = c->L + c->at[i] - (size_t)(i - c->low[i]); /* column low[i] */
@@ -209,7 +211,7 @@ static int factor(nsdae_stack *c)
 }
 
 /* y := (L L^T)^-1 y, in the order. */
-static void solve(const nsdae_stack *c, double *y)
+static void solve(const nsdae_active_set_island *c, double *y)
 {
   for (int i = 0; i < c->count; i++) {
     const double *row = c->L + c->at[i] - (size_t)(i - c->low[i]);
@@ -225,7 +227,7 @@ static void solve(const nsdae_stack *c, double *y)
 /* u := W^T (M^-1 W x) + b, in the order: block by block and not by A, so that what presses from
  * both sides of a light block cancels where it is exact, and errors do not add up along a column.
  */
-static void velocities(nsdae_stack *c, const nsdae_whole *w, int island)
+static void velocities(nsdae_active_set_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *members = &w->islands->block;
   const nsdae_blocks *blocks = &w->system->blocks;
@@ -249,7 +251,7 @@ static void velocities(nsdae_stack *c, const nsdae_whole *w, int island)
 }
 
 /* x of the set, refined once. */
-static int solve_set(nsdae_stack *c, const nsdae_whole *w, int island)
+static int solve_set(nsdae_active_set_island *c, const nsdae_island_equations *w, int island)
 {
   if (!factor(c)) return 0;
   memset(c->x, 0, (size_t)c->count * sizeof *c->x);
@@ -265,7 +267,7 @@ static int solve_set(nsdae_stack *c, const nsdae_whole *w, int island)
 
 /* ---- active-set method */
 
-static int next_set(nsdae_stack *c)
+static int next_set(nsdae_active_set_island *c)
 {
   int changed = 0;
   for (int i = 0; i < c->count; i++) {
@@ -277,20 +279,21 @@ static int next_set(nsdae_stack *c)
 }
 
 /* Of x as it is, and of u. */
-static double residual(const nsdae_stack *c)
+static double residual(const nsdae_active_set_island *c)
 {
-  nsdae_misfit misfit = {0};
+  nsdae_natural_residual residual = {0};
   int finite = 1;
   for (int i = 0; i < c->count; i++) {
-    nsdae_misfit_speed(&misfit, c->b[i]);
-    nsdae_misfit_raise(&misfit.left, fabs(fmin(c->x[i] * c->A[c->at[i]], c->u[i])));
+    nsdae_natural_residual_speed(&residual, c->b[i]);
+    nsdae_natural_residual_raise(&residual.left, fabs(fmin(c->x[i] * c->A[c->at[i]], c->u[i])));
     finite = finite && isfinite(c->x[i]) && isfinite(c->u[i]); /* fmin passes over NaN */
   }
-  return finite ? nsdae_misfit_residual(&misfit) : HUGE_VAL;
+  return finite ? nsdae_natural_residual_scaled(&residual) : HUGE_VAL;
 }
 
 /* The last set settles, or what it leaves is within rounding. */
-static int settle(nsdae_stack *c, const nsdae_whole *w, int island, double tol)
+static int settle(nsdae_active_set_island *c, const nsdae_island_equations *w, int island,
+                  double tol)
 {
   double left = HUGE_VAL;
   for (int i = 0; i < c->count; i++) {
@@ -308,7 +311,7 @@ static int settle(nsdae_stack *c, const nsdae_whole *w, int island, double tol)
 /* ---- velocities and residual */
 
 /* v = M^-1 r + U Lambda; what cancels to rounding is zero, as in contacts.c. */
-static void scatter(nsdae_stack *c, const nsdae_whole *w, int island)
+static void scatter(nsdae_active_set_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const nsdae_members *members = &w->islands->block;
@@ -340,11 +343,11 @@ static void scatter(nsdae_stack *c, const nsdae_whole *w, int island)
 }
 
 /* Velocities after, and what they leave of the laws: |min(d Lambda, u)| without friction. */
-static void velocities_after(nsdae_stack *c, const nsdae_whole *w)
+static void velocities_after(nsdae_active_set_island *c, const nsdae_island_equations *w)
 {
   nsdae_impulses *to = w->results;
   int nt = w->system->dims.nt;
-  c->misfit = (nsdae_misfit){0};
+  c->residual = (nsdae_natural_residual){0};
   for (int i = 0; i < c->count; i++) {
     int k = c->order[i], a = c->contact[k];
     to->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
@@ -353,12 +356,12 @@ static void velocities_after(nsdae_stack *c, const nsdae_whole *w)
       to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
     }
     double x = to->normal[a] * c->A[c->at[i]], u = to->after[a] + w->law[a].e_n * to->before[a];
-    nsdae_misfit_speed(&c->misfit, c->b[k]);
-    nsdae_misfit_raise(&c->misfit.left, fabs(x < u ? x : u));
+    nsdae_natural_residual_speed(&c->residual, c->b[k]);
+    nsdae_natural_residual_raise(&c->residual.left, fabs(x < u ? x : u));
   }
 }
 
-int nsdae_stack_fits(const nsdae_whole *w, int island)
+int nsdae_active_set_fits(const nsdae_island_equations *w, int island)
 {
   const nsdae_members *contacts = &w->islands->contact;
   if (nsdae_members_count(&w->islands->row, island) > 0) return 0;
@@ -367,7 +370,8 @@ int nsdae_stack_fits(const nsdae_whole *w, int island)
   return 1;
 }
 
-int nsdae_stack_solve(nsdae_stack *c, const nsdae_whole *w, int island, double tol, double *L_block)
+int nsdae_active_set_solve(nsdae_active_set_island *c, const nsdae_island_equations *w, int island,
+                           double tol, double *L_block)
 {
   const nsdae_members *contacts = &w->islands->contact;
   c->count = nsdae_members_count(contacts, island);

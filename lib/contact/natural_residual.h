@@ -8,51 +8,52 @@
  * as by nsdae_friction_residual. The map is of degree one in (Lambda, u): so each island says what
  * it leaves [velocity] and how fast its contacts are without impulses, and the whole has one scale,
  * that of the fastest. An island is solved by its own, which is the stricter. */
-#ifndef NSDAE_MISFIT_H
-#define NSDAE_MISFIT_H
+#ifndef NSDAE_NATURAL_RESIDUAL_H
+#define NSDAE_NATURAL_RESIDUAL_H
 
 #include <math.h>
 
 #include "cone.h"
 
-typedef struct nsdae_misfit {
+typedef struct nsdae_natural_residual {
   double left, speed; /* numerator and denominator; NaN where one is */
-} nsdae_misfit;
+} nsdae_natural_residual;
 
-static inline void nsdae_misfit_raise(double *most, double x)
+static inline void nsdae_natural_residual_raise(double *most, double x)
 {
   if (!(x <= *most) && *most == *most) *most = x;
 }
 
 /* Velocity q of a row without impulses. */
-static inline void nsdae_misfit_speed(nsdae_misfit *m, double q)
+static inline void nsdae_natural_residual_speed(nsdae_natural_residual *m, double q)
 {
-  nsdae_misfit_raise(&m->speed, fabs(q));
+  nsdae_natural_residual_raise(&m->speed, fabs(q));
 }
 
 /* A constraint with the velocity u beside what is asked of it. */
-static inline void nsdae_misfit_row(nsdae_misfit *m, double u)
+static inline void nsdae_natural_residual_row(nsdae_natural_residual *m, double u)
 {
-  nsdae_misfit_raise(&m->left, fabs(u));
+  nsdae_natural_residual_raise(&m->left, fabs(u));
 }
 
 /* A contact of 1 + nt rows; x = d Lambda, u; those that it does not have are zero. */
-static inline void nsdae_misfit_contact(nsdae_misfit *m, double mu, const double x[3],
-                                        const double u[3])
+static inline void nsdae_natural_residual_contact(nsdae_natural_residual *m, double mu,
+                                                  const double x[3], const double u[3])
 {
   if (mu > 0)
-    nsdae_misfit_raise(&m->left, nsdae_fc_natural(NSDAE_FC_CONE, mu, x, NULL, u));
+    nsdae_natural_residual_raise(&m->left, nsdae_fc_natural(NSDAE_FC_CONE, mu, x, NULL, u));
   else
-    nsdae_misfit_raise(&m->left, fabs(x[0] - u[0] > 0 ? u[0] : x[0]));
+    nsdae_natural_residual_raise(&m->left, fabs(x[0] - u[0] > 0 ? u[0] : x[0]));
 }
 
-static inline void nsdae_misfit_add(nsdae_misfit *sum, const nsdae_misfit *one)
+static inline void nsdae_natural_residual_add(nsdae_natural_residual *sum,
+                                              const nsdae_natural_residual *one)
 {
-  nsdae_misfit_raise(&sum->left, one->left);
-  nsdae_misfit_raise(&sum->speed, one->speed);
+  nsdae_natural_residual_raise(&sum->left, one->left);
+  nsdae_natural_residual_raise(&sum->speed, one->speed);
 }
 
-static inline double nsdae_misfit_residual(const nsdae_misfit *m)
+static inline double nsdae_natural_residual_scaled(const nsdae_natural_residual *m)
 {
   if (!isfinite(m->speed)) return NAN;
   return m->speed > 0 ? m->left / m->speed : m->left;

@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "support/random.h"
-#include "graph.h"
+#include "contact_islands.h"
 
 enum { BLOCKS = 30, CONTACTS = 40, ROWS = 10 };
 
@@ -10,12 +10,12 @@ typedef struct sample {
   random_state random;
   int pair[2 * CONTACTS], first[ROWS + 1], block[2 * ROWS], contact[CONTACTS];
   int reach[BLOCKS][BLOCKS], in[BLOCKS];
-  nsdae_graph graph;
+  nsdae_contact_islands graph;
 } sample;
 
 static void layout(void *object, nsdae_arena *arena)
 {
-  nsdae_graph_layout(object, arena);
+  nsdae_contact_islands_layout(object, arena);
 }
 
 static void join(sample *s, int a, int b)
@@ -49,7 +49,7 @@ static void draw(sample *s, int contacts)
 
 static void expect_islands(const sample *s, int contacts)
 {
-  const nsdae_graph *g = &s->graph;
+  const nsdae_contact_islands *g = &s->graph;
   int blocks = 0;
   for (int a = 0; a < BLOCKS; a++) {
     assert_int_equal(g->of[a] >= 0, s->in[a]);
@@ -88,12 +88,12 @@ static void test_random_graphs(void **state)
     int contacts = random_int(&s.random, 0, CONTACTS);
     draw(&s, contacts);
     const nsdae_rows rows = {.count = ROWS, .first = s.first, .block = s.block};
-    assert_int_equal(nsdae_graph_find(&s.graph, contacts, s.pair, &rows), -1);
+    assert_int_equal(nsdae_contact_islands_find(&s.graph, contacts, s.pair, &rows), -1);
     expect_islands(&s, contacts);
   }
   s.first[4] = s.first[5]; /* a row without a block is named */
   const nsdae_rows rows = {.count = ROWS, .first = s.first, .block = s.block};
-  assert_int_equal(nsdae_graph_find(&s.graph, 0, s.pair, &rows), 4);
+  assert_int_equal(nsdae_contact_islands_find(&s.graph, 0, s.pair, &rows), 4);
   nsdae_arena_release(&arena);
 }
 

@@ -1,4 +1,4 @@
-#include "local.h"
+#include "dense_island.h"
 
 #include <math.h>
 #include <string.h>
@@ -6,8 +6,9 @@
 #include "errors.h"
 #include "vector.h"
 
-void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error *error,
-                         const nsdae_lcp_options *options, double rank_tol)
+void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_system *system,
+                                nsdae_error *error, const nsdae_lcp_options *options,
+                                double rank_tol)
 {
   l->blocks = (nsdae_blocks){1, l->ends, l->squares};
   l->contacts.system = system;
@@ -19,15 +20,15 @@ void nsdae_local_prepare(nsdae_local *l, const nsdae_system *system, nsdae_error
   l->kkt.blocks = &l->blocks;
 }
 
-void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
+void nsdae_dense_island_layout(nsdae_dense_island *l, nsdae_arena *arena)
 {
   const nsdae_system *s = l->contacts.system;
   int planar = s->dims.nt == 1 ? 3 : 1;
   const nsdae_dims most = {
-      .nv = NSDAE_LOCAL_V, .m = NSDAE_LOCAL_M, .k = NSDAE_LOCAL_ROWS / planar, .nt = s->dims.nt};
+      .nv = NSDAE_DENSE_V, .m = NSDAE_DENSE_M, .k = NSDAE_DENSE_ROWS / planar, .nt = s->dims.nt};
   l->kkt.n = l->ends[1] = most.nv;
   l->kkt.m = most.m;
-  l->contacts.rows_in_all = NSDAE_LOCAL_ROWS;
+  l->contacts.rows_in_all = NSDAE_DENSE_ROWS;
   double **vector[] = {&l->r, &l->v, &l->size, &l->free, &l->column};
   for (int i = 0; i < 5; i++) *vector[i] = NSDAE_ARENA_DOUBLES(arena, most.nv);
   l->gathered = NSDAE_ARENA_DOUBLES(arena, most.nv * most.nv);
@@ -40,15 +41,15 @@ void nsdae_local_layout(nsdae_local *l, nsdae_arena *arena)
   nsdae_contacts_layout(&l->contacts, &most, arena);
 }
 
-int nsdae_local_fits(const nsdae_whole *w, int island)
+int nsdae_dense_island_fits(const nsdae_island_equations *w, int island)
 {
-  const nsdae_graph *is = w->islands;
+  const nsdae_contact_islands *is = w->islands;
   int k = nsdae_members_count(&is->contact, island), nt = w->system->dims.nt, n = 0;
-  if (nsdae_members_count(&is->row, island) > NSDAE_LOCAL_M) return 0;
-  if (k * (nt == 1 ? 3 : 1) > NSDAE_LOCAL_ROWS) return 0;
+  if (nsdae_members_count(&is->row, island) > NSDAE_DENSE_M) return 0;
+  if (k * (nt == 1 ? 3 : 1) > NSDAE_DENSE_ROWS) return 0;
   for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
     n += nsdae_blocks_size(&w->system->blocks, is->block.of[i]);
-  if (n > NSDAE_LOCAL_V) return 0;
+  if (n > NSDAE_DENSE_V) return 0;
   for (int i = is->contact.first[island]; nt == 2 && i < is->contact.first[island + 1]; i++)
     if (w->law[is->contact.of[i]].mu > 0) return 0; /* a true cone */
   return 1;
@@ -57,7 +58,7 @@ int nsdae_local_fits(const nsdae_whole *w, int island)
 /* ---- gathering */
 
 /* Of one block M is that of the whole. */
-static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
+static void gather_blocks(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *members = &w->islands->block;
   const nsdae_blocks *blocks = &w->system->blocks;
@@ -83,9 +84,9 @@ static void gather_blocks(nsdae_local *l, const nsdae_whole *w, int island)
   }
 }
 
-static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
+static void gather_rows(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
-  const nsdae_graph *is = w->islands;
+  const nsdae_contact_islands *is = w->islands;
   const int *row = is->row.of + is->row.first[island];
   int m = nsdae_members_count(&is->row, island);
   l->kkt.m = l->J.count = m;
@@ -98,7 +99,7 @@ static void gather_rows(nsdae_local *l, const nsdae_whole *w, int island)
   }
 }
 
-static void close_contacts(nsdae_local *l, const nsdae_whole *w, int island)
+static void close_contacts(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *members = &w->islands->contact;
   nsdae_contacts *c = &l->contacts;
@@ -110,7 +111,7 @@ static void close_contacts(nsdae_local *l, const nsdae_whole *w, int island)
 }
 
 /* Whether something drives the island: a velocity is asked of a row or a contact. */
-static int driven(const nsdae_local *l, const nsdae_whole *w)
+static int driven(const nsdae_dense_island *l, const nsdae_island_equations *w)
 {
   const nsdae_contacts *c = &l->contacts;
   const nsdae_terms *T = w->terms;
@@ -122,7 +123,7 @@ static int driven(const nsdae_local *l, const nsdae_whole *w)
 
 /* Whether no entry moves a contact by more than the digits of the solution, in parts of the largest
  * velocity of a contact without impulses; each as if by the largest lever. */
-static int stands(const nsdae_local *l)
+static int stands(const nsdae_dense_island *l)
 {
   const nsdae_contacts *c = &l->contacts;
   const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, NSDAE_STILL);
@@ -134,7 +135,7 @@ static int stands(const nsdae_local *l)
 }
 
 /* Exactly: it does not creep. */
-static void stand(nsdae_local *l)
+static void stand(nsdae_dense_island *l)
 {
   const nsdae_contacts *c = &l->contacts;
   int nt = c->system->dims.nt;
@@ -149,7 +150,7 @@ static void stand(nsdae_local *l)
 
 /* Of column j of W: W_j^T M^-1 W_j and the velocity without impulses, u_j being that of v. Where
  * there are no constraints the Delassus matrix has them. */
-static void measure(const nsdae_local *l, int j, double u_j, double *diagonal, double *q)
+static void measure(const nsdae_dense_island *l, int j, double u_j, double *diagonal, double *q)
 {
   const nsdae_delassus *d = &l->contacts.delassus;
   int n = l->kkt.n;
@@ -165,7 +166,7 @@ static void measure(const nsdae_local *l, int j, double u_j, double *diagonal, d
 
 /* Residual of the a-th contact: impulses in units of velocity by the mean diagonal of G, against
  * the law. */
-static void fit_contact(const nsdae_local *l, int a, nsdae_misfit *misfit)
+static void fit_contact(const nsdae_dense_island *l, int a, nsdae_natural_residual *residual)
 {
   const nsdae_contacts *c = &l->contacts;
   const nsdae_impulses *r = c->results;
@@ -179,15 +180,15 @@ static void fit_contact(const nsdae_local *l, int a, nsdae_misfit *misfit)
   for (int j = 0; j < columns; j++) {
     double diagonal, q;
     measure(l, c->first_column[a] + j, u[j], &diagonal, &q);
-    nsdae_misfit_speed(misfit, q);
+    nsdae_natural_residual_speed(residual, q);
     d += diagonal;
   }
   if (columns > 1) d /= columns;
   for (int j = 0; j < columns; j++) x[j] *= d;
-  nsdae_misfit_contact(misfit, columns > 1 ? law->mu : 0, x, u);
+  nsdae_natural_residual_contact(residual, columns > 1 ? law->mu : 0, x, u);
 }
 
-static void fit_row(const nsdae_local *l, int i, nsdae_misfit *misfit)
+static void fit_row(const nsdae_dense_island *l, int i, nsdae_natural_residual *residual)
 {
   const double *J = l->J.value + i;
   double u = -l->asked[i], change = 0;
@@ -195,29 +196,29 @@ static void fit_row(const nsdae_local *l, int i, nsdae_misfit *misfit)
     u += *J * l->v[j];
     change += *J * l->free[j];
   }
-  nsdae_misfit_row(misfit, u);
-  nsdae_misfit_speed(misfit, u + change);
+  nsdae_natural_residual_row(residual, u);
+  nsdae_natural_residual_speed(residual, u + change);
 }
 
 /* Of v as it is, and what it would be without any impulse. */
-static nsdae_misfit fit(const nsdae_local *l)
+static nsdae_natural_residual fit(const nsdae_dense_island *l)
 {
-  nsdae_misfit misfit = {0};
+  nsdae_natural_residual residual = {0};
   if (l->kkt.m > 0) {
     memcpy(l->free, l->r, (size_t)l->kkt.n * sizeof *l->free);
     nsdae_kkt_solve_mass(&l->kkt, l->free);
     for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->v[j];
   }
-  for (int a = 0; a < l->contacts.active_count; a++) fit_contact(l, a, &misfit);
-  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, &misfit);
-  return misfit;
+  for (int a = 0; a < l->contacts.active_count; a++) fit_contact(l, a, &residual);
+  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, &residual);
+  return residual;
 }
 
 /* ---- and back */
 
-static void scatter(const nsdae_local *l, const nsdae_whole *w, int island)
+static void scatter(const nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
-  const nsdae_graph *is = w->islands;
+  const nsdae_contact_islands *is = w->islands;
   const nsdae_blocks *blocks = &w->system->blocks;
   for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
     int b = is->block.of[i];
@@ -230,18 +231,19 @@ static void scatter(const nsdae_local *l, const nsdae_whole *w, int island)
 }
 
 /* v, lambda, the impulses and the residuals of the laws, from the bases in memory. */
-static int solve(nsdae_local *l, const nsdae_whole *w, nsdae_misfit *misfit)
+static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
+                 nsdae_natural_residual *residual)
 {
   memcpy(l->lambda, l->asked, (size_t)l->kkt.m * sizeof *l->lambda);
   int status = nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, l->r, l->v, l->size, l->lambda);
   if (status < 0 || !nsdae_contacts_any(&l->contacts)) return status;
   if (!driven(l, w) && stands(l)) stand(l);
-  *misfit = fit(l);
+  *residual = fit(l);
   return status;
 }
 
 /* Whether the normal impulses are what they were, up to rounding. */
-static int same_impulses(const nsdae_local *l, const double *was)
+static int same_impulses(const nsdae_dense_island *l, const double *was)
 {
   const nsdae_contacts *c = &l->contacts;
   double apart = 0, most = nsdae_largest(c->active_count, was);
@@ -262,32 +264,33 @@ static void copy_bases(nsdae_contacts *c, int *basis, int back)
 
 /* The complementarity problem is judged by scales of its own: if it is solved and a law is not,
  * once more and by two digits more. If that fails or finds another solution, it was one. */
-static int solve_laws(nsdae_local *l, const nsdae_whole *w, nsdae_misfit *misfit)
+static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
+                      nsdae_natural_residual *residual)
 {
   nsdae_contacts *c = &l->contacts;
-  int basis[NSDAE_LOCAL_ROWS * NSDAE_CLOSED_BASIS];
-  double was[NSDAE_LOCAL_ROWS], *tol = &c->lcp.options.tol, asked = *tol;
+  int basis[NSDAE_DENSE_ROWS * NSDAE_CLOSED_BASIS];
+  double was[NSDAE_DENSE_ROWS], *tol = &c->lcp.options.tol, asked = *tol;
   copy_bases(c, basis, 0);
-  int status = solve(l, w, misfit);
-  if (status < 0 || nsdae_misfit_residual(misfit) <= asked) return status;
+  int status = solve(l, w, residual);
+  if (status < 0 || nsdae_natural_residual_scaled(residual) <= asked) return status;
   for (int a = 0; a < c->active_count; a++) was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
-  status = solve(l, w, misfit);
+  status = solve(l, w, residual);
   *tol = asked;
   if (status == NSDAE_OK && same_impulses(l, was)) return status;
   copy_bases(c, basis, 1);
-  return solve(l, w, misfit);
+  return solve(l, w, residual);
 }
 
-int nsdae_local_solve(nsdae_local *l, const nsdae_whole *w, int island, int least_norm,
-                      nsdae_misfit *misfit)
+int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations *w, int island,
+                             int least_norm, nsdae_natural_residual *residual)
 {
   gather_blocks(l, w, island);
   gather_rows(l, w, island);
   close_contacts(l, w, island);
   int status = nsdae_kkt_factor(&l->kkt, l->M, &l->J);
   if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;
-  if (status == NSDAE_OK) status = solve_laws(l, w, misfit);
+  if (status == NSDAE_OK) status = solve_laws(l, w, residual);
   if (status == NSDAE_OK) scatter(l, w, island);
   return status;
 }

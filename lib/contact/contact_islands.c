@@ -1,10 +1,10 @@
-#include "graph.h"
+#include "contact_islands.h"
 
 #include <string.h>
 
 #include "disjoint_sets.h"
 
-void nsdae_graph_layout(nsdae_graph *islands, nsdae_arena *arena)
+void nsdae_contact_islands_layout(nsdae_contact_islands *islands, nsdae_arena *arena)
 {
   long blocks = islands->blocks;
   islands->of = NSDAE_ARENA_INTS(arena, blocks);
@@ -29,7 +29,8 @@ static int anchor(const int *pair)
   return pair[0] >= 0 ? pair[0] : pair[1];
 }
 
-static int join_all(nsdae_graph *is, int contacts, const int *pair, const nsdae_rows *rows)
+static int join_all(nsdae_contact_islands *is, int contacts, const int *pair,
+                    const nsdae_rows *rows)
 {
   memset(is->parent, -1, (size_t)is->blocks * sizeof *is->parent);
   for (int a = 0; a < contacts; a++) {
@@ -44,7 +45,7 @@ static int join_all(nsdae_graph *is, int contacts, const int *pair, const nsdae_
   return -1;
 }
 
-static void number(nsdae_graph *is)
+static void number(nsdae_contact_islands *is)
 {
   is->count = 0;
   for (int b = 0; b < is->blocks; b++) {
@@ -54,7 +55,7 @@ static void number(nsdae_graph *is)
 }
 
 /* Lists members by counting: block_of says a block of member i, whose island is meant. */
-static void list_members(nsdae_graph *is, nsdae_members *m, int count,
+static void list_members(nsdae_contact_islands *is, nsdae_members *m, int count,
                          int (*block_of)(const void *from, int i), const void *from)
 {
   memset(m->first, 0, ((size_t)is->count + 2) * sizeof *m->first);
@@ -86,7 +87,8 @@ static int block_of_row(const void *rows, int i)
   return r->block[r->first[i]];
 }
 
-int nsdae_graph_find(nsdae_graph *is, int contacts, const int *pair, const nsdae_rows *rows)
+int nsdae_contact_islands_find(nsdae_contact_islands *is, int contacts, const int *pair,
+                               const nsdae_rows *rows)
 {
   int loose = join_all(is, contacts, pair, rows);
   if (loose >= 0) return loose;

@@ -5,15 +5,14 @@
  * by a primal-dual active set (Hintermueller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865) that
  * begins with the contacts that pressed in the step before: A Lambda = -b on the set, and the next
  * set is where Lambda > 0 or the velocity < 0. A is factored in its envelope, with the contacts in
- * the order of Cuthill and McKee: what is stacked or strung is banded. Where the envelope is no
- * saving, the set does not settle, or contacts depend on one another, the island is left to the
- * cones (cone_island.h). */
-#ifndef NSDAE_STACK_H
-#define NSDAE_STACK_H
+ * the order of Cuthill and McKee: stacks and strings are banded. If the envelope saves nothing, the
+ * set does not converge, or contacts are dependent, the next solver is tried (cone_island.h). */
+#ifndef NSDAE_ACTIVE_SET_ISLAND_H
+#define NSDAE_ACTIVE_SET_ISLAND_H
 
-#include "local.h"
+#include "island_equations.h"
 
-typedef struct nsdae_stack {
+typedef struct nsdae_active_set_island {
   int count;             /* contacts of the island at hand */
   const int *contact;    /* them */
   int *order, *position; /* count; count: place in the order, -1: not yet */
@@ -24,19 +23,20 @@ typedef struct nsdae_stack {
   int *active;           /* count, in the order: in the set */
   double *U, *A, *L;     /* parts; envelopes */
   double *b, *x, *u, *rest;
-  nsdae_misfit misfit;
+  nsdae_natural_residual residual;
   int rounds;
-} nsdae_stack;
+} nsdae_active_set_island;
 
-void nsdae_stack_layout(nsdae_stack *stack, const nsdae_system *system, nsdae_arena *arena);
-int nsdae_stack_grow(nsdae_stack *stack, const nsdae_room *contacts);
-void nsdae_stack_release(nsdae_stack *stack);
+void nsdae_active_set_layout(nsdae_active_set_island *set, const nsdae_system *system,
+                             nsdae_arena *arena);
+int nsdae_active_set_grow(nsdae_active_set_island *set, const nsdae_room *contacts);
+void nsdae_active_set_release(nsdae_active_set_island *set);
 
-int nsdae_stack_fits(const nsdae_whole *whole, int island);
+int nsdae_active_set_fits(const nsdae_island_equations *whole, int island);
 
 /* v, impulses, modes and velocities after of an island that fits. 1 where it is solved to tol; 0:
  * another way must be found, and nothing is changed. */
-int nsdae_stack_solve(nsdae_stack *stack, const nsdae_whole *whole, int island, double tol,
-                      double *L_block);
+int nsdae_active_set_solve(nsdae_active_set_island *set, const nsdae_island_equations *whole,
+                           int island, double tol, double *L_block);
 
 #endif
