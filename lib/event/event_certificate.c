@@ -1,8 +1,10 @@
 /* The laws of contact that a record must fulfil. With h its length, no contact pulls and no
  * friction leaves its cone:
  *
- *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 ((n + 2) rtol P + atol h) + m u
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol_T,
+ *   tol = e + m u,   tol_T = (nt^1/2 + mu) e + m u,   e = 10 ((n + 2) rtol P + atol h)
  *
+ * e is the error of an impulse, so that |P_T| has nt^1/2 e and mu P_N has mu e.
  * The integrator bounds the error of an impulse by 10 rtol P in each step, however short it is
  * (runge_kutta.c): P = dt f, with f the largest of the forces and of M |v| / dt. n steps begin in
  * the record, one before it, and the last one ends after it. A force is zero up to
@@ -88,11 +90,12 @@ static int check_impulses(const nsdae_event_phase *phase, const nsdae_terms *fro
   double steps = (double)(r->counters.iterations + 2), slow = nsdae_event_velocity_size(s);
   double all = 10 * (steps * o->rtol * most + o->atol * h) + early;
   for (int i = 0; i < k; i++) {
-    double tol = all + inertia(&r->end, i) * slow;
+    double mu = s->system->contact[i].mu, tol = all + inertia(&r->end, i) * slow;
     double along = nsdae_norm(nt, p->tangential + i * nt);
     if (-p->normal[i] > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "has the adhesive impulse", p->normal[i], -tol);
-    double excess = along - s->system->contact[i].mu * p->normal[i];
+    double excess = along - mu * p->normal[i];
+    tol += (sqrt(nt) + mu - 1) * all;
     tol *= phase->modes.blur[i]; /* friction that chatters has a larger tolerance */
     if (excess > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "has friction outside its cone, by the impulse",
