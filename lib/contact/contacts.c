@@ -88,6 +88,7 @@ void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_aren
   c->delassus.impulse_size = NSDAE_ARENA_DOUBLES(arena, columns);
   c->delassus.offset = NSDAE_ARENA_DOUBLES(arena, columns);
   c->lcp.work = NSDAE_ARENA_DOUBLES(arena, c->lcp.lwork);
+  c->lcp.other = NSDAE_ARENA_DOUBLES(arena, 4 * rows);
   c->lcp.iwork = NSDAE_ARENA_INTS(arena, c->lcp.liwork);
   c->slides.number = NSDAE_ARENA_INTS(arena, f);
   c->map.Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);

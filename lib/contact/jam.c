@@ -1,6 +1,7 @@
 #include "jam.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "dense.h"
 #include "errors.h"
@@ -47,6 +48,30 @@ static double yield_of(const nsdae_contacts *c, int row)
   for (int i = 0; i < count; i++)
     if (pressed[i] == row && unit[i] != 0) return 1 / unit[i];
   return INFINITY;
+}
+
+/* Whether the solved problem has another solution with x_i = 0 and y_i > 0 for i = row: one of
+ * the problem without this row and column, here y_i = x_i + 1. */
+static int has_open_solution(const nsdae_contacts *c, int row)
+{
+  const nsdae_contact_lcp *lcp = &c->lcp;
+  size_t n = (size_t)c->rows, i = (size_t)row;
+  double *A = lcp->A, *along = lcp->other, *down = along + n, *x = down + n, *y = x + n;
+  double b = lcp->b[i], size = nsdae_largest(c->rows, lcp->b);
+  const nsdae_lcp_problem problem = {.n = c->rows, .A = A, .lda = c->rows, .b = lcp->b};
+  nsdae_lcp_info info;
+  memcpy(down, A + i * n, n * sizeof *A);
+  memset(A + i * n, 0, n * sizeof *A);
+  for (size_t j = 0; j < n; j++) along[j] = j == i ? down[i] : A[j * n + i], A[j * n + i] = j == i;
+  lcp->b[i] = 1;
+  memset(x, 0, n * sizeof *x);
+  memset(lcp->basis, 0, n * sizeof *lcp->basis);
+  int status = nsdae_lcp_solve_in(&problem, &lcp->options, lcp->basis, x, y, &info, lcp->work,
+                                  lcp->lwork, lcp->iwork, lcp->liwork);
+  for (size_t j = 0; j < n; j++) A[j * n + i] = along[j];
+  memcpy(A + i * n, down, n * sizeof *A);
+  lcp->b[i] = b;
+  return status == NSDAE_OK && b + nsdae_dot(c->rows, along, x) > lcp->options.tol * size;
 }
 
 /* Of the j-th slide of the problem: 1 - |D_SS mu|, of what a unit of its multiplier calls for in
@@ -96,6 +121,7 @@ int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_
         margins[margin] * c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     if (c->law[a].kind != NSDAE_SLIDING || (coefficient > least && !unsolved)) continue;
     if (status == NSDAE_OK && by_rows && yield_of(c, row) > least) continue;
+    if (status == NSDAE_OK && margin == NSDAE_JAM_EXACT && !has_open_solution(c, row)) continue;
     return tell(c, NSDAE_NAME_CONTACT, c->active[a], t,
                 margin == NSDAE_JAM_NEAR ? without_bound
                 : unsolved               ? "no contact force that solves the equations"

@@ -1,6 +1,7 @@
 /* Painleve's paradox. A contact that slides and whose own coefficient W_N^T P (W_N - mu W_T d) is
  * not above zero pulls itself in: then there is no force, or two (Painleve 1895), unless others
- * that press keep it from that. The same of frictional joints (Klein 1909): none is
+ * that press keep it from that: the problem without its row has no solution then in which it
+ * opens. The same of frictional joints (Klein 1909): none is
  * NSDAE_E_PAINLEVE, of two one is taken. Several together can do so as well: where a problem of
  * accelerations is unsolved, the first contact that slides is to blame. */
 #ifndef NSDAE_CONTACT_JAM_H

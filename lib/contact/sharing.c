@@ -104,10 +104,18 @@ static int fulfil_relations(nsdae_sharing *s)
 
 /* ---- what the forces of a solution obey */
 
-/* Zero for a force, up to the error of a solved complementarity problem. */
-static double rounding_size(const nsdae_sharing *s)
+/* Zero for a force of the a-th closed contact: up to the error of a solved complementarity problem,
+ * and up to what gives its row l no acceleration, G_ll F_l <= none. Bodies that fall together have
+ * such forces alone. */
+static double rounding_size(const nsdae_sharing *s, int a)
 {
-  return problem_of(s)->lcp.options.tol * nsdae_largest(problem_of(s)->columns, s->force);
+  const nsdae_contacts *c = problem_of(s);
+  double rounding = c->lcp.options.tol * nsdae_largest(c->columns, s->force);
+  for (int l = c->first_column[a]; l < c->first_column[a + 1]; l++) {
+    double G = row_of(s, c->delassus.G, l)[l];
+    if (G > 0) rounding = fmax(rounding, s->of->none / G);
+  }
+  return rounding;
 }
 
 /* Whether no contact pulls. */
@@ -116,7 +124,7 @@ static int pushes(const nsdae_sharing *s)
   const nsdae_contacts *c = problem_of(s);
   int all = 1;
   for (int a = 0; a < c->active_count; a++)
-    all &= s->force[c->first_column[a]] >= -rounding_size(s);
+    all &= s->force[c->first_column[a]] >= -rounding_size(s, a);
   return all;
 }
 
@@ -144,7 +152,7 @@ static int holds(const nsdae_sharing *s)
 {
   int all = 1;
   for (int a = 0; a < problem_of(s)->active_count; a++)
-    all &= !sticks(s, a) || friction_of(s, a) <= most_friction(s, a) + rounding_size(s);
+    all &= !sticks(s, a) || friction_of(s, a) <= most_friction(s, a) + rounding_size(s, a);
   return all;
 }
 
@@ -252,7 +260,7 @@ static int keeps_sliding(const nsdae_sharing *s)
   int all = 1;
   for (int a = 0; a < c->active_count; a++) {
     int column = c->first_column[a];
-    all &= !slides(s, a) || fabs(s->force[column] - s->solved[column]) <= rounding_size(s);
+    all &= !slides(s, a) || fabs(s->force[column] - s->solved[column]) <= rounding_size(s, a);
   }
   return all;
 }

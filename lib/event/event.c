@@ -22,9 +22,10 @@ enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300, STILL
  * them. */
 static const double SOON = 10;
 
-/* The share left of the acceleration that a unit of force gave as its phase began: at a pole, and
- * near one. */
-static const double POLE = 1e-6, NEAR_POLE = 1e-3;
+/* At a pole a force grows as (t_pole - t)^-1/2 at least, over a time tau. A zero is located up to
+ * 100 eps t. So this share is left of the acceleration that a unit of the force gives alone, if tau
+ * is above 2.2e-8 t. */
+static const double POLE = 1e-3;
 
 /* Sines of rows that depend, in parts of the least one: from step to step, and at most. */
 static const double LOOSER = 100, LOOSEST = 1e4;
@@ -141,7 +142,7 @@ static int integrator_failed(event *e, int status, double t)
   const char *cause = e->integrator.smooth.cause;
   if (error->status != NSDAE_OK) return error->status;
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
-  int contact = nsdae_event_unbounded(&e->roots, NEAR_POLE, 0);
+  int contact = nsdae_event_unbounded(&e->roots, POLE);
   if (contact >= 0)
     return nsdae_jam_unbounded(&e->instant.acceleration.problem, contact, t,
                                nsdae_event_yield(&e->phase, contact));
@@ -181,7 +182,7 @@ static int contradiction(event *e, int entry, double t)
 {
   t = nsdae_system_time(e->setting.system, t);
   const nsdae_event_root *root = &e->roots.entry[entry];
-  int contact = root->kind <= NSDAE_ROOT_JAM;
+  int contact = root->kind <= NSDAE_ROOT_HELD;
   nsdae_error *error = e->setting.error;
   nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
                   "forces contradict the contact modes at t = %.17g: %s is %.3g, below the bound "
@@ -216,13 +217,36 @@ static int restart(event *e, double t)
   return wrong < 0 ? status : contradiction(e, wrong, t);
 }
 
-/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind; that it jumps
- * from one end of the doubles to the other looks as if it let go. What hardly slides has stopped.
+/* Whether an open contact touches up to errors and comes: it may be hit before a pole. */
+static int may_be_hit(const event *e)
+{
+  int any = 0;
+  for (int i = 0; i < e->setting.system->dims.k; i++)
+    any |= e->phase.modes.contact[i] == NSDAE_MODE_OPEN && nsdae_event_touches(&e->setting, i);
+  return any;
+}
+
+/* Whether a contact force changed its sign without a zero: from one end of the doubles to the
+ * other.
  */
+static int has_jumped(const event *e)
+{
+  int any = 0;
+  for (int i = 0; i < e->setting.system->dims.k; i++) {
+    const nsdae_event_root *root = nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i);
+    double force = fabs(e->integrator.y[e->setting.at.normal + i]);
+    any |= root->found && e->phase.modes.contact[i] != NSDAE_MODE_OPEN && force > root->size;
+  }
+  return any;
+}
+
+/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind. What hardly
+ * slides has stopped. */
 static int jammed(event *e, double t)
 {
-  int i = nsdae_event_unbounded(&e->roots, POLE, 1);
-  if (i < 0) return NSDAE_OK;
+  int met = nsdae_event_root_of(&e->roots, NSDAE_ROOT_JAM, 0)->found || has_jumped(e);
+  int i = met ? nsdae_event_unbounded(&e->roots, POLE) : -1;
+  if (i < 0 || may_be_hit(e)) return NSDAE_OK;
   nsdae_event_root *slip = nsdae_event_root_of(&e->roots, NSDAE_ROOT_TANGENT, i);
   slip->found |= e->setting.system->dims.nt == 2 && nsdae_event_hardly_slides(&e->phase, i);
   return slip->found ? NSDAE_OK
@@ -374,7 +398,7 @@ static int cross_kink(event *e, double t)
   memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)
     return 0;
-  if (nsdae_event_unbounded(&e->roots, NEAR_POLE, 0) >= 0) return 0;
+  if (nsdae_event_unbounded(&e->roots, POLE) >= 0) return 0;
   memcpy(rate + at->v, e->phase.x, (size_t)(at->lambda - at->v) * sizeof *rate);
   for (double h = 64 * DBL_EPSILON * (fabs(t) + longest); !found && h < longest; h *= 8) {
     nsdae_move(at->lambda, from, h, rate, g->y);

@@ -1,15 +1,17 @@
 /* The laws of contact that a record must fulfil. With h its length, no contact pulls and no
  * friction leaves its cone:
  *
- *   P_N >= -tol,   |P_T| <= mu P_N + tol,   tol = 10 ((n + 2) rtol max |P| + atol h) + m u
+ *   P_N >= -tol,   |P_T| <= mu P_N + tol_T,
+ *   tol = e + m u,   tol_T = (nt^1/2 + mu) e + m u,   e = 10 ((n + 2) rtol P + atol h)
  *
- * The integrator bounds the error of an impulse by 10 rtol max |P| in each step, however short:
- * n steps begin in the record, one before it, and the last ends after it. max |P| is at least dt
- * |F| and M |v|. A force is zero up to 10 (rtol max |F| + atol). u is the tolerance of velocities
- * and m the mass of the contact, bounded from above by inertia(). The end of an accumulation is
- * ahead of its forces by accumulation_time at most. Within BROUGHT_BACK tolerances no gap is below
- * zero, none of a closed contact is above it (complementarity), and independent constraints and
- * their rates are zero. */
+ * e is the error of an impulse, so that |P_T| has nt^1/2 e and mu P_N has mu e.
+ * The integrator bounds the error of an impulse by 10 rtol P in each step, however short it is
+ * (runge_kutta.c): P = dt f, with f the largest of the forces and of M |v| / dt. n steps begin in
+ * the record, one before it, and the last one ends after it. A force is zero up to
+ * 10 (rtol max |F| + atol). u is the tolerance of velocities and m the mass of the contact, bounded
+ * from above by inertia(). The end of an accumulation is ahead of its forces by accumulation_time
+ * at most. Within BROUGHT_BACK tolerances no gap is below zero, none of a closed contact is above
+ * it (complementarity), and independent constraints and their rates are zero. */
 #include "event_certificate.h"
 
 #include <math.h>
@@ -64,27 +66,36 @@ static int ends_ahead(const nsdae_event_setting *s)
   return any;
 }
 
-static int check_impulses(const nsdae_event_phase *phase, double h)
+/* M |v| of the record's end and start, by the largest entries, as the integrator has it. */
+static double momentum_size(const nsdae_terms *T, const double *before)
+{
+  const nsdae_blocks *b = &T->system->blocks;
+  int n = T->system->dims.nv;
+  return nsdae_largest((int)b->square[b->count], T->M) *
+         fmax(nsdae_largest(n, T->v), nsdae_largest(n, before));
+}
+
+static int check_impulses(const nsdae_event_phase *phase, const nsdae_terms *from)
 {
   const nsdae_event_setting *s = phase->setting;
   const nsdae_result *r = s->result;
   const nsdae_impulses *p = &r->impulses;
   const nsdae_sim_options *o = s->options;
-  const nsdae_blocks *blocks = &s->system->blocks;
   int k = s->system->dims.k, nt = s->system->dims.nt;
+  double h = r->end.t - from->t;
   double most = fmax(nsdae_largest(k, p->normal), nsdae_largest(k * nt, p->tangential));
-  double heaviest = nsdae_largest((int)blocks->square[blocks->count], r->end.M);
-  double force = nsdae_largest(s->system->dims.nv, r->end.F), slow = nsdae_event_velocity_size(s);
+  double force = nsdae_largest(s->system->dims.nv, r->end.F);
   double early = ends_ahead(s) ? fmin(1, o->accumulation_time / h) * fmax(most, h * force) : 0;
-  most = fmax(most, fmax(o->dt * force, heaviest * nsdae_largest(s->system->dims.nv, r->end.v)));
-  double steps = (double)(r->counters.iterations + 2);
+  most = fmax(most, fmax(o->dt * force, momentum_size(&r->end, from->v)));
+  double steps = (double)(r->counters.iterations + 2), slow = nsdae_event_velocity_size(s);
   double all = 10 * (steps * o->rtol * most + o->atol * h) + early;
   for (int i = 0; i < k; i++) {
-    double tol = all + inertia(&r->end, i) * slow;
+    double mu = s->system->contact[i].mu, tol = all + inertia(&r->end, i) * slow;
     double along = nsdae_norm(nt, p->tangential + i * nt);
     if (-p->normal[i] > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "has the adhesive impulse", p->normal[i], -tol);
-    double excess = along - s->system->contact[i].mu * p->normal[i];
+    double excess = along - mu * p->normal[i];
+    tol += (sqrt(nt) + mu - 1) * all;
     tol *= phase->modes.blur[i]; /* friction that chatters has a larger tolerance */
     if (excess > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "has friction outside its cone, by the impulse",
@@ -114,7 +125,7 @@ int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
       any_impulse(s->result, d) ? NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_NORMAL : 0u;
   unsigned rates = d->m > 0 ? NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T : 0u;
   int status = nsdae_terms_need(T, impulses | rates | NSDAE_TERM_PHI | NSDAE_TERM_GAP);
-  if (status == NSDAE_OK && impulses) status = check_impulses(phase, T->t - from->t);
+  if (status == NSDAE_OK && impulses) status = check_impulses(phase, from);
   if (status < 0) return status;
   double tol = BROUGHT_BACK * nsdae_event_position_size(s);
   for (int i = 0; i < d->k; i++) {

@@ -27,8 +27,8 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   b->direction = nsdae_memory_reals(part, kt);
   b->blur = nsdae_memory_reals(part, k);
   b->rattle.last = nsdae_memory_reals(part, k);
-  double **real[] = {&b->t, &b->slow, &b->goal, &b->h};
-  for (int i = 0; i < 4; i++) *real[i] = nsdae_memory_reals(part, 1);
+  double **real[] = {&b->t, &b->slow, &b->none, &b->goal, &b->h};
+  for (int i = 0; i < 5; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
 
 void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
@@ -59,6 +59,7 @@ void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, doub
   *b->steps = 0;
   *b->h = g->smooth.steps.h;
   *b->slow = p->modes.slow;
+  *b->none = p->modes.none;
   memcpy(b->blur, p->modes.blur, (size_t)d->k * sizeof *b->blur);
   memcpy(b->y, g->y, n * sizeof *b->y);
   memcpy(b->direction, p->modes.direction, kt * sizeof *b->direction);
@@ -71,6 +72,7 @@ void nsdae_event_restore(const nsdae_event_base *b, nsdae_event_integrator *g)
   size_t n = (size_t)p->setting->at.lambda, kt = (size_t)d->k * (size_t)d->nt;
   p->modes.slow = *b->slow;
   g->smooth.steps.h = *b->h;
+  p->modes.none = *b->none;
   memcpy(p->modes.blur, b->blur, (size_t)d->k * sizeof *b->blur);
   memcpy(g->y, b->y, n * sizeof *b->y);
   memcpy(p->modes.direction, b->direction, kt * sizeof *b->direction);

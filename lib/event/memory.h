@@ -10,7 +10,7 @@
 typedef struct nsdae_event_base {
   int *basis[2];               /* warm starts: of impacts, of accelerations */
   double *t, *y, *direction;   /* 1, nq + nv, k nt: where the integrator started last, */
-  double *slow, *blur;         /* and the modes': 1, k */
+  double *slow, *none, *blur;  /* and the modes': 1, 1, k */
   int *steps;                  /* of its own since then */
   double *h;                   /* the next step there */
   double *goal;                /* of the dt in work, which may take several steps */

@@ -3,8 +3,8 @@
  * rtol from 1e-4 to 1e-11. Every run ends, within so many instants. One that says it went well has
  * no drift, penetration, gain of energy or imbalance beyond 100 rtol, whoever stepped it; one that
  * says that the forces have no solution is there where they may have none. The environment's
- * NSDAE_DROPS is how many (40), NSDAE_DROPS_FROM the first; of more than 300, three in a thousand
- * may be bad, and all that are, are named. */
+ * NSDAE_DROPS is how many (40), NSDAE_DROPS_FROM the first. None may be bad, and all that are, are
+ * named. */
 #include "check.h"
 
 #include <stdlib.h>
@@ -148,7 +148,7 @@ static void test_drops(void **state)
                 "implicit; CPU at most %.2g s per simulated second (seed %lu), %ld above 1\n",
                 many, from, all.bad, all.jammed, all.by_problem, all.fallen_back, all.slowest,
                 all.seed, all.slow);
-  assert_at_most((double)all.bad, 0.003 * (double)many);
+  assert_int_equal(all.bad, 0);
   assert_at_most((double)all.by_problem, 1 + 0.003 * (double)many);
 }
 
@@ -157,14 +157,17 @@ static void test_drops(void **state)
  * friction at its limit, of one contact that comes to rest while another is in a long flight, of
  * rattling that no loss ends; a spinning rod that is wedged, bodies pressed against each other by
  * the problem's rounding, searches for friction that does not exist, a slip of 5e-7 m/s that turns
- * into a jam. */
+ * into a jam. From 51489 on: forces that are zero up to zero accelerations, closings that pull
+ * after all, relations with a pole, sets without a solution, second solutions that are none. */
 static void test_found(void **state)
 {
   const unsigned long seeds[] = {
-      46,   63,   136,  222,  297,  419,  423,  439,  487,  505,  954,  958,  1055, 1062,
-      1071, 1217, 1355, 1382, 1570, 1695, 1724, 2179, 2252, 3392, 4579, 4718, 4843, 98,
-      229,  850,  1320, 3429, 3653, 4237, 5394, 5769, 6881, 6994, 8550, 8654, 8688, 9196,
-      190,  6620, 7685, 8435, 435,  616,  1046, 1059, 2301, 3375, 4552, 4686, 5219, 8187};
+      46,    63,    136,   222,   297,   419,   423,   439,   487,    505,    954,    958,   1055,
+      1062,  1071,  1217,  1355,  1382,  1570,  1695,  1724,  2179,   2252,   3392,   4579,  4718,
+      4843,  98,    229,   850,   1320,  3429,  3653,  4237,  5394,   5769,   6881,   6994,  8550,
+      8654,  8688,  9196,  190,   6620,  7685,  8435,  435,   616,    1046,   1059,   2301,  3375,
+      4552,  4686,  5219,  8187,  51489, 52918, 53270, 53702, 54421,  54562,  56060,  57379, 57390,
+      58737, 59547, 59572, 59677, 59787, 54583, 55830, 57281, 100202, 100729, 101772, 301503};
   tally all = {0};
   (void)state;
   for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++)

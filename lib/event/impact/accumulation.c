@@ -6,6 +6,7 @@
 #include "dense.h"
 #include "direction.h"
 #include "errors.h"
+#include "rattle.h"
 
 /* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
 static const double SLOW = 4;
@@ -14,7 +15,7 @@ static const double SLOW = 4;
 static const double MOST = 1000;
 
 /* Instants of a contact in a row after which errors alone keep it up. */
-enum { PATIENCE = 50 };
+enum { PATIENCE = 50, EACH = 8 };
 
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *arena)
 {
@@ -108,6 +109,7 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double mo
   nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_contacts *held = &p->acceleration->problem;
   int any = 0;
+  p->fastest = 0;
   memcpy(p->parting, v, (size_t)s->system->dims.nv * sizeof *v);
   nsdae_terms_set_velocity(s->here, v);
   int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
@@ -122,6 +124,7 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double mo
     p->settles[i] = solved && p->acceleration->is.candidate[i] &&
                     (held->results->normal[i] > 0 || !(held->results->after[i] > none));
     p->sticks[i] = p->settles[i] && stays(p, i);
+    if (p->settles[i]) p->fastest = fmax(p->fastest, p->after[i]);
     any |= p->settles[i];
   }
   if (!any) nsdae_event_unsettle(p);
@@ -264,23 +267,60 @@ int nsdae_event_close_set(nsdae_event_accumulation *p, const double *before, con
   return status;
 }
 
+/* The forces that follow with the set closed: at v_c the slip may be larger than at the limit, and
+ * the friction may part what the limit holds. */
+static int closed_forces(nsdae_event_accumulation *p, const double *closed)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  nsdae_terms_set_velocity(s->here, closed);
+  if (nsdae_terms_need(s->here, NSDAE_EVENT_TERMS) < 0) return 0;
+  nsdae_event_set_laws(p->acceleration, 1, nsdae_event_velocity_size(s));
+  int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
+  nsdae_error_clear(s->error);
+  return solved;
+}
+
+/* Of contact i of the set: the impulse of a velocity that is none, u / G. */
+static double undecided_impulse(const nsdae_event_accumulation *p, int i)
+{
+  const nsdae_contacts *c = &p->acceleration->problem;
+  for (int a = 0; a < c->active_count; a++) {
+    double G = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
+    if (c->active[a] == i && G > 0)
+      return nsdae_event_velocity_size(p->acceleration->phase->setting) / G;
+  }
+  return 0;
+}
+
+/* The most instants in a row of any contact of the set. */
+static int most_rattles(const nsdae_event_accumulation *p)
+{
+  int most = 0;
+  for (int i = 0; i < p->acceleration->problem.system->dims.k; i++)
+    if (p->settles[i] && p->rattles[i] > most) most = p->rattles[i];
+  return most;
+}
+
 /* Whether with what the forces do until the end, or within accumulation_time, nothing pulls and
- * what sticks is in its cone. After many impacts in a row, which errors keep up, that is not asked.
- */
+ * what sticks is in its cone. What slides has all the friction of these forces, so that its closing
+ * is in the cone alone. After many instants in a row, which errors keep up, the tolerance doubles
+ * with every EACH of them. */
 static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses *impact)
 {
   const nsdae_event_acceleration *a = p->acceleration;
   const nsdae_system *s = a->phase->setting->system;
   int nt = s->dims.nt;
   double rest = fmin(p->rest, a->phase->setting->options->accumulation_time);
+  double growth = nsdae_rattle_growth(most_rattles(p), PATIENCE, EACH);
   for (int i = 0; i < s->dims.k; i++) {
-    double normal = impact->normal[i] + p->normal[i] + a->problem.results->normal[i] * rest;
-    double along[2] = {0};
+    if (!p->settles[i]) continue;
+    double closing = impact->normal[i] + p->normal[i], along[2] = {0};
+    double normal = closing + a->problem.results->normal[i] * rest;
+    double none = growth * undecided_impulse(p, i);
     for (int l = 0, j = i * nt; l < nt; l++, j++)
       along[l] = impact->tangential[j] + p->tangential[j];
-    if (!p->settles[i] || p->rattles[i] > PATIENCE) continue;
-    if (normal < 0) return 0;
-    if (p->sticks[i] && nsdae_norm(nt, along) > s->contact[i].mu * normal) return 0;
+    double most = s->contact[i].mu * (p->sticks[i] ? normal : closing);
+    if (normal < -none || nsdae_norm(nt, along) > most + none) return 0;
   }
   return 1;
 }
@@ -292,24 +332,22 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
   const nsdae_terms *T = s->here;
   const double *F = p->acceleration->problem.results->normal;
   double power = 0;
-  int count = 0;
-  p->fastest = 0;
-  for (int i = 0; i < T->system->dims.k; i++) {
+  int undecided = most_rattles(p) > PATIENCE; /* or several */
+  for (int i = 0, count = 0; i < T->system->dims.k; i++) {
     if (!p->settles[i] && p->acceleration->is.touching[i] && /* a closing that drives it in */
         nsdae_terms_normal_rate(T, i, closed) < -nsdae_event_velocity_size(s))
       return 0;
     if (!p->settles[i]) continue;
     power += F[i] * p->after[i];
-    p->fastest = fmax(p->fastest, p->after[i]);
-    count++;
+    undecided |= ++count > 1;
   }
   double flight = power > 0 ? 4 * p->left / power : INFINITY;
   p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
-  double told = count > 1 ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
+  double told = undecided ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
   int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
              p->fastest * flight / 4 <= told;
-  ends = ends && is_admissible(p, impact);
+  ends = ends && closed_forces(p, closed) && is_admissible(p, impact);
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
   return ends;
 }

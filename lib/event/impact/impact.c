@@ -152,12 +152,17 @@ static int loses_nothing(const nsdae_event_impacts *p)
   return all;
 }
 
+static int is_unsolved(int status)
+{
+  return status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
+}
+
 /* v+ with the e_N that is possible. */
 static int restitute(nsdae_event_impacts *p, const double *before)
 {
   nsdae_event_setting *s = p->acceleration->phase->setting;
   int status = solve(p);
-  if (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE) {
+  if (is_unsolved(status)) {
     memset(p->coming, 0, (size_t)s->system->dims.k * sizeof *p->coming);
     nsdae_contacts_come(&p->problem, p->coming);
     p->endless |= p->together && loses_nothing(p);
@@ -174,7 +179,7 @@ static int restitute(nsdae_event_impacts *p, const double *before)
 
 /* Whether this impact is the first of an accumulation that ends now: then the solution is that with
  * the set closed; else it is as before. before [nv] is v-. 1: this set, of what parts with no more
- * than `most`, does not end. */
+ * than `most`, does not end, or has no solution with the e_N of the others. */
 static int settle_set(nsdae_event_impacts *p, const double *before, double most)
 {
   nsdae_event_accumulation *a = &p->accumulation;
@@ -186,7 +191,9 @@ static int settle_set(nsdae_event_impacts *p, const double *before, double most)
   int status = solve(p);
   if (status == NSDAE_OK)
     status = nsdae_event_close_set(a, before, p->solution.normal, p->v, p->multiplier);
-  if (status < 0 || nsdae_event_ends(a, p->v, &p->solution)) return status;
+  if (status < 0 && !is_unsolved(status)) return status;
+  if (status == NSDAE_OK && nsdae_event_ends(a, p->v, &p->solution)) return status;
+  nsdae_error_clear(p->acceleration->phase->setting->error);
   nsdae_event_unsettle(a);
   approach(p);
   status = restitute(p, before);

@@ -72,16 +72,29 @@ static void append_rates(nsdae_event_projection *p, const double *v)
   for (int i = 0; i < m; i++) append_rate(p, &T->by.jacobian, T->constraint.phi_t, i, v);
 }
 
-static void append_velocities(nsdae_event_projection *p)
+/* Whether in two directions a contact sticks, with forces that follow from the direction in which
+ * another begins to slide: its velocity is then none. */
+static int any_sticks(const nsdae_event_phase *p)
+{
+  const nsdae_dims *d = &p->setting->system->dims;
+  int any = 0;
+  for (int i = 0; i < d->k; i++) any |= d->nt == 2 && p->modes.contact[i] == NSDAE_MODE_STICK;
+  return any;
+}
+
+static void append_velocities(nsdae_event_projection *p, const int *moving)
 {
   const nsdae_terms *T = p->phase->setting->here;
   const nsdae_event_modes *m = &p->phase->modes;
   const nsdae_dims *d = &T->system->dims;
+  int begin = moving && any_sticks(p->phase);
   append_rates(p, T->v);
   for (int i = 0; i < d->k; i++) {
     if (m->contact[i] == NSDAE_MODE_OPEN) continue;
     append_rate(p, &T->by.normal, T->w_N, i, T->v);
-    for (int j = i * d->nt; m->contact[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)
+    int rests = begin && T->system->contact[i].mu > 0 && !moving[i];
+    for (int j = i * d->nt; (rests || m->contact[i] == NSDAE_MODE_STICK) && j < (i + 1) * d->nt;
+         j++)
       append_rate(p, &T->by.tangent, T->w_T, j, T->v);
   }
   for (int j = 0; j < d->f; j++)
@@ -102,10 +115,10 @@ static double work_of(const nsdae_event_projection *p)
   return nsdae_dot(n, momentum, T->v) + nsdae_dot(n, momentum, change) / 2;
 }
 
-int nsdae_event_project_velocities(nsdae_event_projection *p, double *y)
+int nsdae_event_project_velocities(nsdae_event_projection *p, const int *moving, double *y)
 {
   nsdae_event_setting *s = p->phase->setting;
-  append_velocities(p);
+  append_velocities(p, moving);
   if (p->least.rows == 0) return NSDAE_OK;
   double worst = nsdae_largest(p->least.rows, p->least.c);
   int status = nsdae_least_solve(&p->least, s->here);

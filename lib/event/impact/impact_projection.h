@@ -15,11 +15,14 @@ typedef struct nsdae_event_projection {
 void nsdae_event_projection_layout(nsdae_event_projection *projection, nsdae_arena *arena);
 
 /* y's q to the constraints and to the gaps that are marked [k], by Newton's method along H; y's v
- * to the rates of the constraints, of what is closed and of what sticks in the phase's modes. The
- * point in work is y then. A status of the factorisation or a callback. */
+ * to the rates of the constraints, of what is closed and of what sticks in the phase's modes.
+ * moving [k] is 0 where a contact begins to slide: beside one that sticks, in two directions, its
+ * velocity is none, too; NULL: nothing begins. The point in work is y then. A status of the
+ * factorisation or a callback. */
 int nsdae_event_project_positions(nsdae_event_projection *projection, double t, const int *closed,
                                   double *y);
-int nsdae_event_project_velocities(nsdae_event_projection *projection, double *y);
+int nsdae_event_project_velocities(nsdae_event_projection *projection, const int *moving,
+                                   double *y);
 
 /* v [nv] to the rates of the constraints and, of the contacts that are marked [k], to no velocity
  * apart, nor along where they stick; adds the impulses that do it to multiplier [m] and fills

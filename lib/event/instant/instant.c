@@ -160,7 +160,7 @@ static int choose(nsdae_event_instant *p, int impacted, double *y)
                                   ? NSDAE_MODE_SLIP
                                   : NSDAE_MODE_STICK;
   nsdae_error_clear(phase->setting->error);
-  status = nsdae_event_project_velocities(&p->projection, y);
+  status = nsdae_event_project_velocities(&p->projection, NULL, y);
   if (status == NSDAE_OK) status = nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);
   return status < 0 ? status : nsdae_event_choose_modes(&p->acceleration, impacted);
 }
@@ -176,7 +176,7 @@ static int bring_velocities(nsdae_event_instant *p, double *y)
     if (phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i])
       drift = fmax(drift, fabs(nsdae_terms_normal_rate(T, i, T->v)));
   int status = drift > fast && drift <= SUSPECT * fast
-                   ? nsdae_event_project_velocities(&p->projection, y)
+                   ? nsdae_event_project_velocities(&p->projection, NULL, y)
                    : NSDAE_OK;
   return status < 0 ? status : nsdae_terms_need(phase->setting->here, NSDAE_EVENT_TERMS);
 }
@@ -202,7 +202,8 @@ static int choose_and_project(nsdae_event_instant *p, int impacted, double *y)
   for (int round = 0; round < CHOICES && again && status == NSDAE_OK; round++) {
     status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
     if (status == NSDAE_OK) status = choose(p, impacted, y);
-    if (status == NSDAE_OK) status = nsdae_event_project_velocities(&p->projection, y);
+    if (status == NSDAE_OK)
+      status = nsdae_event_project_velocities(&p->projection, p->acceleration.is.moving, y);
     again = status == NSDAE_OK && has_stopped(p);
   }
   return status;
@@ -222,6 +223,7 @@ int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
   if (counters->accumulations > ended) status = bring(p, t, y);
   if (status == NSDAE_OK) status = choose_and_project(p, impacts > 0, y);
   phase->modes.slow = hardly_sliding(phase);
+  phase->modes.none = nsdae_event_acceleration_size(&p->acceleration);
   return status;
 }
 

@@ -228,3 +228,27 @@ double nsdae_event_yield(const nsdae_event_phase *p, int i)
   nsdae_la_lu_solve(b->count, b->B, b->most, b->pivot, f);
   return 1 / f[p->rows.place[i]];
 }
+
+double nsdae_event_determinant(const nsdae_event_phase *p, int *sign)
+{
+  const nsdae_border *b = &p->border;
+  double sum = 0;
+  *sign = 1;
+  for (int a = 0; a < b->count; a++) {
+    double entry = b->B[(size_t)a * (size_t)(b->most + 1)];
+    if ((entry < 0) != (b->pivot[a] != a + 1)) *sign = -*sign;
+    sum += log(fabs(entry));
+  }
+  return sum;
+}
+
+double nsdae_event_force_that_gives(const nsdae_event_phase *p, int force, double a)
+{
+  const nsdae_system *s = p->setting->system;
+  int place = p->rows.place[force];
+  if (place < 0) return 0;
+  const nsdae_event_row *r = &p->rows.row[place];
+  const double *x = p->border.V + (size_t)place * (size_t)s->dims.nv;
+  double G = nsdae_rows_dot(&s->blocks, r->rows, r->index, x);
+  return G > 0 ? a / G : 0;
+}

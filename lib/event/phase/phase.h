@@ -41,6 +41,7 @@ typedef struct nsdae_event_modes {
   int *related;       /* k + k nt: a relation stands in place of the row of this force */
   double *relation;   /* k + k nt squared, by rows: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
+  double none;        /* accelerations up to this are none, where the modes were chosen */
   double *blur;       /* k: 1, or more: the factor on the tolerances of friction */
   int *integrator;    /* 1: enum nsdae_integrator, which goes through it */
 } nsdae_event_modes;
@@ -114,6 +115,13 @@ double nsdae_event_joint_friction(const nsdae_event_phase *phase, int j);
 /* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
 double nsdae_event_yield(const nsdae_event_phase *phase, int i);
+
+/* With the same: log |det A| of the border; its sign. */
+double nsdae_event_determinant(const nsdae_event_phase *phase, int *sign);
+
+/* With the same: the force of that number that alone gives its row the acceleration a,
+ * a / (w^T K^-1 w); 0 if it has no row, or one that gives way to nothing. */
+double nsdae_event_force_that_gives(const nsdae_event_phase *phase, int force, double a);
 
 /* Whether contact i is slower along than ten times the tolerance, at the point in work, which
  * has its tangents. */

@@ -12,10 +12,13 @@ static const double TURNING = 100;
  * this number a slow slip has stopped. */
 enum { SHORT_STEPS = 20 };
 
+/* Of the determinant of a phase with relations: then new ones are due. */
+static const double RELATIONS_LEFT = 0.5;
+
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
-  r->count = 4 * d->k + 2 * d->f;
+  r->count = 3 * d->k + 2 * d->f + 1;
   r->entry = nsdae_arena_take(arena, r->count, sizeof *r->entry);
   r->at = NSDAE_ARENA_DOUBLES(arena, r->phase->setting->at.n);
 }
@@ -23,8 +26,8 @@ void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 void nsdae_event_roots_name(nsdae_event_roots *r)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
-  for (int kind = NSDAE_ROOT_NORMAL; kind <= NSDAE_ROOT_SLIP; kind++)
-    for (int i = 0; i < (kind <= NSDAE_ROOT_JAM ? d->k : d->f); i++) {
+  for (int kind = NSDAE_ROOT_NORMAL; kind <= NSDAE_ROOT_JAM; kind++)
+    for (int i = 0; i < (kind == NSDAE_ROOT_JAM ? 1 : kind <= NSDAE_ROOT_HELD ? d->k : d->f); i++) {
       nsdae_event_root *root = nsdae_event_root_of(r, (nsdae_root_kind)kind, i);
       root->kind = (nsdae_root_kind)kind;
       root->index = i;
@@ -60,6 +63,21 @@ static double along_direction(const nsdae_event_phase *p, const nsdae_terms *T, 
   return along;
 }
 
+static int has_row(const nsdae_event_phase *p, nsdae_event_row_kind kind)
+{
+  int any = 0;
+  for (int a = 0; a < p->rows.count; a++) any |= p->rows.row[a].kind == kind;
+  return any;
+}
+
+/* det A / det A(t_0), less 1/2 with relations. */
+static double jam_value(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  int sign;
+  double part = exp(nsdae_event_determinant(p, &sign) - root->start);
+  return root->rate * sign * part - (has_row(p, NSDAE_ROW_RELATED) ? RELATIONS_LEFT : 0);
+}
+
 /* The function as it is. */
 static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const double *y,
                        const nsdae_event_root *root)
@@ -74,7 +92,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
     return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
                                              : along_direction(p, T, i, T->w_T, T->v);
   if (root->kind == NSDAE_ROOT_HELD) return root->size - fabs(T->gap[i]);
-  if (root->kind == NSDAE_ROOT_JAM) return root->rate * nsdae_event_yield(p, i);
+  if (root->kind == NSDAE_ROOT_JAM) return jam_value(p, root);
   double normal = m->normal_sense[i] * y[at->lambda + s->frictional_joint[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->frictional_joint[i] == NSDAE_MODE_STICK)
@@ -156,6 +174,24 @@ static double force_size(const nsdae_event_setting *s, const double *y)
   return 10 * (fmax(s->options->rtol, 1e-13) * most + s->options->atol);
 }
 
+/* Of a root that is made of forces: what the modes take for no acceleration, none, leaves of it.
+ * With G of each row, none / G_N of F_N, and mu none / G_N + none / G_T of mu F_N - |F_T|. */
+static double undecided_force(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  const nsdae_system *s = p->setting->system;
+  const nsdae_dims *d = &s->dims;
+  double none = p->modes.none, most = 0;
+  int i = root->index;
+  if (root->kind == NSDAE_ROOT_SLIP)
+    return nsdae_event_force_that_gives(p, d->k * (1 + d->nt) + i, none);
+  if (root->kind != NSDAE_ROOT_NORMAL && root->kind != NSDAE_ROOT_TANGENT) return 0;
+  double normal = nsdae_event_force_that_gives(p, i, none);
+  if (root->kind == NSDAE_ROOT_NORMAL) return normal;
+  for (int j = d->k + i * d->nt; j < d->k + (i + 1) * d->nt; j++)
+    most = fmax(most, nsdae_event_force_that_gives(p, j, none));
+  return s->contact[i].mu * normal + most;
+}
+
 /* Live where it is above zero; with a rate, rising from zero; else masked. */
 static void start_root(const nsdae_event_phase *p, nsdae_event_root *root, double t, double value,
                        double rate, double size, double rate_size)
@@ -202,7 +238,8 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
   if (root->kind == NSDAE_ROOT_NORMAL) return 0;
   if (root->kind == NSDAE_ROOT_HELD)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !p->modes.related[i];
-  if (root->kind == NSDAE_ROOT_JAM) return !contact_rubs(p, i) || p->modes.related[i];
+  if (root->kind == NSDAE_ROOT_JAM)
+    return !has_row(p, NSDAE_ROW_RUBS) && !has_row(p, NSDAE_ROW_RELATED);
   if (root->kind == NSDAE_ROOT_TANGENT)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !(p->setting->system->contact[i].mu > 0);
   return p->modes.frictional_joint[i] == NSDAE_MODE_OPEN;
@@ -212,23 +249,28 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
                   const double *a)
 {
   const nsdae_terms *T = p->setting->here;
-  int i = root->index, contact = root->kind <= NSDAE_ROOT_JAM;
+  int i = root->index, contact = root->kind <= NSDAE_ROOT_HELD;
   int mode = contact ? p->modes.contact[i] : p->modes.frictional_joint[i];
   root->state = NSDAE_ROOT_OFF;
   root->rate = 1;
   if (is_off(p, root)) return;
+  if (root->kind == NSDAE_ROOT_JAM) {
+    int sign;
+    root->state = NSDAE_ROOT_LIVE;
+    root->start = nsdae_event_determinant(p, &sign);
+    root->rate = sign;
+    return;
+  }
   if (root->kind == NSDAE_ROOT_HELD) root->size = nsdae_event_position_size(p->setting);
   double value = value_of(p, T, y, root);
-  if (root->kind == NSDAE_ROOT_JAM)
-    root->state = NSDAE_ROOT_LIVE, root->rate = value < 0 ? -1 : 1, root->start = fabs(value);
-  else if (root->kind == NSDAE_ROOT_HELD)
+  if (root->kind == NSDAE_ROOT_HELD)
     root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_MASKED;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
                nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
   else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||
            mode == NSDAE_MODE_STICK)
-    start_root(p, root, t, value, 0, force_size(p->setting, y), 0);
+    start_root(p, root, t, value, 0, force_size(p->setting, y) + undecided_force(p, root), 0);
   else
     start_sliding(p, root, t, value, a);
 }
@@ -326,7 +368,7 @@ int nsdae_event_inconsistent(const nsdae_event_roots *r)
   int worst = -1;
   for (int e = 0; e < r->count; e++) {
     const nsdae_event_root *root = &r->entry[e];
-    int contact = root->kind <= NSDAE_ROOT_JAM, i = root->index;
+    int contact = root->kind <= NSDAE_ROOT_HELD, i = root->index;
     int mode = contact ? m->contact[i] : m->frictional_joint[i];
     int is_force = (root->kind == NSDAE_ROOT_NORMAL && mode != NSDAE_MODE_OPEN) ||
                    root->kind == NSDAE_ROOT_SIGN ||
@@ -339,13 +381,17 @@ int nsdae_event_inconsistent(const nsdae_event_roots *r)
   return worst;
 }
 
-int nsdae_event_unbounded(const nsdae_event_roots *r, double part, int found)
+int nsdae_event_unbounded(const nsdae_event_roots *r, double part)
 {
-  for (int i = 0; i < r->phase->setting->system->dims.k; i++) {
-    const nsdae_event_root *jam = nsdae_event_root_of(r, NSDAE_ROOT_JAM, i);
-    int any = !found || jam->found || nsdae_event_root_of(r, NSDAE_ROOT_NORMAL, i)->found;
-    if (jam->state == NSDAE_ROOT_OFF || !any) continue;
-    if (fabs(nsdae_event_yield(r->phase, i)) <= part * jam->start) return i;
+  const nsdae_event_phase *p = r->phase;
+  int worst = -1;
+  for (int i = 0; i < p->setting->system->dims.k; i++) {
+    if (!contact_rubs(p, i) || p->modes.related[i]) continue;
+    double alone = nsdae_event_force_that_gives(p, i, 1); /* 1 / G */
+    double left = fabs(nsdae_event_yield(p, i)) * alone;
+    if (!(left <= part)) continue;
+    part = left;
+    worst = i;
   }
-  return -1;
+  return worst;
 }

@@ -6,8 +6,9 @@
  *   held       closed by other contacts alone: tolerance of positions - |g_N|, it leaves zero
  *   sign       of a frictional joint: s lambda, lambda changes sign
  *   slip       of a frictional joint: as tangent, with v_S and mu |lambda| - |F_S|
- *   jam        sliding: the acceleration that a unit of F_N makes along the normal, with all that
- *              else holds, by its first sign; at a zero F_N is without bound (Painleve's paradox)
+ *   jam        of the phase: det A / det A(t_0) of its border, whose zeros are those of the forces'
+ *              poles: forces are without bound (Painleve's paradox); with relations that less 1/2,
+ *              as relations that lie along what they leave open have a pole, too: new ones are due
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
@@ -22,9 +23,9 @@ typedef enum nsdae_root_kind {
   NSDAE_ROOT_NORMAL, /* of contact `index` */
   NSDAE_ROOT_TANGENT,
   NSDAE_ROOT_HELD,
-  NSDAE_ROOT_JAM,
   NSDAE_ROOT_SIGN, /* of slide `index` */
-  NSDAE_ROOT_SLIP
+  NSDAE_ROOT_SLIP,
+  NSDAE_ROOT_JAM /* of the phase */
 } nsdae_root_kind;
 
 typedef enum nsdae_root_state {
@@ -40,7 +41,8 @@ typedef struct nsdae_event_root {
   nsdae_root_state state;
   int found;                 /* an instant is here for it */
   int moved;                 /* it was above the tolerance */
-  double since, start, rate; /* of one that is rising: when, from what rounding left, how fast */
+  double since, start, rate; /* of one that is rising: when, from what rounding left, how fast; of
+                                the phase: log |det A|, its sign */
   double size;               /* the tolerance */
 } nsdae_event_root;
 
@@ -60,7 +62,7 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
                                                     nsdae_root_kind kind, int index)
 {
   const nsdae_dims *d = &roots->phase->setting->system->dims;
-  int first[] = {0, d->k, 2 * d->k, 3 * d->k, 4 * d->k, 4 * d->k + d->f};
+  int first[] = {0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f, 3 * d->k + 2 * d->f};
   return roots->entry + first[kind] + index;
 }
 
@@ -79,9 +81,9 @@ int nsdae_event_inconsistent(const nsdae_event_roots *roots);
  * as found what fell below it or asks for an instant. Returns how many, or a status. */
 int nsdae_event_watch_roots(nsdae_event_roots *roots, double t, const double *y);
 
-/* The contact, or -1, that slides and where a unit of force gives no more than that part of what it
- * gave as the phase began; found: only of those that were found to jam or to let go. */
-int nsdae_event_unbounded(const nsdae_event_roots *roots, double part, int found);
+/* The contact, or -1, that slides and where a unit of force gives the least, no more than that part
+ * of what it would give alone. */
+int nsdae_event_unbounded(const nsdae_event_roots *roots, double part);
 
 /* Marks as found, of what slides and did so faster before, what hardly does at t, y: where its
  * direction leads no further it has stopped. Returns how many, or a status. */
