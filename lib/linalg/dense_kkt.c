@@ -137,31 +137,9 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
   return rank;
 }
 
-/* Z [m x r] := (R N)^T, long rows first; S := R_11. Householder's QR is stable row by row when long
- * rows come first (Powell and Reid, 1969). The order holds columns of R; by insertion: m is small,
- * and the order seldom changes. */
-static void independent_rows(nsdae_kkt *kkt, int r)
-{
-  nsdae_dense_kkt *d = &kkt->dense;
-  nsdae_kkt_pivoted *p = &d->pivoted;
-  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
-  for (int i = 0; i < kkt->m; i++) {
-    int at = i;
-    double length = p->norm[p->column[i] - 1];
-    for (; at > 0 && p->norm[p->column[p->order[at - 1]] - 1] < length; at--)
-      p->order[at] = p->order[at - 1];
-    p->order[at] = i;
-  }
-  for (size_t i = 0; i < (size_t)r; i++)
-    for (size_t row = 0; row < m; row++) {
-      size_t j = (size_t)p->order[row];
-      double entry = j >= i ? p->Q[j * n + i] : 0;
-      p->Z[i * m + row] = entry * p->norm[p->column[j] - 1];
-      if (j < (size_t)r) d->S[j * m + i] = entry;
-    }
-}
-
-/* The factors of the first r columns of the pivoted QR. */
+/* The factors of the first r columns of the pivoted QR: Z [m x r] of (R N)^T, long rows first, and
+ * S := R_11. Householder's QR is stable row by row when long rows come first (Powell and Reid,
+ * 1969). The order holds columns of R; by insertion: m is small, and the order seldom changes. */
 static void factor_by_rank(nsdae_kkt *kkt, int r)
 {
   nsdae_dense_kkt *d = &kkt->dense;
@@ -171,7 +149,21 @@ static void factor_by_rank(nsdae_kkt *kkt, int r)
   kkt->dependent = r < m ? p->column[r] - 1 : -1;
   d->form = BY_RANK;
   if (r == 0) return;
-  independent_rows(kkt, r);
+  for (int i = 0; i < m; i++) {
+    int at = i;
+    double length = p->norm[p->column[i] - 1];
+    for (; at > 0 && p->norm[p->column[p->order[at - 1]] - 1] < length; at--)
+      p->order[at] = p->order[at - 1];
+    p->order[at] = i;
+  }
+  size_t rows = (size_t)m;
+  for (size_t i = 0; i < (size_t)r; i++)
+    for (size_t row = 0; row < rows; row++) {
+      size_t j = (size_t)p->order[row];
+      double entry = j >= i ? p->Q[j * (size_t)n + i] : 0;
+      p->Z[i * rows + row] = entry * p->norm[p->column[j] - 1];
+      if (j < (size_t)r) d->S[j * rows + i] = entry;
+    }
   LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, p->Q, n, p->tau, d->work, d->lwork);
   LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, p->Z, m, p->tau, d->work, d->lwork);
   memcpy(p->T, p->Z, (size_t)m * (size_t)r * sizeof *p->T);

@@ -109,25 +109,12 @@ static void fill_item(nsdae_fc_scaled *c, int k, int i, double s)
   }
 }
 
-/* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
-static void fill_part(const nsdae_fc_scaled *c, int k, int e, double *J)
+/* The parts of each item, one behind another; parts of zeros are left out. J' = J / (e sqrt(D)) of
+ * part e of the whole; local: W' = W / (e_i e_j D). */
+static void fill_parts(nsdae_fc_scaled *c)
 {
   const nsdae_fc_global *w = c->global;
   const nsdae_friction_problem *p = w->view.p;
-  int i = c->items.item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
-  int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
-  const double *from = (c->local ? p->value : w->J) + w->view.at[e];
-  double scale = 1 / c->items.size[k];
-  scale /= c->local ? size_of(c, b) * c->largest : sqrt(c->largest);
-  if (rows < 3 || have < n) memset(J, 0, 3 * (size_t)n * sizeof *J);
-  for (int j = 0; j < rows; j++)
-    for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
-}
-
-/* The parts of each item, one behind another; parts of zeros are left out. */
-static void fill_parts(nsdae_fc_scaled *c)
-{
-  const nsdae_friction_problem *p = c->global->view.p;
   int f = 0;
   c->parts.offset[0] = 0;
   for (int b = 0; b < c->blocks; b++) {
@@ -137,13 +124,19 @@ static void fill_parts(nsdae_fc_scaled *c)
   c->parts.at[0] = 0;
   c->parts.first[0] = 0;
   for (int k = 0; k < c->n; k++) {
-    int i = c->items.item[k];
+    int i = c->items.item[k], rows = nsdae_fc_rows(p, i);
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      int b = c->global->islands.number[p->block[e]];
+      int of = p->block[e], b = w->islands.number[of];
       if (!belongs(c, i, e)) continue;
+      int n = c->parts.size[b], have = c->local ? nsdae_fc_rows(p, of) : n;
+      const double *from = (c->local ? p->value : w->J) + w->view.at[e];
+      double scale = 1 / c->items.size[k], *J = c->parts.J + c->parts.at[f];
+      scale /= c->local ? size_of(c, of) * c->largest : sqrt(c->largest);
+      if (rows < 3 || have < n) memset(J, 0, 3 * (size_t)n * sizeof *J);
+      for (int j = 0; j < rows; j++)
+        for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
       c->parts.block[f] = b;
-      c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
-      fill_part(c, k, e, c->parts.J + c->parts.at[f]);
+      c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)n;
       f++;
     }
     c->parts.first[k + 1] = f;

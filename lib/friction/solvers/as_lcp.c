@@ -151,22 +151,6 @@ static void fill_problem(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
   }
 }
 
-/* r of the unknowns; those of the bilateral rows from X. */
-static void read_solution(nsdae_fc_as_lcp *s, nsdae_fc_scaled *fc)
-{
-  size_t m = (size_t)s->m, nb = (size_t)s->bilateral, at = 0;
-  double *X = s->W + m * m; /* becomes r_B */
-  memset(fc->r, 0, 3 * (size_t)fc->n * sizeof *fc->r);
-  for (size_t j = nb; j < m; j++) {
-    int row = s->row[j], cone = fc->items.kind[row / 3] == NSDAE_FC_CONE;
-    fc->r[row] = row % 3 == 0 ? s->x[at] : s->x[at + 1] - s->x[at + 2];
-    at += !cone ? 1 : row % 3 == 0 ? 0 : 4;
-    for (size_t i = 0; i < nb; i++) X[i] += s->W[j * m + i] * fc->r[row];
-  }
-  if (nb > 0) nsdae_la_solve_lower_transposed((int)nb, 1, s->W, s->m, X, s->m);
-  for (size_t i = 0; i < nb; i++) fc->r[s->row[i]] = -X[i];
-}
-
 /* ---- solution */
 
 int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
@@ -186,7 +170,18 @@ int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_b
   if (nsdae_lcp_solve_in(&problem, &options, s->basis, s->x, s->y, NULL, s->work, s->lwork,
                          s->iwork, s->liwork) != NSDAE_OK)
     return it->residual <= b->tol;
-  read_solution(s, fc);
+  /* r of the unknowns; those of the bilateral rows from X. */
+  size_t m = (size_t)s->m, nb = (size_t)s->bilateral, at = 0;
+  double *X = s->W + m * m; /* becomes r_B */
+  memset(fc->r, 0, nsdae_fc_bytes(island));
+  for (size_t j = nb; j < m; j++) {
+    int row = s->row[j], cone = fc->items.kind[row / 3] == NSDAE_FC_CONE;
+    fc->r[row] = row % 3 == 0 ? s->x[at] : s->x[at + 1] - s->x[at + 2];
+    at += !cone ? 1 : row % 3 == 0 ? 0 : 4;
+    for (size_t i = 0; i < nb; i++) X[i] += s->W[j * m + i] * fc->r[row];
+  }
+  if (nb > 0) nsdae_la_solve_lower_transposed((int)nb, 1, s->W, s->m, X, s->m);
+  for (size_t i = 0; i < nb; i++) fc->r[s->row[i]] = -X[i];
   nsdae_fc_set_point(island, fc->r);
   nsdae_fc_offer(island, it);
   return it->residual <= b->tol;
