@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <math.h>
 #include <nsdae/status.h>
-#include <string.h>
 
 /* Entries of L below block column k. */
 static size_t rows_below(const nsdae_multifrontal *f, int k)

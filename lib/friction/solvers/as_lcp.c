@@ -19,12 +19,16 @@
 /* Unknowns up to which pivoting costs no more than the sweeps that it saves. */
 enum { LARGEST = 48 };
 
-/* None, if the cone of an item is no polyhedron. */
-static void count_unknowns(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
+/* Room goes with the number of items, not with what they are: a solver that has memory for their
+ * number has it for these. */
+void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena)
 {
+  int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
+      m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
+  const nsdae_friction_problem *p = fc->global->view.p;
+  int fits = 1; /* all cones are polyhedra, and there are few unknowns */
   s->m = s->bilateral = s->n = 0;
-  for (int k = 0; k < fc->n; k++) {
-    const nsdae_friction_problem *p = fc->global->view.p;
+  for (int k = 0; k < fc->n && fits; k++) {
     int i = nsdae_fc_member(fc, k), rows = nsdae_fc_rows(p, i), one = rows == 2 ? 4 : -1;
     if (i >= p->contacts)
       one = 0;
@@ -33,19 +37,9 @@ static void count_unknowns(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
     s->bilateral += one == 0;
     s->m += one == 4 ? 2 : 1;
     s->n += one;
-    if (one >= 0 && s->n <= LARGEST && s->bilateral <= LARGEST) continue;
-    s->n = s->m = 0;
-    return;
+    fits = one >= 0 && s->n <= LARGEST && s->bilateral <= LARGEST;
   }
-}
-
-/* Room goes with the number of items, not with what they are: a solver that has memory for their
- * number has it for these. */
-void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena)
-{
-  int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
-      m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
-  count_unknowns(s, fc);
+  if (!fits) s->n = s->m = 0;
   nsdae_lcp_workspace(n, &s->lwork, &s->liwork);
   s->row = NSDAE_ARENA_INTS(arena, m);
   s->W = NSDAE_ARENA_DOUBLES(arena, m * (m + 1L));

@@ -8,7 +8,6 @@
 #include <float.h>
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 
 #include "dictionary.h"
 #include "finite.h"
