@@ -137,31 +137,9 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
   return rank;
 }
 
-/* Z [m x r] := (R N)^T, long rows first; S := R_11. Householder's QR is stable row by row when long
- * rows come first (Powell and Reid, 1969). The order holds columns of R; by insertion: m is small,
- * and the order seldom changes. */
-static void independent_rows(nsdae_kkt *kkt, int r)
-{
-  nsdae_dense_kkt *d = &kkt->dense;
-  nsdae_kkt_pivoted *p = &d->pivoted;
-  size_t n = (size_t)kkt->n, m = (size_t)kkt->m;
-  for (int i = 0; i < kkt->m; i++) {
-    int at = i;
-    double length = p->norm[p->column[i] - 1];
-    for (; at > 0 && p->norm[p->column[p->order[at - 1]] - 1] < length; at--)
-      p->order[at] = p->order[at - 1];
-    p->order[at] = i;
-  }
-  for (size_t i = 0; i < (size_t)r; i++)
-    for (size_t row = 0; row < m; row++) {
-      size_t j = (size_t)p->order[row];
-      double entry = j >= i ? p->Q[j * n + i] : 0;
-      p->Z[i * m + row] = entry * p->norm[p->column[j] - 1];
-      if (j < (size_t)r) d->S[j * m + i] = entry;
-    }
-}
-
-/* The factors of the first r columns of the pivoted QR. */
+/* The factors of the first r columns of the pivoted QR: Z [m x r] of (R N)^T, long rows first, and
+ * S := R_11. Householder's QR is stable row by row when long rows come first (Powell and Reid,
+ * 1969). The order holds columns of R; by insertion: m is small, and the order seldom changes. */
 static void factor_by_rank(nsdae_kkt *kkt, int r)
 {
   nsdae_dense_kkt *d = &kkt->dense;
@@ -171,7 +149,21 @@ static void factor_by_rank(nsdae_kkt *kkt, int r)
   kkt->dependent = r < m ? p->column[r] - 1 : -1;
   d->form = BY_RANK;
   if (r == 0) return;
-  independent_rows(kkt, r);
+  for (int i = 0; i < m; i++) {
+    int at = i;
+    double length = p->norm[p->column[i] - 1];
+    for (; at > 0 && p->norm[p->column[p->order[at - 1]] - 1] < length; at--)
+      p->order[at] = p->order[at - 1];
+    p->order[at] = i;
+  }
+  size_t rows = (size_t)m;
+  for (size_t i = 0; i < (size_t)r; i++)
+    for (size_t row = 0; row < rows; row++) {
+      size_t j = (size_t)p->order[row];
+      double entry = j >= i ? p->Q[j * (size_t)n + i] : 0;
+      p->Z[i * rows + row] = entry * p->norm[p->column[j] - 1];
+      if (j < (size_t)r) d->S[j * rows + i] = entry;
+    }
   LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, p->Q, n, p->tau, d->work, d->lwork);
   LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, p->Z, m, p->tau, d->work, d->lwork);
   memcpy(p->T, p->Z, (size_t)m * (size_t)r * sizeof *p->T);
@@ -229,34 +221,32 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
 
 /* ---- combinations of rows */
 
-/* Z [m x r] of B = Z Z^T by Cholesky with pivoting: B = Z Z^T Z Z^T for a projector, so that
- * Z^T Z = 1. Returns 0 if B has a smaller rank. */
-static int split_projector(nsdae_kkt *kkt, const double *B, int r)
-{
-  nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int m = kkt->m, *row = p->column, found = 0;
-  size_t rows = (size_t)m;
-  memcpy(p->T, B, rows * rows * sizeof *B);
-  LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', m, p->T, m, row, &found, -1, kkt->dense.work);
-  memset(p->Z, 0, rows * (size_t)r * sizeof *p->Z);
-  for (size_t j = 0; j < (size_t)r; j++)
-    for (size_t i = j; i < rows; i++) p->Z[j * rows + (size_t)row[i] - 1] = p->T[j * rows + i];
-  return found >= r;
-}
-
 int nsdae_dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
                               const nsdae_rows *J, const double *basis, int rank)
 {
   nsdae_dense_kkt *d = &kkt->dense;
+  nsdae_kkt_pivoted *p = &d->pivoted;
   int n = kkt->n, m = kkt->m, status = begin(kkt, A, coupling);
+  size_t rows = (size_t)m;
   kkt->rank = basis ? rank : m;
   d->form = basis ? FIXED : FULL;
   if (status < 0 || kkt->rank == 0) return status;
-  if (kkt->rank > n || (basis && !split_projector(kkt, basis, rank))) return NSDAE_E_CONVERGENCE;
-  transform_rows(kkt, J, basis ? d->pivoted.Q : d->Y);
-  if (basis)
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, rank, m, 1, d->pivoted.Q, n,
-                d->pivoted.Z, m, 0, d->Y, n);
+  if (kkt->rank > n) return NSDAE_E_CONVERGENCE;
+  transform_rows(kkt, J, basis ? p->Q : d->Y);
+  if (basis) {
+    /* Z [m x r] of B = Z Z^T by Cholesky with pivoting: B = Z Z^T Z Z^T for a projector, so that
+     * Z^T Z = 1. */
+    int found = 0;
+    memcpy(p->T, basis, rows * rows * sizeof *basis);
+    LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', m, p->T, m, p->column, &found, -1, d->work);
+    if (found < rank) return NSDAE_E_CONVERGENCE;
+    memset(p->Z, 0, rows * (size_t)rank * sizeof *p->Z);
+    for (size_t j = 0; j < (size_t)rank; j++)
+      for (size_t i = j; i < rows; i++)
+        p->Z[j * rows + (size_t)p->column[i] - 1] = p->T[j * rows + i];
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, rank, m, 1, p->Q, n, p->Z, m, 0, d->Y,
+                n);
+  }
   kkt->kept = factor_schur(kkt, kkt->rank, basis ? DAMPING : 0);
   if (basis) return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
   if (kkt->kept >= TRUSTED) return NSDAE_OK;

@@ -1,11 +1,9 @@
 #include "kkt.h"
 
-#include <math.h>
 #include <string.h>
 
 #include <nsdae/status.h>
 
-#include "dense.h"
 #include "dense_kkt.h"
 
 /* Velocities and rows of several blocks from which the sparse method is used. A factorisation and a

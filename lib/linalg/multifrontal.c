@@ -124,22 +124,19 @@ static void measure_supernodes(nsdae_multifrontal *f)
     int above = t->parent[last_of(f, s)];
     if (above < f->graph.n) f->super.children[owner[above]]++;
   }
-}
-
-/* Depth of the stack: a supernode takes what its children left and leaves its own. */
-static void measure_stack(nsdae_multifrontal *f)
-{
+  /* Depth of the stack: a supernode takes what its children left and leaves its own. */
   size_t used = 0;
   int *waiting = f->work.waiting, top = 0;
   f->super.most_stack = 0;
   for (int s = 0; s < f->super.count; s++) {
+    size_t rest = (size_t)f->super.rest[s];
     for (int c = 0; c < f->super.children[s]; c++) {
-      int child = waiting[--top];
-      used -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
+      size_t left = (size_t)f->super.rest[waiting[--top]];
+      used -= left * left;
     }
-    used += (size_t)f->super.rest[s] * (size_t)f->super.rest[s];
+    used += rest * rest;
     if (used > f->super.most_stack) f->super.most_stack = used;
-    if (f->super.rest[s] > 0) waiting[top++] = s;
+    if (rest > 0) waiting[top++] = s;
   }
 }
 
@@ -164,7 +161,6 @@ int nsdae_multifrontal_analyse(nsdae_multifrontal *f, int n, const int *size, co
     place_blocks(f);
     find_supernodes(f);
     measure_supernodes(f);
-    measure_stack(f);
     if (nsdae_arena_fit(&f->of_numbers, lay_out_numbers, f) == NSDAE_OK) return NSDAE_OK;
   }
   f->graph.n = 0;

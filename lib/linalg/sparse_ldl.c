@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <math.h>
 #include <nsdae/status.h>
-#include <string.h>
 
 /* Entries of L below block column k. */
 static size_t rows_below(const nsdae_multifrontal *f, int k)
@@ -53,34 +52,32 @@ static void lay_out_factor(void *object, nsdae_arena *arena)
   nsdae_arena_doubles(arena, n, (double **[]){&l->D, &l->x, NULL});
 }
 
-/* Column r of block number k above its diagonal, which is its last entry. */
-static void add_column(nsdae_sparse_ldl *l, const nsdae_multifrontal *f, int k, int r)
-{
-  int i = f->tree.node[k], n = f->graph.size[i], at = l->first[f->place[k] + r];
-  for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
-    int other = f->tree.number[f->graph.index[a]];
-    size_t block = f->graph.at[f->graph.twin[a]]; /* the rows of i */
-    for (int c = 0; other < k && c < nsdae_multifrontal_size(f, other); c++) {
-      l->row[at] = f->place[other] + c;
-      l->from[at++] = block + (size_t)c * (size_t)n + (size_t)r;
-    }
-  }
-  for (int c = 0; c <= r; c++) {
-    l->row[at] = f->place[k] + c;
-    l->from[at++] = f->graph.diagonal[i] + (size_t)c * (size_t)n + (size_t)r;
-  }
-  l->first[f->place[k] + r + 1] = at;
-}
-
 int nsdae_sparse_ldl_analyse(nsdae_sparse_ldl *l, const nsdae_multifrontal *f)
 {
   l->order = f->order;
   l->fill = fill_of(f);
   l->entries = f->values; /* both triangles: more than enough */
   if (nsdae_arena_fit(&l->memory, lay_out_factor, l) != NSDAE_OK) return NSDAE_E_MEMORY;
-  l->first[0] = 0;
-  for (int k = 0; k < f->graph.n; k++)
-    for (int r = 0; r < nsdae_multifrontal_size(f, k); r++) add_column(l, f, k, r);
+  /* ---- column r of block number k above its diagonal, which is its last entry */
+  int at = l->first[0] = 0;
+  for (int k = 0; k < f->graph.n; k++) {
+    int i = f->tree.node[k], n = f->graph.size[i];
+    for (int r = 0; r < n; r++) {
+      for (int a = f->graph.first[i]; a < f->graph.first[i + 1]; a++) {
+        int other = f->tree.number[f->graph.index[a]];
+        size_t block = f->graph.at[f->graph.twin[a]]; /* the rows of i */
+        for (int c = 0; other < k && c < nsdae_multifrontal_size(f, other); c++) {
+          l->row[at] = f->place[other] + c;
+          l->from[at++] = block + (size_t)c * (size_t)n + (size_t)r;
+        }
+      }
+      for (int c = 0; c <= r; c++) {
+        l->row[at] = f->place[k] + c;
+        l->from[at++] = f->graph.diagonal[i] + (size_t)c * (size_t)n + (size_t)r;
+      }
+      l->first[f->place[k] + r + 1] = at;
+    }
+  }
   ldl_symbolic(l->order, l->first, l->row, l->begin, l->tree.parent, l->tree.count, l->tree.mark,
                NULL, NULL);
   return NSDAE_OK;

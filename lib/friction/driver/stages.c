@@ -73,13 +73,6 @@ static double largest(const nsdae_fc_run *run)
   return most;
 }
 
-/* Whether the rounding of scaled data may decide: of large impulses the residual is not that of the
- * data as given. */
-static int doubtful(const nsdae_fc_run *run)
-{
-  return DOUBT * DBL_EPSILON * largest(run) > run->options->tol - run->budget.tol;
-}
-
 static int solved(const nsdae_fc_run *run)
 {
   return run->iterate.residual <= run->budget.tol;
@@ -118,10 +111,12 @@ static int guessed(const nsdae_fc_run *run)
   return 0;
 }
 
+/* If it is solved, the rounding of scaled data may decide: of large impulses the residual is not
+ * that of the data as given. */
 static int refinable(const nsdae_fc_run *run)
 {
   return run->iterate.residual <= NEARLY && run->iterate.residual < 0.5 * run->refined &&
-         (!solved(run) || doubtful(run));
+         (!solved(run) || DOUBT * DBL_EPSILON * largest(run) > run->options->tol - run->budget.tol);
 }
 
 static int applies(nsdae_fc_run *run, int when)

@@ -4,7 +4,6 @@
  *
  *   F(r) = rho r - P(rho r - u^),   u = W r + q + alpha rho (r - z),   z = r of the step before,
  *   (B rho + A (W + alpha rho)) dr = -F,   B = dF/d(rho r),  A = dF/du */
-#include <limits.h>
 #include <math.h>
 #include <nsdae/kernels.h>
 #include <stddef.h>

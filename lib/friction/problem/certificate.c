@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "cone.h"
-#include "dense.h"
 #include "double_double.h"
 #include "vector.h"
 

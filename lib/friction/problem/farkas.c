@@ -103,11 +103,6 @@ static void fill_column(nsdae_fc_farkas *f, int e, int i, double sign)
   f->cone.allowed[e] = 1;
 }
 
-static double power_of_two(double x)
-{
-  return x > 0 ? exp2(round(log2(x))) : 1;
-}
-
 /* Rows to entries of about one, then columns to lengths of about one; by powers of two. */
 static void scale(nsdae_fc_farkas *f)
 {
@@ -115,12 +110,12 @@ static void scale(nsdae_fc_farkas *f)
   for (size_t i = 0; i < n; i++) {
     double most = 0;
     for (size_t j = 0; j < m; j++) most = fmax(most, fabs(f->columns[j * n + i]));
-    f->row[i] = 1 / power_of_two(most);
+    f->row[i] = 1 / nsdae_fc_power_of_two(most);
   }
   for (size_t j = 0; j < m; j++) {
     double *to = f->scaled + j * n;
     for (size_t i = 0; i < n; i++) to[i] = f->row[i] * f->columns[j * n + i];
-    f->by[j] = 1 / power_of_two(sqrt(nsdae_dot(f->cone.n, to, to)));
+    f->by[j] = 1 / nsdae_fc_power_of_two(sqrt(nsdae_dot(f->cone.n, to, to)));
     for (size_t i = 0; i < n; i++) to[i] *= f->by[j];
   }
   memset(f->target, 0, n * sizeof *f->target);
@@ -296,7 +291,7 @@ int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *
   if (k == 0 || !(holds(f, k) || (simplify(exact, k) && holds(f, k)) || is_verified(f, k)))
     return 0;
   /* ---- in the rows of the whole, its largest entry about one */
-  double most = power_of_two(nsdae_largest(k, exact));
+  double most = nsdae_fc_power_of_two(nsdae_largest(k, exact));
   memset(l, 0, (size_t)fc->global->view.m * sizeof *l);
   for (int e = 0; e < k; e++) {
     int j = f->chosen[e];

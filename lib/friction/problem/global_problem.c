@@ -224,22 +224,19 @@ static int measure(nsdae_fc_global *c, nsdae_error *error)
   return NSDAE_OK;
 }
 
-/* Exactly: its parts of H (W) and C are zeros, so that u = q whatever r is. */
-static int is_fixed(const nsdae_fc_global *c, int i)
-{
-  const nsdae_friction_problem *p = c->view.p;
-  for (int e = p->first[i]; e < p->first[i + 1]; e++)
-    if (nsdae_fc_touches(c, e)) return 0;
-  for (int k = c->view.row[i]; k < c->view.row[i + 1] && p->compliance; k++)
-    if (p->compliance[k] > 0) return 0;
-  return 1;
-}
-
+/* Nothing moves an item, exactly, if its parts of H (W) and C are zeros, so that u = q whatever r
+ * is. */
 int nsdae_fc_global_blocked(const nsdae_fc_global *c)
 {
+  const nsdae_friction_problem *p = c->view.p;
   for (int i = 0; i < c->view.items; i++) {
     double q = c->q[c->view.row[i]];
-    if ((i < c->view.p->contacts ? q < 0 : q != 0) && is_fixed(c, i)) return i;
+    int blocked = i < p->contacts ? q < 0 : q != 0;
+    for (int e = p->first[i]; e < p->first[i + 1] && blocked; e++)
+      blocked = !nsdae_fc_touches(c, e);
+    for (int k = c->view.row[i]; k < c->view.row[i + 1] && p->compliance && blocked; k++)
+      blocked = !(p->compliance[k] > 0);
+    if (blocked) return i;
   }
   return -1;
 }

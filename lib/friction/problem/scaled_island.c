@@ -22,11 +22,17 @@ static int block_size(const nsdae_fc_scaled *c, int b)
   return c->local ? 3 : c->global->view.p->size[all->listed[all->listed_start[c->label] + b]];
 }
 
-/* Sizes of the island. */
-static void count_sizes(nsdae_fc_scaled *c)
+/* ---- memory */
+
+void nsdae_fc_layout(void *object, nsdae_arena *arena)
 {
-  const nsdae_fc_islands *all = &c->global->islands;
+  nsdae_fc_scaled *c = object;
   const nsdae_friction_problem *p = c->global->view.p;
+  c->local = p->form == NSDAE_FRICTION_LOCAL;
+  c->all_listed =
+      (double)c->global->view.entries >= (double)c->global->view.items * c->global->view.items;
+  /* ---- sizes of the island */
+  const nsdae_fc_islands *all = &c->global->islands;
   c->n = all->start[c->label + 1] - all->start[c->label];
   c->blocks = c->local ? c->n : all->listed_start[c->label + 1] - all->listed_start[c->label];
   c->ny = c->parts.entries = 0;
@@ -40,18 +46,7 @@ static void count_sizes(nsdae_fc_scaled *c)
       c->parts.values += 3 * (size_t)(c->local ? 3 : p->size[p->block[e]]);
     }
   }
-}
-
-/* ---- memory */
-
-void nsdae_fc_layout(void *object, nsdae_arena *arena)
-{
-  nsdae_fc_scaled *c = object;
-  const nsdae_friction_problem *p = c->global->view.p;
-  c->local = p->form == NSDAE_FRICTION_LOCAL;
-  c->all_listed =
-      (double)c->global->view.entries >= (double)c->global->view.items * c->global->view.items;
-  count_sizes(c);
+  /* ---- arrays */
   nsdae_fc_items *is = &c->items;
   long n = c->n;
   nsdae_arena_ints(arena, n, (int **[]){&is->item, &is->kind, NULL});
@@ -72,9 +67,9 @@ void nsdae_fc_layout(void *object, nsdae_arena *arena)
 
 /* ---- scaling */
 
-/* The power of two nearest by ratio, x > 0. */
-static double power_of_two(double x)
+double nsdae_fc_power_of_two(double x)
 {
+  if (!(x > 0)) return 1;
   int exponent;
   double part = frexp(x, &exponent); /* in [1/2, 1) */
   return ldexp(1, part * part < 0.5 ? exponent - 1 : exponent);
@@ -83,7 +78,7 @@ static double power_of_two(double x)
 /* e of item number k of the whole */
 static double size_of(const nsdae_fc_scaled *c, int i)
 {
-  return power_of_two(sqrt(c->global->d[i] / c->largest));
+  return nsdae_fc_power_of_two(sqrt(c->global->d[i] / c->largest));
 }
 
 /* Item number k of the island is item i of the whole; s: unit of velocities, a power of two. */
@@ -109,25 +104,12 @@ static void fill_item(nsdae_fc_scaled *c, int k, int i, double s)
   }
 }
 
-/* J' = J / (e sqrt(D)) of part e of the whole; local: W' = W / (e_i e_j D). */
-static void fill_part(const nsdae_fc_scaled *c, int k, int e, double *J)
+/* The parts of each item, one behind another; parts of zeros are left out. J' = J / (e sqrt(D)) of
+ * part e of the whole; local: W' = W / (e_i e_j D). */
+static void fill_parts(nsdae_fc_scaled *c)
 {
   const nsdae_fc_global *w = c->global;
   const nsdae_friction_problem *p = w->view.p;
-  int i = c->items.item[k], b = p->block[e], rows = nsdae_fc_rows(p, i);
-  int n = c->local ? 3 : p->size[b], have = c->local ? nsdae_fc_rows(p, b) : n;
-  const double *from = (c->local ? p->value : w->J) + w->view.at[e];
-  double scale = 1 / c->items.size[k];
-  scale /= c->local ? size_of(c, b) * c->largest : sqrt(c->largest);
-  if (rows < 3 || have < n) memset(J, 0, 3 * (size_t)n * sizeof *J);
-  for (int j = 0; j < rows; j++)
-    for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
-}
-
-/* The parts of each item, one behind another; parts of zeros are left out. */
-static void fill_parts(nsdae_fc_scaled *c)
-{
-  const nsdae_friction_problem *p = c->global->view.p;
   int f = 0;
   c->parts.offset[0] = 0;
   for (int b = 0; b < c->blocks; b++) {
@@ -137,51 +119,51 @@ static void fill_parts(nsdae_fc_scaled *c)
   c->parts.at[0] = 0;
   c->parts.first[0] = 0;
   for (int k = 0; k < c->n; k++) {
-    int i = c->items.item[k];
+    int i = c->items.item[k], rows = nsdae_fc_rows(p, i);
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
-      int b = c->global->islands.number[p->block[e]];
+      int of = p->block[e], b = w->islands.number[of];
       if (!belongs(c, i, e)) continue;
+      int n = c->parts.size[b], have = c->local ? nsdae_fc_rows(p, of) : n;
+      const double *from = (c->local ? p->value : w->J) + w->view.at[e];
+      double scale = 1 / c->items.size[k], *J = c->parts.J + c->parts.at[f];
+      scale /= c->local ? size_of(c, of) * c->largest : sqrt(c->largest);
+      if (rows < 3 || have < n) memset(J, 0, 3 * (size_t)n * sizeof *J);
+      for (int j = 0; j < rows; j++)
+        for (int l = 0; l < have; l++) J[j * n + l] = scale * from[j * have + l];
       c->parts.block[f] = b;
-      c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)c->parts.size[b];
-      fill_part(c, k, e, c->parts.J + c->parts.at[f]);
+      c->parts.at[f + 1] = c->parts.at[f] + 3 * (size_t)n;
       f++;
     }
     c->parts.first[k + 1] = f;
   }
 }
 
-/* The diagonal block: C + J^T J, or (local form) the symmetric part of W_kk. */
-static void diagonal(nsdae_fc_scaled *c, int k)
-{
-  double *D = c->items.D + 9 * (size_t)k;
-  memset(D, 0, 9 * sizeof *D);
-  for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
-  for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
-    const double *J = nsdae_fc_part(c, e);
-    int n = c->parts.size[c->parts.block[e]];
-    for (int j = 0; j < 3; j++)
-      for (int l = 0; l <= j; l++)
-        if (!c->local)
-          D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
-        else if (c->parts.block[e] == k)
-          D[3 * j + l] += (J[3 * j + l] + J[3 * l + j]) / 2;
-  }
-  D[1] = D[3], D[2] = D[6], D[5] = D[7];
-}
-
 void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
 {
   const nsdae_fc_global *w = c->global;
-  c->largest = power_of_two(sqrt(w->most_d));
+  c->largest = nsdae_fc_power_of_two(sqrt(w->most_d));
   c->largest *= c->largest;
-  const double s = power_of_two(w->scale);
+  const double s = nsdae_fc_power_of_two(w->scale);
   for (int k = 0; k < c->n; k++) fill_item(c, k, nsdae_fc_member(c, k), s);
   nsdae_fc_gather(c, w->q, c->items.q);
   fill_parts(c);
   for (int k = 0; k < c->n; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
     double *D = c->items.D + 9 * (size_t)k, *S = c->items.S + 9 * (size_t)k;
-    diagonal(c, k);
+    /* The diagonal block: C + J^T J, or (local form) the symmetric part of W_kk. */
+    memset(D, 0, 9 * sizeof *D);
+    for (int j = 0; j < 3; j++) D[4 * j] = c->items.C[3 * k + j];
+    for (int e = c->parts.first[k]; e < c->parts.first[k + 1]; e++) {
+      const double *J = nsdae_fc_part(c, e);
+      int n = c->parts.size[c->parts.block[e]];
+      for (int j = 0; j < 3; j++)
+        for (int l = 0; l <= j; l++)
+          if (!c->local)
+            D[3 * j + l] += nsdae_dot(n, J + j * n, J + l * n);
+          else if (c->parts.block[e] == k)
+            D[3 * j + l] += (J[3 * j + l] + J[3 * l + j]) / 2;
+    }
+    D[1] = D[3], D[2] = D[6], D[5] = D[7];
     nsdae_fc_invert(D, S);
     memcpy(S + 6, D, 3 * sizeof *S);
     nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
@@ -205,7 +187,7 @@ void nsdae_fc_scatter(const nsdae_fc_scaled *c, const double *from, double *r)
 void nsdae_fc_gather(const nsdae_fc_scaled *c, const double *u, double *to)
 {
   const nsdae_fc_global *w = c->global;
-  const double s = power_of_two(w->scale);
+  const double s = nsdae_fc_power_of_two(w->scale);
   for (int k = 0; k < c->n; k++) {
     int i = c->items.item[k], rows = nsdae_fc_rows(w->view.p, i);
     for (int j = 0; j < 3; j++)

@@ -67,6 +67,9 @@ typedef struct nsdae_fc_scaled {
   nsdae_fc_base base;
 } nsdae_fc_scaled;
 
+/* The power of two nearest by ratio; 1 if x is not positive. */
+double nsdae_fc_power_of_two(double x);
+
 /* Item k of the island: its number in the global problem. */
 static inline int nsdae_fc_member(const nsdae_fc_scaled *fc, int k)
 {

@@ -39,32 +39,10 @@ NSDAE_INLINED double *column(double *A, int rows, int k)
   return A + (size_t)k * (size_t)rows;
 }
 
-/* to := now - before,  before := now */
-NSDAE_INLINED void difference(int n, const double *now, double *before, double *to)
-{
-  nsdae_simd_subtract(n, now, before, to);
-  memcpy(before, now, (size_t)n * sizeof *to);
-}
-
 /* x -= A c */
 NSDAE_INLINED void subtract(int n, double *A, int held, const double *c, double *x)
 {
   for (int k = 0; k < held; k++) nsdae_simd_add(n, -c[k], column(A, n, k), x);
-}
-
-/* The differences between this sweep, which changed r by f, and the one before. */
-NSDAE_INLINED void append_differences(nsdae_fc_anderson *s, const nsdae_fc_scaled *c,
-                                      const double *f)
-{
-  int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
-  double *F = column(s->F, n, j);
-  difference(n, f, s->f, F);
-  difference(n, c->r, s->g, column(s->G, n, j));
-  difference(ny, c->y, s->y, column(s->Y, ny, j));
-  if (s->held < WINDOW) s->held++;
-  s->next = (j + 1) % WINDOW;
-  for (int k = 0; k < s->held; k++)
-    s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_simd_dot(n, column(s->F, n, k), F);
 }
 
 /* x := A^-1 x, A positive semidefinite, by LDL^T without pivoting; dependent columns get x = 0. */
@@ -95,13 +73,22 @@ NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
   nsdae_simd_subtract(n, c->r, f, f);
   double square = nsdae_simd_dot(n, f, f);
   if (s->begun && square <= GROWN * s->square) {
-    append_differences(s, c, f);
+    /* The differences between this sweep, which changed r by f, and the one before. */
+    int j = s->next;
+    double *F = column(s->F, n, j);
+    nsdae_simd_subtract(n, f, s->f, F);
+    nsdae_simd_subtract(n, c->r, s->g, column(s->G, n, j));
+    nsdae_simd_subtract(ny, c->y, s->y, column(s->Y, ny, j));
+    if (s->held < WINDOW) s->held++;
+    s->next = (j + 1) % WINDOW;
+    for (int k = 0; k < s->held; k++)
+      s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_simd_dot(n, column(s->F, n, k), F);
   } else {
     s->held = s->next = 0;
-    memcpy(s->f, f, (size_t)n * sizeof *f);
-    memcpy(s->g, c->r, (size_t)n * sizeof *f);
-    memcpy(s->y, c->y, (size_t)ny * sizeof *f);
   }
+  memcpy(s->f, f, (size_t)n * sizeof *f);
+  memcpy(s->g, c->r, (size_t)n * sizeof *f);
+  memcpy(s->y, c->y, (size_t)ny * sizeof *f);
   s->begun = 1;
   s->square = square;
   s->left = 1;

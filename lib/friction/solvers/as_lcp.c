@@ -19,12 +19,16 @@
 /* Unknowns up to which pivoting costs no more than the sweeps that it saves. */
 enum { LARGEST = 48 };
 
-/* None, if the cone of an item is no polyhedron. */
-static void count_unknowns(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
+/* Room goes with the number of items, not with what they are: a solver that has memory for their
+ * number has it for these. */
+void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena)
 {
+  int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
+      m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
+  const nsdae_friction_problem *p = fc->global->view.p;
+  int fits = 1; /* all cones are polyhedra, and there are few unknowns */
   s->m = s->bilateral = s->n = 0;
-  for (int k = 0; k < fc->n; k++) {
-    const nsdae_friction_problem *p = fc->global->view.p;
+  for (int k = 0; k < fc->n && fits; k++) {
     int i = nsdae_fc_member(fc, k), rows = nsdae_fc_rows(p, i), one = rows == 2 ? 4 : -1;
     if (i >= p->contacts)
       one = 0;
@@ -33,19 +37,9 @@ static void count_unknowns(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
     s->bilateral += one == 0;
     s->m += one == 4 ? 2 : 1;
     s->n += one;
-    if (one >= 0 && s->n <= LARGEST && s->bilateral <= LARGEST) continue;
-    s->n = s->m = 0;
-    return;
+    fits = one >= 0 && s->n <= LARGEST && s->bilateral <= LARGEST;
   }
-}
-
-/* Room goes with the number of items, not with what they are: a solver that has memory for their
- * number has it for these. */
-void nsdae_fc_as_lcp_layout(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc, nsdae_arena *arena)
-{
-  int n = 4 * fc->n < LARGEST ? 4 * fc->n : LARGEST,
-      m = 2 * fc->n < 2 * LARGEST ? 2 * fc->n : 2 * LARGEST;
-  count_unknowns(s, fc);
+  if (!fits) s->n = s->m = 0;
   nsdae_lcp_workspace(n, &s->lwork, &s->liwork);
   s->row = NSDAE_ARENA_INTS(arena, m);
   s->W = NSDAE_ARENA_DOUBLES(arena, m * (m + 1L));
@@ -151,22 +145,6 @@ static void fill_problem(nsdae_fc_as_lcp *s, const nsdae_fc_scaled *fc)
   }
 }
 
-/* r of the unknowns; those of the bilateral rows from X. */
-static void read_solution(nsdae_fc_as_lcp *s, nsdae_fc_scaled *fc)
-{
-  size_t m = (size_t)s->m, nb = (size_t)s->bilateral, at = 0;
-  double *X = s->W + m * m; /* becomes r_B */
-  memset(fc->r, 0, 3 * (size_t)fc->n * sizeof *fc->r);
-  for (size_t j = nb; j < m; j++) {
-    int row = s->row[j], cone = fc->items.kind[row / 3] == NSDAE_FC_CONE;
-    fc->r[row] = row % 3 == 0 ? s->x[at] : s->x[at + 1] - s->x[at + 2];
-    at += !cone ? 1 : row % 3 == 0 ? 0 : 4;
-    for (size_t i = 0; i < nb; i++) X[i] += s->W[j * m + i] * fc->r[row];
-  }
-  if (nb > 0) nsdae_la_solve_lower_transposed((int)nb, 1, s->W, s->m, X, s->m);
-  for (size_t i = 0; i < nb; i++) fc->r[s->row[i]] = -X[i];
-}
-
 /* ---- solution */
 
 int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
@@ -186,7 +164,18 @@ int nsdae_fc_lcp(nsdae_fc_island *island, nsdae_fc_iterate *it, const nsdae_fc_b
   if (nsdae_lcp_solve_in(&problem, &options, s->basis, s->x, s->y, NULL, s->work, s->lwork,
                          s->iwork, s->liwork) != NSDAE_OK)
     return it->residual <= b->tol;
-  read_solution(s, fc);
+  /* r of the unknowns; those of the bilateral rows from X. */
+  size_t m = (size_t)s->m, nb = (size_t)s->bilateral, at = 0;
+  double *X = s->W + m * m; /* becomes r_B */
+  memset(fc->r, 0, nsdae_fc_bytes(island));
+  for (size_t j = nb; j < m; j++) {
+    int row = s->row[j], cone = fc->items.kind[row / 3] == NSDAE_FC_CONE;
+    fc->r[row] = row % 3 == 0 ? s->x[at] : s->x[at + 1] - s->x[at + 2];
+    at += !cone ? 1 : row % 3 == 0 ? 0 : 4;
+    for (size_t i = 0; i < nb; i++) X[i] += s->W[j * m + i] * fc->r[row];
+  }
+  if (nb > 0) nsdae_la_solve_lower_transposed((int)nb, 1, s->W, s->m, X, s->m);
+  for (size_t i = 0; i < nb; i++) fc->r[s->row[i]] = -X[i];
   nsdae_fc_set_point(island, fc->r);
   nsdae_fc_offer(island, it);
   return it->residual <= b->tol;

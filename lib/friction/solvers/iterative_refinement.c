@@ -41,26 +41,6 @@ static double relocate(nsdae_fc_island *s)
   return nsdae_fc_residual(c, c->r, c->u);
 }
 
-/* The problem for what the point lacks, from zero on, by this solver. */
-static void correct(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b,
-                    double residual, nsdae_fc_solve *solve)
-{
-  nsdae_fc_refinement *p = &s->refinement;
-  nsdae_fc_budget closer = *b;
-  nsdae_fc_iterate inner = {.r = p->correction, .residual = residual, .work = it->work};
-  memset(p->correction, 0, nsdae_fc_bytes(s));
-  closer.tol = AIM * b->tol;
-  (void)solve(s, &inner, &closer);
-  memcpy(s->fc.r, p->correction, nsdae_fc_bytes(s));
-  it->work = inner.work;
-  for (int i = 0; i < 3 * s->fc.n; i++) { /* high + low += the correction */
-    nsdae_dd_add(1, s->fc.r[i], p->high + i, p->low + i);
-    double sum = p->high[i] + p->low[i];
-    p->low[i] -= sum - p->high[i];
-    p->high[i] = sum;
-  }
-}
-
 /* Corrections as long as each halves the residual, and once a solver does not, by the next one; the
  * best point into best. Returns its residual. */
 static double correct_all(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
@@ -82,7 +62,20 @@ static double correct_all(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_
     if (best <= b->tol || !nsdae_fc_spend(s, it, b, 0)) break;
     if (!(best <= 0.5 * before) && ++k == 2) break;
     before = best;
-    correct(s, it, b, best, by[k]);
+    /* The problem for what the point lacks, from zero on, by this solver. */
+    nsdae_fc_budget closer = *b;
+    nsdae_fc_iterate inner = {.r = p->correction, .residual = best, .work = it->work};
+    memset(p->correction, 0, nsdae_fc_bytes(s));
+    closer.tol = AIM * b->tol;
+    (void)by[k](s, &inner, &closer);
+    memcpy(s->fc.r, p->correction, nsdae_fc_bytes(s));
+    it->work = inner.work;
+    for (int i = 0; i < 3 * s->fc.n; i++) { /* high + low += the correction */
+      nsdae_dd_add(1, s->fc.r[i], p->high + i, p->low + i);
+      double sum = p->high[i] + p->low[i];
+      p->low[i] -= sum - p->high[i];
+      p->high[i] = sum;
+    }
   }
   return best;
 }

@@ -57,9 +57,12 @@ static double first_bound(const double *r, const double *d, double mu, double mo
                        c, most);
 }
 
-/* The least t at which an item changes its state. */
-static double ratio_test(const nsdae_fc_scaled *c, const double *d)
+void nsdae_fc_ratio_step(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
 {
+  if (s->held < NSDAE_FC_WINDOW || !(s->left >= REMAINING)) return;
+  nsdae_fc_anderson_remainder(s, c);
+  /* The least t at which an item changes its state. */
+  const double *d = s->before;
   double most = 0, far = LONGEST;
   for (int k = 0; k < c->n; k++) most = nsdae_larger(most, change(c, k, d));
   for (int k = 0; k < c->n; k++) {
@@ -67,16 +70,8 @@ static double ratio_test(const nsdae_fc_scaled *c, const double *d)
     if (change(c, k, d) >= SHARE * most)
       far = first_bound(c->r + 3 * k, d + 3 * k, c->items.mu[k], far);
   }
-  return far;
-}
-
-void nsdae_fc_ratio_step(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
-{
-  if (s->held < NSDAE_FC_WINDOW || !(s->left >= REMAINING)) return;
-  nsdae_fc_anderson_remainder(s, c);
-  const double far = ratio_test(c, s->before);
   if (!(far > 1)) return;
-  nsdae_simd_add(3 * c->n, far, s->before, c->r);
+  nsdae_simd_add(3 * c->n, far, d, c->r);
   for (int k = 0; k < c->n; k++)
     if (c->items.kind[k] != NSDAE_FC_BILATERAL) nsdae_fc_project(c->items.mu[k], c->r + 3 * k);
   nsdae_fc_sweep_begin(c);

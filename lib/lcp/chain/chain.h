@@ -7,9 +7,8 @@
 /* Runs the stages that the options name; returns the status of the solver. */
 int nsdae_lcp_chain_run(nsdae_lcp_work *w);
 
-/* Sizes of the workspace for all of that, with room for the problem of an island beside it as far
- * as an int can say so. */
-void nsdae_lcp_islands_sizes(int n, int *lwork, int *liwork);
+/* Rows of the largest problem. */
+enum { NSDAE_LCP_LARGEST = 20000 };
 
 /* The same for each island of the problem alone, where it has more than one; work and iwork are
  * those that w was laid out in. */

@@ -47,10 +47,13 @@ static int ints_for(int m)
   return nsdae_lcp_work_ints(m) + m;
 }
 
-void nsdae_lcp_islands_sizes(int n, int *lwork, int *liwork)
+/* For all of that, with room for the problem of an island beside it as far as an int can say so. */
+int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
 {
+  if (n < 0 || n > NSDAE_LCP_LARGEST || !lwork || !liwork) return NSDAE_E_ARGUMENT;
   *lwork = (int)fmin(doubles_for(n), INT_MAX);
   *liwork = ints_for(n) + 2 * n;
+  return NSDAE_OK;
 }
 
 static int largest_island(const parts *p)

@@ -2,12 +2,9 @@
 #include <math.h>
 #include <nsdae/lcp.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "chain.h"
 #include "finite.h"
-
-enum { LARGEST = 20000 };
 
 void nsdae_lcp_options_default(nsdae_lcp_options *options)
 {
@@ -36,18 +33,12 @@ const char *nsdae_lcp_ray_name(int ray)
   return ray >= 0 && ray <= NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE ? name[ray] : "unknown";
 }
 
-int nsdae_lcp_workspace(int n, int *lwork, int *liwork)
-{
-  if (n < 0 || n > LARGEST || !lwork || !liwork) return NSDAE_E_ARGUMENT;
-  nsdae_lcp_islands_sizes(n, lwork, liwork);
-  return NSDAE_OK;
-}
-
 /* Status of what both ways of calling take. */
 static int check_solve(const nsdae_lcp_problem *p, const nsdae_lcp_options *o, const double *x,
                        const double *y)
 {
-  if (!p || p->n < 0 || p->n > LARGEST || p->lda < 1 || p->lda < p->n) return NSDAE_E_ARGUMENT;
+  if (!p || p->n < 0 || p->n > NSDAE_LCP_LARGEST || p->lda < 1 || p->lda < p->n)
+    return NSDAE_E_ARGUMENT;
   if (p->n > 0 && (!p->A || !p->b || !x || !y)) return NSDAE_E_ARGUMENT;
   if (!(o->tol > 0 && o->tol <= 1) || o->max_pivots < 0 || o->stages < 0 ||
       o->stages > NSDAE_LCP_ALL || o->enumerate_max < 0 || o->enumerate_max > 24)

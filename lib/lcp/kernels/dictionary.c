@@ -1,6 +1,5 @@
 #include "dictionary.h"
 
-#include <math.h>
 #include <stddef.h>
 
 #include "dense.h"

@@ -14,19 +14,6 @@ static double residual_of(const nsdae_lcp_point *p)
   return nsdae_lcp_point_residual(p, &residual) == 0 ? residual : INFINITY;
 }
 
-/* Residual of the point of the active set; where it is not above tol, of what remains of the point
- * without its rounding below zero. A set with a negative x_i is no solution even where x_i = 0
- * makes one: that one belongs to another set. singular: whether A_FF is, to rounding. */
-static double try_set(const nsdae_lcp_point *p, double tol, int *singular)
-{
-  int size = nsdae_lcp_active_set(p);
-  *singular |= size < 0 || !(nsdae_lcp_least_pivot(p, size) > 64 * p->n * DBL_EPSILON);
-  double residual = residual_of(p);
-  if (!(residual <= tol)) return residual;
-  for (int i = 0; i < p->n; i++) p->x[i] = fmax(0, p->x[i]);
-  return residual_of(p);
-}
-
 int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol, int *set,
                    double *x, double *residual, double *work, int lwork, int *iwork)
 {
@@ -51,7 +38,15 @@ int nsdae_dlcpenum(int n, const double *a, int lda, const double *b, double tol,
   *residual = INFINITY;
   for (; *set < 1 << n; ++*set) {
     for (int i = 0; i < n; i++) iwork[i] = *set >> i & 1;
-    double fresh = try_set(&p, tol, &singular);
+    int size = nsdae_lcp_active_set(&p);
+    singular |= size < 0 || !(nsdae_lcp_least_pivot(&p, size) > 64 * n * DBL_EPSILON);
+    double fresh = residual_of(&p);
+    /* A solution without its rounding below zero. A set with a negative x_i is none even where x_i
+     * = 0 makes one: that one belongs to another set. */
+    if (fresh <= tol) {
+      for (int i = 0; i < n; i++) x[i] = fmax(0, x[i]);
+      fresh = residual_of(&p);
+    }
     if (fresh < *residual) *residual = fresh;
     if (fresh <= tol) return 0;
   }

@@ -8,7 +8,6 @@
 #include <float.h>
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 
 #include "dictionary.h"
 #include "finite.h"
@@ -104,20 +103,6 @@ static int blocking_row(const method *m, const double *c)
   return best;
 }
 
-/* Row of the first pivot: the most negative b_i / d_i; the last of a tie has the least eps. */
-static int first_row(int n, const double *b, const double *d)
-{
-  int worst = -1;
-  double least = 0;
-  for (int i = 0; i < n; i++) {
-    double ratio = d ? b[i] / d[i] : b[i];
-    if (!(b[i] < 0) || ratio > least) continue;
-    worst = i;
-    least = ratio;
-  }
-  return worst;
-}
-
 /* ---- pivots */
 
 /* After the first pivot, which has x_row enter. */
@@ -175,8 +160,16 @@ int nsdae_lemke_block(int n)
 int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
                 int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork)
 {
-  int row = first_row(n, b, d), info = 2;
+  int row = -1, info = 2;
+  double least = 0;
   method m;
+  /* Row of the first pivot: the most negative b_i / d_i; the last of a tie has the least eps. */
+  for (int i = 0; i < n; i++) {
+    double ratio = d ? b[i] / d[i] : b[i];
+    if (!(b[i] < 0) || ratio > least) continue;
+    row = i;
+    least = ratio;
+  }
   if (row < 0) {
     /* b >= 0: x = 0. */
     if (!nsdae_lcp_finite(n, n, a, lda)) return -2;

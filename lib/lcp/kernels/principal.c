@@ -1,6 +1,5 @@
 /* Principal pivoting: blocks (Kostreva, Linear Algebra Appl. 21 (1978) 213; Judice and Pires,
  * Comput. Oper. Res. 21 (1994) 587), then the least index (Murty). */
-#include <limits.h>
 #include <math.h>
 #include <nsdae/kernels.h>
 

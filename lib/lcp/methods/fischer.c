@@ -33,17 +33,6 @@ static double evaluate_fischer(const newton *f, const double *x, double *y, doub
   return sqrt(sum);
 }
 
-static void jacobian(const newton *f, const double *x, const double *y)
-{
-  size_t n = (size_t)f->n;
-  for (size_t i = 0; i < n; i++) {
-    double norm = hypot(x[i], y[i]);
-    double da = norm > 0 ? 1 - x[i] / norm : 1 - sqrt(0.5);
-    double db = norm > 0 ? 1 - y[i] / norm : 1 - sqrt(0.5);
-    for (size_t j = 0; j < n; j++) f->J[j * n + i] = db * f->A[j * n + i] + (i == j ? da : 0);
-  }
-}
-
 /* step = -(J^T J + nu 1)^-1 J^T phi; returns 0 when it could be made. */
 static int direction(const newton *f, double nu)
 {
@@ -91,7 +80,13 @@ double nsdae_fischer(int n, const double *A, const double *b, int iterations, in
   for (int k = 0; k < memory; k++) last[k] = norm;
   for (int i = 0; i < iterations && norm > 1e-15 * scale; i++) {
     double nu = 1e-10 + 1e-6 * norm;
-    jacobian(&f, x, y);
+    for (size_t k = 0; k < size; k++) { /* J */
+      double root = hypot(x[k], y[k]);
+      double da = root > 0 ? 1 - x[k] / root : 1 - sqrt(0.5);
+      double db = root > 0 ? 1 - y[k] / root : 1 - sqrt(0.5);
+      for (size_t j = 0; j < size; j++)
+        f.J[j * size + k] = db * A[j * size + k] + (k == j ? da : 0);
+    }
     while (direction(&f, nu) != 0 && nu < 1) nu *= 100; /* singular to rounding */
     double fresh = nu < 1 ? backtrack(&f, x, y, nsdae_largest(memory, last)) : -1;
     if (fresh < 0) break;

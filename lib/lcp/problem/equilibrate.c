@@ -83,20 +83,6 @@ static double mean_scale(int n, const double *a, size_t stride)
   return ldexp(1, limit(-mean, -FARTHEST, FARTHEST - largest)); /* without overflow */
 }
 
-/* Geometric means of rows and columns in turn: least squares in the logarithms (Curtis and Reid, J.
- * Inst. Math. Appl. 10, 1972), which finds the scales of a matrix that was scaled. */
-static void even_means(int n, double *A, double *row, double *column, double *work)
-{
-  double *by_row = work, *by_column = work + n;
-  for (int round = 0; round < 2 * ROUNDS; round++) {
-    for (int i = 0; i < n; i++) {
-      by_row[i] = round % 2 == 0 ? mean_scale(n, A + i, (size_t)n) : 1;
-      by_column[i] = round % 2 == 1 ? mean_scale(n, A + (size_t)i * (size_t)n, 1) : 1;
-    }
-    scale(n, A, row, column, by_row, by_column);
-  }
-}
-
 /* ---- sizes of independent blocks */
 
 /* Multiplies the rows of a block by the power of two, and divides the columns by it, that brings
@@ -149,10 +135,17 @@ void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column,
   int even = !uneven(n, work, WORTH_IT) && !uneven(n, work + n, WORTH_IT);
   double most = nsdae_largest(n, b); /* moderate: far from the ends of the range, or zero */
   if (even && (most == 0 || (most > 0x1p-500 && most < 0x1p500))) return;
-  if (!even) {
-    even_means(n, A, row, column, work);
-    even_sizes(n, A, row, column, work);
+  /* Geometric means of rows and columns in turn: least squares in the logarithms (Curtis and Reid,
+   * J. Inst. Math. Appl. 10, 1972), which finds the scales of a matrix that was scaled. */
+  double *by_row = work, *by_column = work + n;
+  for (int round = 0; round < 2 * ROUNDS && !even; round++) {
+    for (int i = 0; i < n; i++) {
+      by_row[i] = round % 2 == 0 ? mean_scale(n, A + i, (size_t)n) : 1;
+      by_column[i] = round % 2 == 1 ? mean_scale(n, A + (size_t)i * (size_t)n, 1) : 1;
+    }
+    scale(n, A, row, column, by_row, by_column);
   }
+  if (!even) even_sizes(n, A, row, column, work);
   /* Rows (i) and columns (n + j) in disjoint sets, those that entries join: blocks have no common
    * scale but that of b. */
   int *set = iwork, *node = iwork + 2 * n;

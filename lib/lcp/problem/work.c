@@ -1,8 +1,6 @@
 /* Memory, scales, and the way back to the problem as it was given. */
 #include "work.h"
 
-#include <math.h>
-#include <nsdae/kernels.h>
 #include <stddef.h>
 #include <string.h>
 

@@ -133,20 +133,6 @@ int nsdae_lcp_prove(nsdae_lcp_work *w)
 
 /* ---- branches over the indices that are free */
 
-/* The index of those free to be either whose two parts are both largest; -1 where none is free. */
-static int branch_index(const nsdae_lcp_work *w)
-{
-  double most = -1;
-  int n = w->n, best = -1;
-  for (int i = 0; i < n; i++) {
-    double both = fmin(w->room.point[i], w->room.point[n + i]);
-    if (!w->room.allowed[i] || !w->room.allowed[n + i] || both <= most) continue;
-    most = both;
-    best = i;
-  }
-  return best;
-}
-
 /* What the nearest point takes for positive, solved at once; and the point itself, for the block of
  * the x_i that make a solution may be singular. */
 static void judge_point(nsdae_lcp_work *w)
@@ -166,9 +152,17 @@ enum { OPEN, EMPTY, FOUND };
 
 static int search(nsdae_lcp_work *w)
 {
-  int all = EMPTY;
+  int all = EMPTY, i = -1, n = w->n;
+  double most = -1;
   if (excluded(w)) return EMPTY;
-  int i = branch_index(w);
+  /* The index of those free to be either whose two parts are both largest; -1 where none is free.
+   */
+  for (int k = 0; k < n; k++) {
+    double both = fmin(w->room.point[k], w->room.point[n + k]);
+    if (!w->room.allowed[k] || !w->room.allowed[n + k] || both <= most) continue;
+    most = both;
+    i = k;
+  }
   judge_point(w);
   if (w->info->outcome == NSDAE_OUTCOME_SOLVED) return FOUND;
   if (i < 0) return OPEN;
