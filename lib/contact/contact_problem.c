@@ -118,26 +118,18 @@ static void pick(nsdae_problem *p, const nsdae_contact_list *list, double touch)
   }
 }
 
-int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *closed,
-                        nsdae_impulses *results, const nsdae_closed *last,
-                        const nsdae_impulses *was)
+int nsdae_problem_close_list(nsdae_problem *p, nsdae_terms *terms, const nsdae_closed *last,
+                             const nsdae_impulses *was)
 {
-  p->closed = closed;
-  p->results = results;
-  p->home = terms;
-  if (p->contacts) {
-    nsdae_contacts_close(p->contacts, terms, results);
-    return NSDAE_OK;
-  }
   double touch = nsdae_terms_touch(terms);
   int status = nsdae_terms_contacts(terms, touch);
   if (status < 0) return status;
   pick(p, &terms->by.list, touch);
-  status = distinct(p, closed, nsdae_terms_time(terms));
+  status = distinct(p, p->closed, nsdae_terms_time(terms));
   if (status < 0) return status;
-  nsdae_closed_clear(closed, results);
+  nsdae_closed_clear(p->closed, p->results);
   recall_all(p, last, was);
-  nsdae_terms_select(terms, closed->count, p->item);
+  nsdae_terms_select(terms, p->closed->count, p->item);
   return NSDAE_OK;
 }
 
@@ -202,19 +194,9 @@ static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
   return NSDAE_E_RANK;
 }
 
-int nsdae_problem_factor(nsdae_problem *p, nsdae_terms *T, const double *M, int hold)
+int nsdae_problem_find_islands(nsdae_problem *p, const nsdae_terms *T)
 {
   nsdae_contact_islands *islands = &p->dispatch.islands;
-  if (p->kkt) {
-    p->kkt->hold = hold;
-    int status = nsdae_terms_factor(T, M, p->kkt, p->least_norm);
-    p->kkt->hold = 0;
-    nsdae_solved *solved = &p->dispatch.solved;
-    solved->rank = p->kkt->rank;
-    solved->kept = p->kkt->kept;
-    solved->left = p->kkt->left;
-    return status;
-  }
   int row =
       nsdae_contact_islands_find(islands, p->closed->count, p->closed->block, &T->by.jacobian);
   memset(p->hit, 0, (size_t)islands->count * sizeof *p->hit);

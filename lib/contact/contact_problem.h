@@ -41,9 +41,19 @@ int nsdae_problem_grow(nsdae_problem *problem, const nsdae_room *contacts, const
 /* Closes the contacts with a gap that is not above zero at the terms' point: into closed, results,
  * as they were in last, was. NSDAE_OK; of a list NSDAE_ARRAYS_GROW, NSDAE_E_ARGUMENT if an id comes
  * twice, the failure of the callback. */
-int nsdae_problem_close(nsdae_problem *problem, nsdae_terms *terms, nsdae_closed *closed,
-                        nsdae_impulses *results, const nsdae_closed *last,
-                        const nsdae_impulses *was);
+int nsdae_problem_close_list(nsdae_problem *problem, nsdae_terms *terms, const nsdae_closed *last,
+                             const nsdae_impulses *was);
+static inline int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *closed,
+                                      nsdae_impulses *results, const nsdae_closed *last,
+                                      const nsdae_impulses *was)
+{
+  p->closed = closed;
+  p->results = results;
+  p->home = terms;
+  if (!p->contacts) return nsdae_problem_close_list(p, terms, last, was);
+  nsdae_contacts_close(p->contacts, terms, results);
+  return NSDAE_OK;
+}
 /* The same contacts at another point; those of a list that are not within reach keep their
  * directions. */
 int nsdae_problem_update(nsdae_problem *problem, nsdae_terms *terms, double reach);
@@ -72,7 +82,20 @@ void nsdae_problem_before(nsdae_problem *problem, const nsdae_terms *terms, cons
                           int impacts_only);
 /* Factors M and the terms' Phi_q, or finds the islands; hold: redundant rows as before, of fixed
  * contacts. NSDAE_OK, NSDAE_E_MASS, NSDAE_E_RANK with the record. */
-int nsdae_problem_factor(nsdae_problem *problem, nsdae_terms *terms, const double *M, int hold);
+int nsdae_problem_find_islands(nsdae_problem *problem, const nsdae_terms *terms);
+static inline int nsdae_problem_factor(nsdae_problem *p, nsdae_terms *terms, const double *M,
+                                       int hold)
+{
+  nsdae_solved *solved = &p->dispatch.solved;
+  if (!p->kkt) return nsdae_problem_find_islands(p, terms);
+  p->kkt->hold = hold;
+  int status = nsdae_terms_factor(terms, M, p->kkt, p->least_norm);
+  p->kkt->hold = 0;
+  solved->rank = p->kkt->rank;
+  solved->kept = p->kkt->kept;
+  solved->left = p->kkt->left;
+  return status;
+}
 /* After it: which islands have an impact. */
 void nsdae_problem_mark_hit(nsdae_problem *problem);
 
