@@ -217,18 +217,8 @@ static int restart(event *e, double t)
   return wrong < 0 ? status : contradiction(e, wrong, t);
 }
 
-/* Whether an open contact touches up to errors and comes: it may be hit before a pole. */
-static int may_be_hit(const event *e)
-{
-  int any = 0;
-  for (int i = 0; i < e->setting.system->dims.k; i++)
-    any |= e->phase.modes.contact[i] == NSDAE_MODE_OPEN && nsdae_event_touches(&e->setting, i);
-  return any;
-}
-
 /* Whether a contact force changed its sign without a zero: from one end of the doubles to the
- * other.
- */
+ * other. */
 static int has_jumped(const event *e)
 {
   int any = 0;
@@ -240,18 +230,29 @@ static int has_jumped(const event *e)
   return any;
 }
 
-/* NSDAE_E_PAINLEVE where a force that slides has met its pole: see nsdae_root_kind. What hardly
- * slides has stopped. */
-static int jammed(event *e, double t)
+/* The contact that slides and has met the pole of its force, or -1: see nsdae_root_kind. What
+ * hardly slides has stopped. */
+static int meets_pole(const event *e)
 {
   int met = nsdae_event_root_of(&e->roots, NSDAE_ROOT_JAM, 0)->found || has_jumped(e);
   int i = met ? nsdae_event_unbounded(&e->roots, POLE) : -1;
-  if (i < 0 || may_be_hit(e)) return NSDAE_OK;
-  nsdae_event_root *slip = nsdae_event_root_of(&e->roots, NSDAE_ROOT_TANGENT, i);
-  slip->found |= e->setting.system->dims.nt == 2 && nsdae_event_hardly_slides(&e->phase, i);
-  return slip->found ? NSDAE_OK
-                     : nsdae_jam_unbounded(&e->instant.acceleration.problem, i, t,
-                                           nsdae_event_yield(&e->phase, i));
+  if (i < 0 || e->setting.system->dims.nt < 2 || !nsdae_event_hardly_slides(&e->phase, i)) return i;
+  nsdae_event_root_of(&e->roots, NSDAE_ROOT_TANGENT, i)->found = 1;
+  return -1;
+}
+
+/* NSDAE_E_PAINLEVE if the modes that are chosen at the pole of contact i are those of an unbounded
+ * force, or if i opens with no acceleration: the force is needed (Genot and Brogliato 1999). */
+static int jammed(const event *e, double t, int i, double coefficient)
+{
+  const nsdae_terms *T = e->setting.here;
+  const double *a = e->instant.acceleration.a;
+  int worst = nsdae_event_unbounded(&e->roots, POLE);
+  double size = fabs(T->omega.N[i]) + nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, a);
+  double apart = nsdae_terms_rate(T, &T->by.normal, T->omega.N, i, a);
+  int opens = e->phase.modes.contact[i] == NSDAE_MODE_OPEN && apart > POLE * size;
+  if (worst < 0 && (opens || e->phase.modes.contact[i] != NSDAE_MODE_OPEN)) return NSDAE_OK;
+  return nsdae_jam_unbounded(&e->instant.acceleration.problem, i, t, coefficient);
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
@@ -330,9 +331,10 @@ static int change_modes(event *e, double t)
 
 static int go_through(event *e, double t)
 {
-  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y), jam = jammed(e, t);
-  if (jam < 0) return jam;
-  return solved < 0 ? integrator_failed(e, solved, t) : change_modes(e, t);
+  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y), pole = meets_pole(e);
+  double coefficient = pole < 0 ? 0 : nsdae_event_yield(&e->phase, pole);
+  int status = solved < 0 ? integrator_failed(e, solved, t) : change_modes(e, t);
+  return status == NSDAE_OK && pole >= 0 ? jammed(e, t, pole, coefficient) : status;
 }
 
 /* From a state that this method did not lead to. */
