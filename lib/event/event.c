@@ -493,13 +493,13 @@ static int too_many(const event *e)
  * if CRAWL of them were shorter than TINY in the mean, as where the direction of a slip of nearly
  * zero turns in each stage, which hides the border of stability. DOP853 takes 12 evaluations a
  * step, and three more if it is read inside, DOPRI5 takes six: it is of use if SETTLED steps, by
- * which the first ones have found their length, end with one shorter than 0.4 of the longest, at a
- * small rtol (measured: equal at 1e-6) and while nothing is closed, whose forces may turn or jump
- * within a step. */
+ * which the first ones have found their length, end with one shorter than 6 / 15 of the longest,
+ * less a fifth for the restart, at a small rtol (measured: equal at 1e-6) and while nothing is
+ * closed, whose forces may turn or jump within a step. */
 static int better_integrator(const event *e)
 {
   const nsdae_smooth *g = &e->integrator.smooth;
-  const double rtol_most = 3e-7, part = 0.4;
+  const double rtol_most = 3e-7, part = 1.0 / 3;
   enum { SETTLED = 10, CRAWL = 150 };
   int now = *e->phase.modes.integrator, steps = *e->base.steps;
   int closed = (e->phase.terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
