@@ -180,7 +180,7 @@ static void test_arguments(void **state)
   (void)state;
   sample s;
   draw_sample(&s, 4, 3, 1);
-  const double bad_mu[] = {0.1, -0.1, 0, 0}, nan[M] = {NAN};
+  const double bad_mu[] = {0.1, -0.1, 0, 0}, nan[M * M] = {NAN};
   const int bad_rows[] = {3, 3, 4, 3};
   int n = s.nc, m = s.m, it;
   double *W = s.W, *q = s.q, *mu = s.mu, *r = s.r, *u = s.u, *work = s.work, e;
