@@ -220,6 +220,7 @@ static int solve_system(nsdae_problem *p, const nsdae_terms *terms, const double
   int any = with_contacts && nsdae_contacts_any(c);
   s->problem = any ? c : NULL;
   s->lcps = any;
+  s->pivots = 0;
   if (any) {
     int status = nsdae_contacts_step(c, terms, p->kkt, r, v, size, lambda);
     s->pivots = c->lcp.info.pivots;

@@ -169,10 +169,14 @@ static int name_island(nsdae_worker *w, const nsdae_island_equations *whole, int
 {
   const nsdae_contact_islands *is = whole->islands;
   const nsdae_error was = w->error;
-  int b = is->block.of[is->block.first[island]];
-  nsdae_error_set(&w->error, status, was.where, was.argument,
-                  "in the island of block %d (%d contacts): %.200s", b,
-                  nsdae_members_count(&is->contact, island), was.text);
+  int b = is->block.of[is->block.first[island]], count = nsdae_members_count(&is->contact, island);
+  if (count == 0)
+    nsdae_error_set(&w->error, status, was.where, was.argument, "in the island of block %d: %.200s",
+                    b, was.text);
+  else
+    nsdae_error_set(&w->error, status, was.where, was.argument,
+                    "in the island of block %d (%d contacts, first id %ld): %.150s", b, count,
+                    whole->closed->id[is->contact.of[is->contact.first[island]]], was.text);
   w->error.time = was.time;
   w->error.index = b;
   return status;

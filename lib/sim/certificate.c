@@ -261,16 +261,13 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
  * 10 rtol is projected, of T twice that; and of T' by differences. */
 static const double energy_steps = 100, energy_events = 200, energy_inertia = 1e-5;
 
-/* sum |M_ij| u_i u_j + sum |F_i| h u_i,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol
- * u_i; slower than impact_velocity it may be none. The impulse of constraints and closed contacts
- * in a time h is M dv - F h. It does work on an error of v. */
-static double energy_size(const nsdae_sim *sim, const nsdae_terms *T, double h)
+/* sum |M_ij| u_i u_j,  u_i = |v_i| + atol / rtol: a velocity is as good as rtol u_i; slower than
+ * impact_velocity it may be none. */
+static double energy_size(const nsdae_sim *sim, const nsdae_terms *T)
 {
   const nsdae_sim_options *o = &sim->options;
   const nsdae_blocks *blocks = &T->system->blocks;
   double least = fmax(o->atol, o->impact_velocity) / o->rtol, sum = 0;
-  for (int i = 0; i < T->system->dims.nv && h > 0; i++)
-    sum += fabs(T->F[i]) * h * (fabs(T->v[i]) + least);
   for (int b = 0; b < blocks->count; b++) {
     int n = nsdae_blocks_size(blocks, b);
     const double *M = T->M + blocks->square[b], *v = T->v + blocks->first[b];
@@ -281,20 +278,33 @@ static double energy_size(const nsdae_sim *sim, const nsdae_terms *T, double h)
   return sum;
 }
 
-int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
-                             const nsdae_point *point)
+/* sum |F_i| h u_i: the impulse of constraints and closed contacts in a time h is M dv - F h. It
+ * does work on an error of v. */
+static double reaction_size(const nsdae_sim *sim, const nsdae_terms *T, double h)
 {
-  const nsdae_result *r = &point->result;
+  double least = fmax(sim->options.atol, sim->options.impact_velocity) / sim->options.rtol, sum = 0;
+  for (int i = 0; i < T->system->dims.nv; i++) sum += fabs(T->F[i]) * h * (fabs(T->v[i]) + least);
+  return sum;
+}
+
+int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
+{
+  nsdae_result *r = &point->result;
   if (!r->located || sim->options.method != NSDAE_METHOD_EVENT) return NSDAE_OK;
   double off = point->record.kinetic - before->record.kinetic - r->gain;
   /* 2 T <= sum |M_ij| max |v|^2: far less than is explained */
   if (fabs(off) <= 2 * energy_inertia * point->record.kinetic) return NSDAE_OK;
   /* what rtol explains of a difference between T and what the equations of motion gave to it */
-  double size = energy_size(sim, &r->end, r->end.t - before->result.end.t);
-  size = fmax(size, energy_size(sim, &before->result.end, 0)) + r->turnover;
+  double size =
+      fmax(energy_size(sim, &r->end), energy_size(sim, &before->result.end)) + r->turnover;
   double tolerances = energy_steps * (double)(r->counters.iterations + 1) +
                       energy_events * (double)r->counters.events;
   double bound = sim->options.rtol * tolerances * size + energy_inertia * (size + r->turnover);
+  if (!(fabs(off) > bound)) return NSDAE_OK;
+  int status = nsdae_terms_need(&r->end, NSDAE_TERM_FORCE);
+  if (status < 0) return status;
+  bound +=
+      sim->options.rtol * tolerances * reaction_size(sim, &r->end, r->end.t - before->result.end.t);
   if (!(fabs(off) > bound)) return NSDAE_OK;
   nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
                   "the kinetic energy changed by %.3g without work up to t = %.17g, above the "

@@ -1,4 +1,4 @@
-
+/* One call at a time on a simulation, from callbacks and threads: see sim_impl.h. */
 #include "errors.h"
 #include "refusal.h"
 #include "sim_impl.h"

@@ -73,8 +73,7 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
                          "projection does not support contact lists: set projection = none");
 }
 
-/* The system with coefficients of its own; law and they are in blocks of their own, for their
- * number sizes the arena. */
+/* The system with coefficients of its own, in blocks of their own: their number sizes the arena. */
 static int copy_system(nsdae_sim *sim)
 {
   const nsdae_system *from = sim->system;

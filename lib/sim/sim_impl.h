@@ -172,8 +172,7 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
 int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point);
 int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *point);
 /* Of event: NSDAE_OK, or NSDAE_E_CONVERGENCE if T changed by more than rtol explains. */
-int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before,
-                             const nsdae_point *point);
+int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
 
 /* NSDAE_OK, or NSDAE_E_NONFINITE with the record that names what of a point is not finite. */
 int nsdae_point_finite(const nsdae_point *point);

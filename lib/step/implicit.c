@@ -18,6 +18,7 @@
  * iterate before goes to the right-hand side. The iteration ends when q_1 and v_1 are stationary.
  */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "errors.h"
@@ -135,7 +136,11 @@ static int most_violated(const nsdae_step *step)
 static int no_convergence(const nsdae_step *step, double moved, const int rank[2])
 {
   const nsdae_stepper *s = step->tools;
-  int violated = most_violated(step);
+  int violated = rank[0] < rank[1] ? -1 : most_violated(step);
+  char text[48] = "";
+  if (violated >= 0)
+    snprintf(text, sizeof text, "; largest violation %.3g",
+             fabs(step->end->constraint.phi[violated]));
   if (rank[0] < rank[1])
     nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "rank_tol",
                     "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
@@ -148,8 +153,7 @@ static int no_convergence(const nsdae_step *step, double moved, const int rank[2
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
         "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
         "%.3g): make dt smaller%s",
-        nsdae_terms_time(step->start), s->options->iteration_max, moved, s->iteration_tol,
-        violated < 0 ? "" : "; largest violation");
+        nsdae_terms_time(step->start), s->options->iteration_max, moved, s->iteration_tol, text);
   if (violated >= 0) nsdae_system_name_item(s->system, NSDAE_NAME_CONSTRAINT, violated, s->error);
   s->error->time = nsdae_terms_time(step->start);
   return NSDAE_E_CONVERGENCE;

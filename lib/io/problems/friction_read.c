@@ -92,7 +92,8 @@ static void check_shape(const reader *r, const char *name, const nsdae_triplets 
 static void join(reader *r, const nsdae_triplets *B, int row, int column, int transposed)
 {
   if (B->count > INT_MAX / 2) nsdae_h5_refuse(r->h5, "read", "more than %d entries", INT_MAX / 2);
-  nsdae_triplets_grow(r->h5, &r->A, transposed ? 2 * B->count : B->count);
+  if (r->h5->status == NSDAE_OK) /* else the count may be that of a refused matrix */
+    nsdae_triplets_grow(r->h5, &r->A, transposed ? 2 * B->count : B->count);
   for (int k = 0; k < B->count && r->h5->status == NSDAE_OK; k++) {
     int i = row + B->row[k], j = column + B->column[k];
     nsdae_triplets_add(&r->A, i, j, B->value[k]);

@@ -192,9 +192,11 @@ static int apply(const nsdae_setting *s, const char *group, const nsdae_params *
 {
   char name[NSDAE_H5_PATH], value[NSDAE_SETTING_VALUE];
   int status = NSDAE_OK;
-  for (int i = 0; i < table->n && status == NSDAE_OK; i++)
-    if (nsdae_setting_find(s, nsdae_h5_join(name, group, table->entry[i].key), value))
+  for (int i = 0; i < table->n && status == NSDAE_OK; i++) {
+    snprintf(name, sizeof name, "%.60s/%.60s", group, table->entry[i].key); /* as add_setting */
+    if (nsdae_setting_find(s, name, value))
       status = nsdae_params_set(table, base, table->entry[i].key, value, error);
+  }
   return status;
 }
 
