@@ -25,7 +25,7 @@ void nsdae_kkt_release(nsdae_kkt *kkt);
 int nsdae_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J);
 
 /* R [n x nrhs] := x, C [m x nrhs] := l. NSDAE_OK; sparse, NSDAE_E_CONVERGENCE if the equations do
- * not hold to 1e-12 of their terms. */
+ * not hold to 1e-12, or `enough` if that is larger, of their terms. */
 int nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc);
 
 /* r [n] := M^-1 r, as if there were no constraints. */

@@ -192,7 +192,7 @@ int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *k, const double *r, double *v
   memset(a->l, 0, m * sizeof *a->l);
   correct(k);
   double error = refine(k);
-  if (error <= ENOUGH && k->rank.count < k->part.row_count && !k->coupled) {
+  if (error <= fmax(ENOUGH, k->enough) && k->rank.count < k->part.row_count && !k->coupled) {
     if (!k->rank.chosen && !nsdae_sparse_kkt_consistent(k)) return NSDAE_E_CONVERGENCE;
     nsdae_sparse_kkt_shorten(k);
     error = refine(k);

@@ -37,9 +37,9 @@ int nsdae_sparse_kkt_common(const nsdae_sparse_kkt *kkt, const double *keep);
 
 /* v [nv] and lambda [m] of the blocks and rows of the part: lambda holds c on entry and l on
  * return, v holds x on return. NSDAE_OK: the residual of M x + J^T l = r and that of J x = c are
- * each at most 1e-12 of the largest sum of absolute terms (x as the terms it is a sum of);
- * redundant rows hold up to their sine,
- * those outside of a choice need not. Else NSDAE_E_CONVERGENCE. */
+ * each at most 1e-12, or `enough`, of the largest sum of absolute terms (x as the terms it is a sum
+ * of); redundant rows hold up to their sine, those outside of a choice need not. Else
+ * NSDAE_E_CONVERGENCE. */
 int nsdae_sparse_kkt_solve(const nsdae_sparse_kkt *kkt, const double *r, double *v, double *lambda);
 
 /* v := M^-1 v, of the blocks of the part. */

@@ -47,9 +47,8 @@ int nsdae_lcp_judge(nsdae_lcp_work *w, const int *basis, int stage)
   return nsdae_lcp_is_settled(w);
 }
 
-/* x on the active set: A_BB x_B = -b_B, all else zero. One
- * refinement makes every row exact to its own terms, not to the largest (Skeel, Math. Comput. 35,
- * 1980). */
+/* x on the active set: A_BB x_B = -b_B, all else zero. One refinement makes every row exact to its
+ * own terms, not to the largest (Skeel, Math. Comput. 35, 1980). */
 int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage)
 {
   double *x = w->x;
@@ -78,11 +77,8 @@ int nsdae_lcp_judge_basis(nsdae_lcp_work *w, const int *basis, int stage)
 void nsdae_lcp_hand_over(nsdae_lcp_work *w)
 {
   int found = w->info->residual < INFINITY, proof = w->info->proof == NSDAE_PROOF_FARKAS;
-  if (w->info->outcome != NSDAE_OUTCOME_SOLVED ||
-      memcmp(w->x, w->best, (size_t)w->n * sizeof *w->x) != 0) { /* else y is that of x */
-    for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
-    w->info->residual = point_residual(w);
-  }
+  for (int i = 0; i < w->n; i++) w->x[i] = found ? w->best[i] : 0;
+  w->info->residual = point_residual(w); /* y too may be that of another point */
   /* Rows and columns as the problem was given; y is that of x as it can be written. */
   int rounded = 0;
   double residual;
