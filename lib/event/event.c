@@ -421,8 +421,8 @@ static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   double from = g->ahead, tiny = TINY * e->setting.options->dt;
-  if (g->smooth.steps.last > 0 && g->smooth.steps.last < tiny && *e->base.tiny % KINK_STEPS == 0 &&
-      read_state(e, from) == NSDAE_OK && cross_kink(e, from))
+  if (!g->smooth.is_stiff && g->smooth.steps.last > 0 && g->smooth.steps.last < tiny &&
+      *e->base.tiny % KINK_STEPS == 0 && read_state(e, from) == NSDAE_OK && cross_kink(e, from))
     return change_modes(e, from);
   int status = step(e);
   ++*e->base.steps;

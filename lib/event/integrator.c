@@ -145,12 +145,13 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   e->ahead = t;
   nsdae_dip_start(&e->dip);
   e->pending = e->roots->short_steps = 0;
-  int status = nsdae_event_forces(p, t, e->y);
   nsdae_smooth_set(&e->smooth, *p->modes.integrator);
-  if (status == NSDAE_OK) {
-    e->smooth.steps.force = force_of(e);
-    status = nsdae_smooth_start(&e->smooth, t, e->end);
-  }
+  /* IDA needs the size of the forces; a pair evaluates a first step, beside which the roots need
+   * the forces at t */
+  int status = e->smooth.is_stiff ? NSDAE_OK : nsdae_smooth_start(&e->smooth, t, e->end);
+  if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
+  if (status == NSDAE_OK) e->smooth.steps.force = force_of(e);
+  if (status == NSDAE_OK && e->smooth.is_stiff) status = nsdae_smooth_start(&e->smooth, t, e->end);
   return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
 }
 

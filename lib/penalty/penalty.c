@@ -447,8 +447,9 @@ static int step_or_start(penalty *p)
   if (!stiff || !automatic || p->equations.stepper->error->status != NSDAE_OK)
     return integrator_failed(p, status, from);
   p->ahead = from;
+  status = move_base(p, from); /* by what IDA has */
   p->integrator.is_stiff = 0;
-  return start(p, from, 0);
+  return status < 0 ? status : start(p, from, 0);
 }
 
 /* What the forces did up to t, for the step's result. */

@@ -121,6 +121,7 @@ int nsdae_smooth_advance(nsdae_smooth *g)
     return status < 0 ? status : quadrature(g, g->to, g->sum[1]);
   }
   status = nsdae_runge_kutta_advance(&g->steps);
+  g->from = g->steps.from; /* it may have gone back */
   g->to = g->steps.t;
   return status;
 }
