@@ -87,8 +87,6 @@ static int prepare(void *own)
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
   p->integrator.steps.span = o->dt;
-  p->integrator.steps.pair =
-      o->integrator == NSDAE_INTEGRATOR_DOP853 ? &nsdae_dop853 : &nsdae_dopri5;
   return check_law(p->equations.stepper);
 }
 
@@ -221,7 +219,7 @@ static int start_integrator(penalty *p)
   nsdae_terms *T = &s->middle;
   p->ahead = *b->t;
   p->pending = 0;
-  p->integrator.is_stiff = *b->is_stiff;
+  nsdae_smooth_set(&p->integrator, *b->is_stiff ? NSDAE_INTEGRATOR_IDA : s->options->integrator);
   p->integrator.first = p->integrator.steps.h = *b->first;
   nsdae_error_clear(s->error);
   nsdae_power_start(&p->equations.power);
