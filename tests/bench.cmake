@@ -57,10 +57,6 @@ target_include_directories(bench_chains PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}
   $<TARGET_PROPERTY:nsdae_linalg,INTERFACE_INCLUDE_DIRECTORIES>)
 target_compile_definitions(bench_chains PRIVATE _POSIX_C_SOURCE=200809L)
 
-# A step of one body beside that of another build, in instructions: bench/cost.sh, by hand.
-add_executable(bench_cost bench/cost.c)
-target_link_libraries(bench_cost PRIVATE nsdae_lib_static)
-
 # Whole steps beside Siconos (libsiconos-kernel-dev) and MuJoCo 3.2 or later: the Python package that
 # python3 finds, or the one in a folder of one's own.
 set(steps_peers)
@@ -131,6 +127,9 @@ if(CCD_INCLUDE_DIR AND CCD_LIBRARY AND ODE_INCLUDE_DIR AND ODE_LIBRARY)
 endif()
 
 if(NSDAE_DRIVERS)
+  # a step of a few bodies beside that of another build, in instructions: bench/cost.sh, by hand
+  add_executable(bench_cost bench/cost.c)
+  target_link_libraries(bench_cost PRIVATE driver_common)
   # 667 planar contacts of a granular flow on a wall, a problem of the Siconos project
   set(granular ${NSDAE_SHARED_DIR}/lcp_problems/fc2d_granularflowonwall_00667_00000.dat)
   if(NOT EXISTS ${granular})
@@ -148,7 +147,7 @@ if(NSDAE_DRIVERS)
   target_include_directories(bench_bytes PRIVATE support)
   target_link_libraries(bench_bytes PRIVATE driver_common)
   # the event-driven method by each integrator: bench/phases.py, by hand
-  add_executable(bench_phases bench/phases.c)
+  add_executable(bench_phases bench/phases.c bench/ratio.c)
   target_link_libraries(bench_phases PRIVATE driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)
     nsdae_bench(precision LINKS driver_common GSL::gsl GSL::gslcblas)

@@ -6,11 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "arch.h"
 #include "dominoes.h"
 #include "wall.h"
+#include "ratio.h"
 
 enum { BLOCKS_MAX = 128, RUNS = 7, CORNERS = 4 };
 
@@ -220,13 +220,6 @@ static void domino_blocks(const void *base, blocks *p)
 
 /* ---- both */
 
-static double now(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Time of the steps from the model's start, or -1; q at the end. */
 static double run(const driver_model *model, const nsdae_system *system, int steps, double *q)
 {
@@ -241,10 +234,10 @@ static double run(const driver_model *model, const nsdae_system *system, int ste
   memset(v, 0, sizeof v);
   model->start(model->base, q, v);
   if (nsdae_sim_create(system, &options, &sim, NULL) < 0) return -1;
-  double from = now();
+  double from = ratio_cpu();
   int status = nsdae_sim_init(sim, 0, q, v);
   for (int i = 0; i < steps && status >= 0; i++) status = nsdae_sim_step(sim);
-  double took = status < 0 ? -1 : now() - from;
+  double took = status < 0 ? -1 : ratio_cpu() - from;
   if (status < 0) printf("%s: %s\n", model->name, nsdae_sim_error(sim)->text);
   nsdae_sim_get_record(sim, &r);
   nsdae_sim_get_dims(sim, &dims);

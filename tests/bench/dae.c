@@ -3,20 +3,13 @@
  * published end. dae.py draws the picture. usage: bench_dae [FILE.csv] */
 #include <math.h>
 #include <stdio.h>
-#include <time.h>
 
 #include "car_axis.h"
 #include "flexible_crank.h"
 #include "squeezer.h"
+#include "ratio.h"
 
 enum { RUNS = 3 };
-
-static double now(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
 
 /* Returns the status; *time is the least of the runs [ms]. */
 static int run(const driver_model *model, const nsdae_sim_options *o, double *time,
@@ -35,9 +28,9 @@ static int run(const driver_model *model, const nsdae_sim_options *o, double *ti
     model->start(model->base, q0, v0);
     status = nsdae_sim_create(system, o, &sim, error);
     if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, q0, v0);
-    double start = now();
+    double start = 1e3 * ratio_cpu();
     if (status == NSDAE_OK) status = nsdae_sim_run(sim, model->t_end);
-    *time = fmin(*time, now() - start);
+    *time = fmin(*time, 1e3 * ratio_cpu() - start);
     if (status < 0 && sim) *error = *nsdae_sim_error(sim);
     if (status == NSDAE_OK) status = nsdae_sim_get_stats(sim, stats);
     if (status == NSDAE_OK) status = nsdae_sim_get_record(sim, &record);

@@ -13,7 +13,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <nsdae/nsdae.h>
@@ -49,13 +48,6 @@ static int size_class(const nsdae_friction_problem *p)
   int k = 0;
   while (p->contacts >= sizes[k].below) k++;
   return k;
-}
-
-static double now(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 static void *room(size_t bytes)
@@ -268,9 +260,9 @@ static int run_peer(int peer, const local_form *l, double tol, double *r, double
     dup2(nowhere, 1);
     dup2(nowhere, 2);
     alarm(limit ? (unsigned)atoi(limit) : 5);
-    double start = now();
+    double start = ratio_cpu();
     shared[1] = friction_rival_solve(peer, &l->problem, tol, r) == 0;
-    shared[0] = now() - start;
+    shared[0] = ratio_cpu() - start;
     _exit(0);
   }
   waitpid(child, NULL, 0);
@@ -309,9 +301,9 @@ static double time_ours(const nsdae_friction_problem *p, double tol, double *wor
   double *r = calloc(3 * m + 1, sizeof *r), *low = r + 2 * m;
   nsdae_friction_options_default(&options);
   options.tol = tol;
-  double start = now();
+  double start = ratio_cpu();
   int status = nsdae_friction_solve_twice(p, &options, r, low, r + m, &info);
-  double took = now() - start;
+  double took = ratio_cpu() - start;
   *worst = residual_of(p, r, low);
   *by = nsdae_friction_stage_name(info.stage);
   if (status == NSDAE_OK && *worst > tol) scores[size_class(p)][0].claimed++;
@@ -329,17 +321,10 @@ typedef struct watch {
   int passed;
 } watch;
 
-static double cpu(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static int look(const nsdae_friction_progress *now, void *user)
 {
   watch *w = user;
-  while (w->passed < TIMES && cpu() - w->began >= at_time[w->passed])
+  while (w->passed < TIMES && ratio_cpu() - w->began >= at_time[w->passed])
     w->residual[w->passed++] = now->residual;
   return w->passed == TIMES;
 }
@@ -350,7 +335,7 @@ static watch residuals_at(const nsdae_friction_problem *p, int stages)
   nsdae_friction_info info;
   size_t m = 3 * (size_t)p->contacts;
   double *r = calloc(2 * m + 1, sizeof *r);
-  watch w = {.began = cpu()};
+  watch w = {.began = ratio_cpu()};
   nsdae_friction_options_default(&options);
   options.tol = LAST;
   options.stages = stages;

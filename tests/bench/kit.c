@@ -6,9 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <nsdae/nsdae.h>
+
+#include "ratio.h"
 
 #include "../support/random.h"
 
@@ -166,13 +167,6 @@ static int by_hand(nsdae_system **system)
 
 /* ---- both */
 
-static double now(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Time of STEPS steps, or -1; q at the end. */
 static double run(const nsdae_system *system, const double (*at)[3], double *q)
 {
@@ -189,10 +183,10 @@ static double run(const nsdae_system *system, const double (*at)[3], double *q)
     q[7 * i + 3] = 1;
   }
   if (nsdae_sim_create(system, &options, &sim, NULL) < 0) return -1;
-  double from = now();
+  double from = ratio_cpu();
   int status = nsdae_sim_init(sim, 0, q, v);
   for (int i = 0; i < STEPS && status >= 0; i++) status = nsdae_sim_step(sim);
-  double took = status < 0 ? -1 : now() - from;
+  double took = status < 0 ? -1 : ratio_cpu() - from;
   if (status < 0) printf("%s\n", nsdae_sim_error(sim)->text);
   nsdae_sim_get_record(sim, &r);
   memcpy(q, r.q, 7 * BALLS * sizeof *q);

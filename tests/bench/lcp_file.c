@@ -4,20 +4,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "lcp_arguments.h"
 #include "lcp_rival.h"
 #include "ratio.h"
 
 enum { RUNS = 3 };
-
-static double now(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Largest |min(x_i, y_i)| with y = A x + b, of what either solver handed over. */
 static double natural_residual(const lcp_file *file, const double *x)
@@ -35,17 +27,17 @@ static double natural_residual(const lcp_file *file, const double *x)
 static double time_ours(const lcp_file *file, double *x, double *y, nsdae_lcp_info *info)
 {
   nsdae_lcp_problem problem = {.n = file->n, .A = file->A, .lda = file->n, .b = file->b};
-  double start = now();
+  double start = ratio_cpu();
   nsdae_lcp_solve(&problem, NULL, x, y, info);
-  return now() - start;
+  return ratio_cpu() - start;
 }
 
 static double time_peer(rival *peer, const lcp_file *file, double *x, double *y, int *failed)
 {
   memset(x, 0, (size_t)file->n * sizeof *x);
-  double start = now();
+  double start = ratio_cpu();
   *failed = rival_solve(peer, x, y);
-  return now() - start;
+  return ratio_cpu() - start;
 }
 
 /* What the file of ratios gets: where it was not solved, nothing. */

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "bouncing_ball.h"
 #include "clearance_hinge.h"
@@ -15,6 +14,7 @@
 #include "pendulum.h"
 #include "rolling_ball.h"
 #include "woodpecker.h"
+#include "ratio.h"
 
 enum { RUNS = 5, NQ = 16 };
 
@@ -29,10 +29,10 @@ static void run(const char *name, const char *integrator, nsdae_system *system,
   for (int i = 0; i < RUNS; i++) {
     nsdae_sim *sim;
     if (nsdae_sim_create(system, o, &sim, NULL) < 0) return;
-    clock_t start = clock();
+    double start = ratio_cpu();
     if (nsdae_sim_init(sim, 0, q0, v0) < 0 || nsdae_sim_run(sim, t_end) < 0)
       fprintf(stderr, "%s %s %.0e: %s\n", name, integrator, o->rtol, nsdae_sim_error(sim)->text);
-    seconds = fmin(seconds, (double)(clock() - start) / CLOCKS_PER_SEC);
+    seconds = fmin(seconds, ratio_cpu() - start);
     nsdae_sim_get_stats(sim, &stats);
     nsdae_sim_get_record(sim, &record);
     if (i == RUNS - 1) {

@@ -1,8 +1,10 @@
+#define _POSIX_C_SOURCE 200809L
 #include "ratio.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 /* A string of JSON; titles are of printable ASCII. */
 static void put_text(FILE *file, const char *text)
@@ -67,4 +69,11 @@ double ratio_median(int count, double *a)
 {
   qsort(a, (size_t)count, sizeof *a, ascending);
   return count % 2 ? a[count / 2] : (a[count / 2 - 1] + a[count / 2]) / 2;
+}
+
+double ratio_cpu(void)
+{
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }

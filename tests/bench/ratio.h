@@ -14,6 +14,9 @@ extern "C" {
  * written. */
 int ratio_add(const char *title, double ours, const char *peer, double peers);
 
+/* Processor time of this process so far [s]: that of all its threads. */
+double ratio_cpu(void);
+
 /* The median of so many numbers, which are sorted. */
 double ratio_median(int count, double *a);
 

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <ccd/ccd.h>
 #include <ccd/quat.h>
@@ -250,13 +249,6 @@ typedef struct library {
   double median[RUNS];
 } library;
 
-static double now(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void measure(const library *l, const char *what, const poses *p, int count)
 {
   double worst = 0;
@@ -307,10 +299,10 @@ int main(void)
   }
   for (int run = 0; run < RUNS; run++)
     for (int l = 0; l < 4; l++) {
-      double from = now(), sum = 0;
+      double from = ratio_cpu(), sum = 0;
       for (int i = 0; i < POSES; i++)
         sum += libraries[l].collide(libraries[l].world, &thin[i]).depth;
-      libraries[l].median[run] = sum >= 0 ? (now() - from) / POSES : 0;
+      libraries[l].median[run] = sum >= 0 ? (ratio_cpu() - from) / POSES : 0;
     }
   for (int l = 0; l < 4; l++) {
     qsort(libraries[l].median, RUNS, sizeof(double), compare);

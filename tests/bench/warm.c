@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "friction_families.h"
 #include "friction_sequence.h"
@@ -52,9 +51,9 @@ static void once(const nsdae_friction_problem *p, const double *guess, double *r
     memcpy(r, guess, m * sizeof *r);
   else
     memset(r, 0, m * sizeof *r);
-  clock_t start = clock();
+  double start = ratio_cpu();
   int status = nsdae_friction_solve(p, &options, r, u, &s->info);
-  s->seconds = fmin(s->seconds, (double)(clock() - start) / CLOCKS_PER_SEC);
+  s->seconds = fmin(s->seconds, ratio_cpu() - start);
   s->good = nsdae_friction_residual(p, r, NULL, &s->residual) == NSDAE_OK && status == NSDAE_OK &&
             s->residual <= TOL;
   free(u);
