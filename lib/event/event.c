@@ -650,7 +650,7 @@ const nsdae_stepping nsdae_stepping_event = {
         "event-driven, smooth phases with error control: impacts, stick and slip located exactly",
     .create = create,
     .destroy = destroy,
-    .sizes = nsdae_event_memory_sizes,
+    .lay = nsdae_event_memory_lay,
     .prepare = prepare,
     .start = start_run,
     .settle = settle,

@@ -31,14 +31,11 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   for (int i = 0; i < 5; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
 
-void nsdae_event_memory_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+void nsdae_event_memory_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
   nsdae_event_base base;
   nsdae_event_modes modes;
-  nsdae_memory_part part = {0};
-  lay(&base, &modes, s, &part);
-  *reals = part.reals;
-  *wholes = part.wholes;
+  lay(&base, &modes, s, part);
 }
 
 void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, const nsdae_stepper *s,

@@ -20,8 +20,8 @@ typedef struct nsdae_event_base {
   nsdae_rattle rattle;
 } nsdae_event_base;
 
-/* Numbers that this takes. */
-void nsdae_event_memory_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
+/* What this takes. */
+void nsdae_event_memory_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
 
 /* Lays the base, the modes and the warm starts of the instant's problems over a memory. */
 void nsdae_event_lay(nsdae_event_base *base, nsdae_event_instant *instant,

@@ -14,9 +14,9 @@ typedef struct nsdae_stepping {
   int (*create)(struct nsdae_stepper *stepper, void **own);
   void (*destroy)(void *own);
 
-  /* Sizes of what it keeps between steps, asked before create. The first reals and integers are the
-   * contacts' warm start (nsdae_stepper_sizes), so that implicit can step in. */
-  void (*sizes)(const struct nsdae_stepper *stepper, size_t *reals, size_t *wholes);
+  /* Takes what it keeps between steps, before create, too. Of a method that gives up, the first is
+   * the contacts' warm start (nsdae_stepper_lay), so that implicit can step in. */
+  void (*lay)(const struct nsdae_stepper *stepper, nsdae_memory_part *part);
 
   /* Settings or coefficients changed; NULL where nothing is made of them beside the stepper. */
   int (*prepare)(void *own);

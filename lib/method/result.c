@@ -12,6 +12,32 @@ void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
   to->stamp = from->stamp;
 }
 
+/* Of `count` numbers and `each` for every slot those that two memories have. */
+static size_t shared(const nsdae_memory_part *part, size_t count, size_t each)
+{
+  size_t other = part->from ? part->from->slots : 0;
+  return part->from ? count + each * (other < part->slots ? other : part->slots) : 0;
+}
+
+double *nsdae_memory_take_reals(nsdae_memory_part *part, size_t count, size_t each)
+{
+  size_t copied = shared(part, count, each);
+  double *at = part->real ? part->real + part->reals : NULL;
+  if (copied > 0) memcpy(at, nsdae_memory_take_reals(part->from, count, each), copied * sizeof *at);
+  part->reals += count + each * part->slots;
+  return at;
+}
+
+int *nsdae_memory_take_wholes(nsdae_memory_part *part, size_t count, size_t each)
+{
+  size_t copied = shared(part, count, each);
+  int *at = part->whole ? part->whole + part->wholes : NULL;
+  if (copied > 0)
+    memcpy(at, nsdae_memory_take_wholes(part->from, count, each), copied * sizeof *at);
+  part->wholes += count + each * part->slots;
+  return at;
+}
+
 void nsdae_count_rank(nsdae_counters *c, int rank, double kept, double left)
 {
   if (rank < c->rank) c->rank = rank;

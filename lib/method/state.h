@@ -22,25 +22,38 @@ typedef struct nsdae_memory {
                  from a block, of which it is no part */
 } nsdae_memory;
 
-/* Arrays in it, taken in turn; without one, how much they take: sizes are written once. */
+/* Arrays in it, taken in turn, of the contacts slot by slot: a method's function that takes them
+ * measures, lays out, and copies to a memory of another number of slots. */
 typedef struct nsdae_memory_part {
   double *real; /* NULL: measuring */
   int *whole;
-  size_t reals, wholes; /* taken */
+  size_t reals, wholes;           /* taken */
+  size_t slots;                   /* contacts */
+  struct nsdae_memory_part *from; /* another memory, which is copied: of the slots of both */
 } nsdae_memory_part;
+
+/* An array of `count` numbers and of `each` for every slot. */
+double *nsdae_memory_take_reals(nsdae_memory_part *part, size_t count, size_t each);
+int *nsdae_memory_take_wholes(nsdae_memory_part *part, size_t count, size_t each);
 
 static inline double *nsdae_memory_reals(nsdae_memory_part *part, size_t count)
 {
-  double *at = part->real ? part->real + part->reals : NULL;
-  part->reals += count;
-  return at;
+  return nsdae_memory_take_reals(part, count, 0);
 }
 
 static inline int *nsdae_memory_wholes(nsdae_memory_part *part, size_t count)
 {
-  int *at = part->whole ? part->whole + part->wholes : NULL;
-  part->wholes += count;
-  return at;
+  return nsdae_memory_take_wholes(part, count, 0);
+}
+
+static inline double *nsdae_memory_slot_reals(nsdae_memory_part *part, size_t each)
+{
+  return nsdae_memory_take_reals(part, 0, each);
+}
+
+static inline int *nsdae_memory_slot_wholes(nsdae_memory_part *part, size_t each)
+{
+  return nsdae_memory_take_wholes(part, 0, each);
 }
 
 typedef struct nsdae_state {

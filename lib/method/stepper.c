@@ -81,10 +81,10 @@ void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_resul
   state->terms->evals = s->middle.evals = result->end.evals = &result->counters.evals;
 }
 
-void nsdae_stepper_sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+void nsdae_stepper_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
-  *reals = nsdae_contacts_warm_size(&s->contacts);
-  *wholes = nsdae_contacts_memory_size(&s->contacts);
+  nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
+  nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
 }
 
 void nsdae_step_end(const nsdae_step *step)

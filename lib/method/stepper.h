@@ -62,7 +62,7 @@ int nsdae_stepper_start(nsdae_stepper *stepper, nsdae_newton_kkt *newton, const 
 void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);
 
 /* The memory of a method that keeps the warm start of its contacts alone. */
-void nsdae_stepper_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
+void nsdae_stepper_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
 
 /* The frame of such a method's advance; the end reads impulse and contacts into the result. */
 static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state,

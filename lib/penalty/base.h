@@ -15,8 +15,8 @@ typedef struct nsdae_penalty_base {
   int *steps, *is_stiff;             /* 1: of the integrator, since t; IDA is at work */
 } nsdae_penalty_base;
 
-/* The memory of the method: what implicit keeps, then a base. */
-void nsdae_penalty_base_sizes(const nsdae_stepper *stepper, size_t *reals, size_t *wholes);
+/* Takes the memory of the method: a base. */
+void nsdae_penalty_base_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
 /* Lays the base over the memory of a step. */
 void nsdae_penalty_base_find(nsdae_penalty_base *base, const nsdae_stepper *stepper,
                              nsdae_memory *memory);

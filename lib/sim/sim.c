@@ -122,7 +122,10 @@ static int build(nsdae_sim *sim)
   for (int i = 0; i < 3; i++) {
     nsdae_result *r = &sim->point[i].result;
     nsdae_stepper_prepare_terms(stepper, &r->end);
-    sim->method->sizes(stepper, &r->memory.reals, &r->memory.wholes);
+    nsdae_memory_part part = {.slots = (size_t)sim->model.dims.k};
+    sim->method->lay(stepper, &part);
+    r->memory.reals = part.reals;
+    r->memory.wholes = part.wholes;
   }
   if (nsdae_arena_build(&sim->arena, layout_sim, sim) < 0 ||
       nsdae_cones_open(&stepper->contacts.cones) < 0)

@@ -28,11 +28,11 @@ typedef struct printed {
 
 /* Beside the contacts' warm start: a and lambda of the end of a smooth step, and whether they are
  * there. */
-static void sizes(const nsdae_stepper *s, size_t *reals, size_t *wholes)
+static void lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
-  nsdae_stepper_sizes(s, reals, wholes);
-  *reals += (size_t)s->system->dims.nv + (size_t)s->system->dims.m;
-  *wholes += 1;
+  nsdae_stepper_lay(s, part);
+  nsdae_memory_reals(part, (size_t)s->system->dims.nv + (size_t)s->system->dims.m);
+  nsdae_memory_wholes(part, 1);
 }
 
 static void layout(void *object, nsdae_arena *arena)
@@ -161,7 +161,7 @@ const nsdae_stepping nsdae_stepping_printed = {
     .summary = "the source paper's one-pass scheme, letter for letter: first order",
     .create = create,
     .destroy = destroy,
-    .sizes = sizes,
+    .lay = lay,
     .advance = advance,
     .by_list = 1,
     .closes = 1};

@@ -221,7 +221,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
 const nsdae_stepping nsdae_stepping_implicit = {
     .name = "implicit",
     .summary = "the scheme iterated to the end of the step: second order between impacts",
-    .sizes = nsdae_stepper_sizes,
+    .lay = nsdae_stepper_lay,
     .advance = advance,
     .by_list = 1,
     .closes = 1};

@@ -64,7 +64,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
 const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                               .summary =
                                                   "Moreau's midpoint rule: first order, explicit",
-                                              .sizes = nsdae_stepper_sizes,
+                                              .lay = nsdae_stepper_lay,
                                               .advance = advance,
                                               .by_list = 1,
                                               .closes = 1};
