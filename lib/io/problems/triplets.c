@@ -21,12 +21,30 @@ static int check_pointers(nsdae_h5 *h5, const char *group, int count, const int 
   return h5->status;
 }
 
+/* i and x, which may be longer than what is used of them; i into index. Returns how many there are
+ * of both. */
+static int read_entries(nsdae_h5 *h5, const char *group, nsdae_triplets *t, int **index)
+{
+  int of_i = -1, of_x = -1;
+  *index = nsdae_h5_take_ints(h5, group, "i", NSDAE_H5_NEEDED, &of_i);
+  t->value = nsdae_h5_take_reals(h5, group, "x", NSDAE_H5_NEEDED, &of_x);
+  return of_i < of_x ? of_i : of_x;
+}
+
+static int check_count(nsdae_h5 *h5, const char *group, int count, int there, const char *what)
+{
+  if (there < count)
+    nsdae_h5_refuse(h5, "read", "%s has %d entries, but %d %s", group, count, there, what);
+  return h5->status;
+}
+
 /* Of the n + 1 pointers of a compressed form, the index of each of its entries. */
-static int *expand(nsdae_h5 *h5, const char *group, int n, int *count)
+static int *expand(nsdae_h5 *h5, const char *group, int n, int there, int *count)
 {
   int pointers = n + 1, *index = NULL;
   int *p = nsdae_h5_take_ints(h5, group, "p", NSDAE_H5_NEEDED, &pointers);
-  if (check_pointers(h5, group, n, p) == NSDAE_OK) {
+  if (check_pointers(h5, group, n, p) == NSDAE_OK &&
+      check_count(h5, group, p[n], there, "indices and values") == NSDAE_OK) {
     *count = p[n];
     index = nsdae_h5_allocate(h5, (size_t)p[n], sizeof *index);
   }
@@ -34,17 +52,6 @@ static int *expand(nsdae_h5 *h5, const char *group, int n, int *count)
     for (int k = p[j]; k < p[j + 1]; k++) index[k] = j;
   free(p);
   return index;
-}
-
-/* i and x, which may be longer than what is used of them; i into index. */
-static void read_used(nsdae_h5 *h5, const char *group, nsdae_triplets *t, int **index)
-{
-  int of_i = -1, of_x = -1;
-  *index = nsdae_h5_take_ints(h5, group, "i", NSDAE_H5_NEEDED, &of_i);
-  t->value = nsdae_h5_take_reals(h5, group, "x", NSDAE_H5_NEEDED, &of_x);
-  if (of_i < t->count || of_x < t->count)
-    nsdae_h5_refuse(h5, "read", "%s has %d entries, but %d indices and %d values", group, t->count,
-                    of_i, of_x);
 }
 
 static void check_indices(nsdae_h5 *h5, const char *group, const nsdae_triplets *t)
@@ -56,12 +63,12 @@ static void check_indices(nsdae_h5 *h5, const char *group, const nsdae_triplets 
 }
 
 /* Triplets: p has the columns; it must be as long as they are many. */
-static int *read_columns(nsdae_h5 *h5, const char *group, int count)
+static int *read_columns(nsdae_h5 *h5, const char *group, int count, int there)
 {
   int length = -1;
   int *column = nsdae_h5_take_ints(h5, group, "p", NSDAE_H5_NEEDED, &length);
-  if (length < count)
-    nsdae_h5_refuse(h5, "read", "%s has %d entries, but %d columns of them", group, count, length);
+  check_count(h5, group, count, there, "indices and values");
+  check_count(h5, group, count, length, "columns of them");
   return column;
 }
 
@@ -75,14 +82,14 @@ void nsdae_triplets_read(nsdae_h5 *h5, const char *root, const char *name, int n
   t->rows = nsdae_h5_take_int(h5, group, "m", 0, INT_MAX / 2);
   t->columns = nsdae_h5_take_int(h5, group, "n", 0, INT_MAX / 2);
   int form = nsdae_h5_take_int(h5, group, "nz", ROWS, INT_MAX - 1);
+  int there = read_entries(h5, group, t, form == ROWS ? &t->column : &t->row);
   t->count = form > 0 ? form : 0;
   if (form == COLUMNS)
-    t->column = expand(h5, group, t->columns, &t->count);
+    t->column = expand(h5, group, t->columns, there, &t->count);
   else if (form == ROWS)
-    t->row = expand(h5, group, t->rows, &t->count);
+    t->row = expand(h5, group, t->rows, there, &t->count);
   else
-    t->column = read_columns(h5, group, form);
-  read_used(h5, group, t, form == ROWS ? &t->column : &t->row);
+    t->column = read_columns(h5, group, form, there);
   check_indices(h5, group, t);
 }
 

@@ -437,7 +437,9 @@ static void test_refused_matrices(void **state)
   s.W.p[1] = 5;
   refused_local(&s, "W/p[2] = 4 is below p[1] = 5");
   s.W.p[2] = 6;
-  refused_local(&s, "has 6 entries, but 4 indices and 4 values");
+  refused_local(&s, "has 6 entries, but 4 indices and values");
+  s.W.p[2] = INT_MAX; /* nothing of that size is allocated or filled */
+  refused_local(&s, "has 2147483647 entries, but 4 indices and values");
   s = right;
   s.W.p[0] = 1;
   refused_local(&s, "p[0] is 1, must be 0");
