@@ -25,6 +25,8 @@ add_test(NAME unit/system/callbacks COMMAND sh ${PROJECT_SOURCE_DIR}/lib/system/
 add_test(NAME structure/includes COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/structure.py ${PROJECT_SOURCE_DIR})
 
 nsdae_unit_test(terms terms)
+nsdae_unit_test(terms slots)
+target_link_libraries(test_unit_terms_slots PRIVATE test_as_list test_support)
 nsdae_unit_test(terms newton_matrix)
 target_link_libraries(test_unit_terms_newton_matrix PRIVATE test_allocator)
 

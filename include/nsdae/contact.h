@@ -34,8 +34,9 @@ typedef struct nsdae_contact {
   double gap;          /* g_N: distance, negative for an overlap */
   double mu, e_n, e_t; /* friction >= 0 (0 if nt = 0), normal, tangential restitution 0 .. 1 */
   double w[3];         /* velocity along each direction at v = 0 */
-  double omega[3];     /* acceleration along each direction at v' = 0; not used by time-stepping
-                          methods */
+  double omega[3];     /* acceleration along each direction at v' = 0, for method event */
+  int omega_given;     /* 1: omega is set; 0: it is computed by differences of the velocities of
+                          this id */
   double direction[2][3][NSDAE_CONTACT_WIDTH]; /* [s][d]: direction d over the velocities of
                                                   block[s]. Velocity along d: [0][d] . v_0 +
                                                   [1][d] . v_1 + w[d]; for d = 0 it is d g_N /

@@ -314,7 +314,8 @@ typedef struct nsdae_check {
  * translations of one body, and a velocity in m/s (mm/s, ...) is no rotation.
  *
  * Systems with blocks: rows of Phi_q are checked entry by entry. Gaps of listed contacts are
- * checked by their rates along two trial velocities; row is the index in the list.
+ * checked by their rates along two trial velocities, and omega if it is given; row is the index in
+ * the list, column the direction.
  *
  * nsdae_system_unseen reports what cannot be checked, and doubtful moment arms of W_T:
  *

@@ -288,7 +288,7 @@ static int tune(event *e, double t)
     e->base.difference_error[i] = fmax(e->base.difference_error[i], error[i]);
     e->setting.error_by_differences[i] = e->base.difference_error[i];
   }
-  return nsdae_system_callback_status(code, d->failed ? d->failed : "gap", time, e->setting.error);
+  return nsdae_differences_status(d, code, "gap", time, e->setting.error);
 }
 
 /* At the instant t, with the impacts from `first` on. */

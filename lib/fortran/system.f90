@@ -40,6 +40,7 @@ module nsdae_f_system
     real(c_double) :: mu = 0, e_n = 0, e_t = 0    ! friction, restitution, tangential restitution
     real(c_double) :: w(3) = 0                    ! velocity along each direction at v = 0
     real(c_double) :: omega(3) = 0                ! acceleration along each at v' = 0
+    integer(c_int) :: omega_given = 0             ! 1: omega is set; 0: computed by differences
     ! direction(:, d, s): direction d (the normal, then tangents) over the velocities of block(s)
     real(c_double) :: direction(NSDAE_CONTACT_WIDTH, 3, 2) = 0
     ! null, or for a block with more velocities the address of its directions (nv, 1 + nt)

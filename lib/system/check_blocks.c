@@ -1,6 +1,7 @@
 /* Entries of M against the transposed ones, of Phi_q against differences of Phi along each
  * velocity, and the rate of each gap in a list, W_N v + w, against differences of the gap of the
- * same id along two trial velocities: what is listed at the point, within a tenth of 1 + max |q|.
+ * same id along two trial velocities, and omega where it is given: what is listed at the point,
+ * within a tenth of 1 + max |q|.
  */
 #include <float.h>
 #include <math.h>
@@ -83,18 +84,6 @@ static int find_contact(const nsdae_contact_list *list, long id, int likely)
   return -1;
 }
 
-/* W_N . v + w of entry i. */
-static double given_rate(const nsdae_contact_list *l, int i, const double *v)
-{
-  double rate = l->w[(size_t)i * (size_t)(1 + l->nt)];
-  for (size_t s = 2 * (size_t)i; s < 2 * (size_t)i + 2; s++) {
-    int b = l->block[s];
-    for (int j = 0; b >= 0 && j < nsdae_blocks_size(l->blocks, b); j++)
-      rate += l->value[l->at[s] + (size_t)j] * v[l->blocks->first[b] + j];
-  }
-  return rate;
-}
-
 /* The rates along one trial velocity; a contact that is not in all three lists says nothing. */
 static int check_rates(context *x, double reach)
 {
@@ -112,9 +101,49 @@ static int check_rates(context *x, double reach)
   for (int i = 0; i < x->list.count && status == NSDAE_OK; i++) {
     int a = find_contact(&x->ahead, x->list.id[i], i), b = find_contact(&x->back, x->list.id[i], i);
     if (a < 0 || b < 0) continue;
-    nsdae_check_keep(c, "contacts", i, 0, given_rate(&x->list, i, c->trial),
+    nsdae_check_keep(c, "contacts", i, 0, nsdae_contact_list_velocity(&x->list, i, 0, c->trial),
                      (x->ahead.gap[a] - x->back.gap[b]) / (2 * s));
   }
+  return status;
+}
+
+/* omega of direction d of entry i, by differences of the velocities in the four lists along the
+ * motion; NaN where one of them has no such contact. */
+static double difference(context *x, const nsdae_contact_list *near, double s, int i, int d)
+{
+  static const double weight[4] = {1, -8, 8, -1};
+  double sum = 0;
+  for (int n = 0; n < 4; n++) {
+    int entry = find_contact(&near[n], x->list.id[i], i);
+    sum += entry < 0 ? NAN : weight[n] * nsdae_contact_list_velocity(&near[n], entry, d, x->c->v);
+  }
+  return sum / (12 * s);
+}
+
+/* Accelerations at v' = 0 where they are given, along the motion. */
+static int check_accelerations(context *x, double reach)
+{
+  check *c = x->c;
+  nsdae_differences *d = &c->differences;
+  nsdae_contact_list near[4];
+  int rows = 1 + c->system->dims.nt, nq = c->system->dims.nq;
+  int status =
+      nsdae_check_callback(c, nsdae_kinematics(c->system, c->t, c->q, c->v, d->qdot), "kinematics");
+  double s = nsdae_differences_acceleration_step(d, c->t, c->q);
+  for (int n = 0; n < 4; n++) {
+    static const int at[4] = {-2, -1, 1, 2};
+    near[n] =
+        (nsdae_contact_list){.blocks = x->list.blocks, .nt = x->list.nt, .error = x->list.error};
+    nsdae_move(nq, c->q, at[n] * s, d->qdot, d->q);
+    if (status == NSDAE_OK) status = list_contacts(c, &near[n], c->t + at[n] * s, d->q, reach);
+  }
+  for (int i = 0; i < x->list.count && status == NSDAE_OK; i++)
+    for (int row = 0; row < rows && x->list.omega_given[i]; row++) {
+      double differenced = difference(x, near, s, i, row);
+      if (isfinite(differenced))
+        nsdae_check_keep(c, "contacts", i, row, x->list.omega[i * rows + row], differenced);
+    }
+  for (int n = 0; n < 4; n++) nsdae_contact_list_release(&near[n]);
   return status;
 }
 
@@ -144,6 +173,9 @@ int nsdae_check_lists(check *c)
     for (int j = 0; j < s->dims.nv; j++) c->trial[j] = cos(1 + number + 2.399963 * (j + 1));
     status = check_rates(&x, reach);
   }
+  int given = 0;
+  for (int i = 0; i < x.list.count; i++) given |= x.list.omega_given[i];
+  if (given && status == NSDAE_OK) status = check_accelerations(&x, reach);
   if (status == NSDAE_E_MEMORY) nsdae_error_memory(&s->error, "nsdae_system_check");
   nsdae_contact_list_release(&x.list);
   nsdae_contact_list_release(&x.ahead);

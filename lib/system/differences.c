@@ -7,10 +7,27 @@
 #include "system_impl.h"
 #include "vector.h"
 
+/* Contacts that have a number in the callbacks. */
+static int fixed_contacts(const nsdae_system *s)
+{
+  return s->tracked ? 0 : s->dims.k;
+}
+
+/* Of the contacts in slots, and the lists that they are in. */
+static void lay_out_slots(nsdae_differences *d, nsdae_arena *arena)
+{
+  const nsdae_system *s = d->system;
+  long k = s->tracked ? NSDAE_BY_ID_POINTS * s->dims.k : 0;
+  d->by_id.list.blocks = &s->blocks;
+  d->by_id.list.nt = s->dims.nt;
+  d->by_id.velocity = NSDAE_ARENA_DOUBLES(arena, k * (1 + s->dims.nt));
+  d->by_id.listed = NSDAE_ARENA_INTS(arena, k);
+}
+
 void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &differences->system->dims;
-  int rows = dims->m > dims->k ? dims->m : dims->k;
+  long k = fixed_contacts(differences->system), rows = dims->m > k ? dims->m : k;
   differences->finer[0] = differences->finer[1] = 0;
   differences->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->qdot = NSDAE_ARENA_DOUBLES(arena, dims->nq);
@@ -19,13 +36,15 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->plus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->minus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->rate = NSDAE_ARENA_DOUBLES(arena, rows);
-  long k = dims->k, kt = k * dims->nt, columns = kt > k ? kt : k;
+  long kt = k * dims->nt, columns = kt > k ? kt : k;
   if (dims->f > columns) columns = dims->f;
   differences->moved = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   differences->W = NSDAE_ARENA_DOUBLES(arena, dims->nv * columns);
   differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
   for (int i = 0; i < 2; i++)
-    differences->tuned[i] = NSDAE_ARENA_DOUBLES(arena, dims->m + k + kt + dims->f);
+    differences->tuned[i] =
+        NSDAE_ARENA_DOUBLES(arena, dims->m + dims->k * (1L + dims->nt) + dims->f);
+  lay_out_slots(differences, arena);
 }
 
 /* Halves of a step that tune tries: scales of motion down to 1 / 512 of a unit. */
@@ -189,7 +208,7 @@ static int contact_offsets(nsdae_differences *d, double t, const double *q, doub
                            double *u_t)
 {
   const nsdae_system *s = d->system;
-  int k = s->dims.k, nt = s->dims.nt;
+  int k = fixed_contacts(s), nt = s->dims.nt;
   if (k == 0 || (!s->call.contact_bias && !s->call.gap_normal)) return 0;
   if (!s->call.contact_bias)
     return judge(d, nsdae_differences_time(d, s->call.gap, k, t, q, u_n), "gap", k, u_n);
@@ -205,7 +224,7 @@ static int add_all_velocities(nsdae_differences *d, double t, const double *q, c
 {
   const nsdae_system *s = d->system;
   const nsdae_calls *call = &s->call;
-  int n = s->dims.nv, k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f;
+  int n = s->dims.nv, k = fixed_contacts(s), kt = k * s->dims.nt, f = s->dims.f;
   int code = contact_offsets(d, t, q, u[0], u[1]);
   if (!code && k > 0 && call->gap_normal)
     code = add_velocities(d, call->gap_normal(t, q, no_directions(d, k), n, s->user), "gap_normal",
@@ -223,7 +242,7 @@ static int add_displaced(nsdae_differences *d, double t, const double *q, const 
                          double weight, double *const omega[3])
 {
   const nsdae_dims *dims = &d->system->dims;
-  int size[3] = {dims->k, dims->k * dims->nt, dims->f};
+  int k = fixed_contacts(d->system), size[3] = {k, k * dims->nt, dims->f};
   double *u[3] = {d->velocity, d->velocity + size[0], d->velocity + size[0] + size[1]};
   int code = kinematics(d, t, q, v, d->qdot);
   for (int i = 0; i < dims->nq; i++) d->moved[i] = q[i] + s * d->qdot[i];
@@ -234,6 +253,11 @@ static int add_displaced(nsdae_differences *d, double t, const double *q, const 
   return code;
 }
 
+double nsdae_differences_acceleration_step(const nsdae_differences *d, double t, const double *q)
+{
+  return nsdae_differences_step(d->system->dims.nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer[1]));
+}
+
 int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, const double *v,
                                double *omega_n, double *omega_t, double *omega_s)
 {
@@ -241,26 +265,27 @@ int nsdae_differences_contacts(nsdae_differences *d, double t, const double *q, 
   static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
   double *const omega[3] = {omega_n, omega_t, omega_s};
   const nsdae_dims *dims = &d->system->dims;
+  int k = fixed_contacts(d->system);
   d->failed = d->bad = NULL;
-  memset(omega_n, 0, (size_t)dims->k * sizeof *omega_n);
-  memset(omega_t, 0, (size_t)(dims->k * dims->nt) * sizeof *omega_t);
+  memset(omega_n, 0, (size_t)k * sizeof *omega_n);
+  memset(omega_t, 0, (size_t)(k * dims->nt) * sizeof *omega_t);
   memset(omega_s, 0, (size_t)dims->f * sizeof *omega_s);
   int code = kinematics(d, t, q, v, d->qdot);
-  double s = nsdae_differences_step(dims->nq, t, q, d->qdot, ldexp(7.4e-4, -d->finer[1]));
+  double s = nsdae_differences_acceleration_step(d, t, q);
   for (int i = 0; i < 4 && !code; i++)
     code = add_displaced(d, t, q, v, at[i] * s, weight[i] / (12 * s), omega);
   const nsdae_calls *call = &d->system->call;
-  if (code || dims->k == 0 || call->gap_normal) return code;
+  if (code || k == 0 || call->gap_normal) return code;
   /* Where W_N is of differences too, g'' of the gap itself: another difference of those would have
    * their error over its step. */
-  code = nsdae_differences_second(d, call->gap, dims->k, t, q, v, omega_n);
-  return judge(d, code, "gap", dims->k, omega_n);
+  code = nsdae_differences_second(d, call->gap, k, t, q, v, omega_n);
+  return judge(d, code, "gap", k, omega_n);
 }
 
 static int rates_used(const nsdae_system *s)
 {
   return (s->dims.m > 0 && !(nsdae_system_has_jacobian(s) && s->call.constraint_bias)) ||
-         (s->dims.k > 0 && !(s->call.gap_normal && s->call.contact_bias));
+         (fixed_contacts(s) > 0 && !(s->call.gap_normal && s->call.contact_bias));
 }
 
 static int accelerations_used(const nsdae_system *s)
@@ -291,7 +316,7 @@ static int rates_of(nsdae_differences *d, nsdae_position_fn f, int rows, double 
 static int rates(nsdae_differences *d, double t, const double *q, const double *v, double *out)
 {
   const nsdae_system *s = d->system;
-  int m = s->dims.m, k = s->dims.k, code = 0;
+  int m = s->dims.m, k = fixed_contacts(s), code = 0;
   d->failed = NULL;
   if (m > 0)
     code = rates_of(d, s->call.constraint, m, t, q, v, !nsdae_system_has_jacobian(s),
@@ -314,7 +339,8 @@ static int accelerations(nsdae_differences *d, double t, const double *q, const 
   if (dims->m > 0 && !s->call.constraint_bias)
     code = judge(d, nsdae_differences_second(d, s->call.constraint, dims->m, t, q, v, omega),
                  "constraint", 0, NULL);
-  if (!code && dims->k + dims->f > 0 && !s->call.contact_acceleration)
+  if (!code && s->tracked) code = nsdae_differences_by_id(d, t, q, v, normal, tangential);
+  if (!code && fixed_contacts(s) + dims->f > 0 && !s->call.contact_acceleration)
     code =
         nsdae_differences_contacts(d, t, q, v, normal, tangential, tangential + dims->k * dims->nt);
   return code;
@@ -357,7 +383,7 @@ int nsdae_differences_tune(nsdae_differences *d, double t, const double *q, cons
   error[0] = error[1] = 0;
   d->finer[0] = d->finer[1] = 0;
   if (rates_used(d->system))
-    code = tune(d, rates, dims->m + dims->k, t, q, v, &d->finer[0], &error[0]);
+    code = tune(d, rates, dims->m + fixed_contacts(d->system), t, q, v, &d->finer[0], &error[0]);
   if (!code && accelerations_used(d->system))
     code = tune(d, accelerations, dims->m + dims->k * (1 + dims->nt) + dims->f, t, q, v,
                 &d->finer[1], &error[1]);

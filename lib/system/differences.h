@@ -8,10 +8,21 @@
 #define NSDAE_SYSTEM_DIFFERENCES_H
 
 #include "arena.h"
+#include "lists.h"
 #include "system_impl.h"
 
 /* f(t,q) [rows]: the form that constraint and gap share. */
 typedef nsdae_constraint_fn nsdae_position_fn;
+
+/* Points of the differences of listed contacts: the centre and two on each side. */
+enum { NSDAE_BY_ID_POINTS = 5 };
+
+typedef struct nsdae_differences_of_ids {
+  nsdae_contact_list list; /* at a displaced point */
+  double *velocity;        /* 5 k (1 + nt): at each point, by slot */
+  int *listed;             /* 5 k: whether it is listed there */
+  int status;              /* what a list was refused with, NSDAE_ARRAYS_GROW; or NSDAE_OK */
+} nsdae_differences_of_ids;
 
 typedef struct nsdae_differences {
   const nsdae_system *system;
@@ -26,10 +37,16 @@ typedef struct nsdae_differences {
   double *moved;        /* nq: a displaced point of the motion */
   double *W, *velocity; /* nv x max(k, k nt, f); k + k nt + f */
   double *tuned[2];     /* m + k + k nt + f: values of tune, by one step and the next */
+  nsdae_differences_of_ids by_id;
 } nsdae_differences;
 
 /* system is set before. */
 void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena);
+
+/* Room for lists of tracked contacts; NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_differences_grow(nsdae_differences *differences, const nsdae_room *contacts,
+                           nsdae_error *error);
+void nsdae_differences_release(nsdae_differences *differences);
 
 /* D [rows x nv] (or its transpose [nv x rows]): f' = D v + f_t. */
 int nsdae_differences_velocity(nsdae_differences *differences, nsdae_position_fn f, int rows,
@@ -58,6 +75,17 @@ int nsdae_differences_bend(nsdae_differences *differences, nsdae_position_fn f, 
 int nsdae_differences_contacts(nsdae_differences *differences, double t, const double *q,
                                const double *v, double *omega_n, double *omega_t, double *omega_s);
 
+/* The first two of tracked contacts, from the velocities of their ids; of those that give omega,
+ * and of slots that are not listed at (t, q): zero. A contact that is not listed on one side has
+ * three points on the other. */
+int nsdae_differences_by_id(nsdae_differences *differences, double t, const double *q,
+                            const double *v, double *omega_n, double *omega_t);
+
+/* The status of what a function here returned: where it is not 0, that of a list, or of the code of
+ * the callback `failed`, or else of `callback`. With the record. */
+int nsdae_differences_status(const nsdae_differences *differences, int code, const char *callback,
+                             double t, nsdae_error *error);
+
 /* Whether velocities or accelerations are of differences. */
 int nsdae_differences_used(const nsdae_system *system);
 
@@ -76,6 +104,10 @@ static inline int nsdae_kinematics(const nsdae_system *system, double t, const d
   for (int i = 0; i < nq; i++) qdot[i] = v[i];
   return 0;
 }
+
+/* That of nsdae_differences_contacts along the rate qdot. */
+double nsdae_differences_acceleration_step(const nsdae_differences *differences, double t,
+                                           const double *q);
 
 /* Step along dq/dt that moves each coordinate, and time, by at most scale, or as much more as their
  * rounding asks for far from zero. */

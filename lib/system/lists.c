@@ -39,6 +39,11 @@ static int check_contact(nsdae_contact_list *list, const nsdae_contact *c)
   for (int d = 0; d <= list->nt; d++)
     if (!isfinite(c->w[d]))
       return refuse_contact(list, c, NSDAE_E_NONFINITE, "w", c->w[d], "finite");
+  if (c->omega_given != 0 && c->omega_given != 1)
+    return refuse_contact(list, c, NSDAE_E_ARGUMENT, "omega_given", c->omega_given, "0 or 1");
+  for (int d = 0; d <= list->nt && c->omega_given; d++)
+    if (!isfinite(c->omega[d]))
+      return refuse_contact(list, c, NSDAE_E_NONFINITE, "omega", c->omega[d], "finite");
   for (int s = 0; s < 2; s++) {
     int b = c->block[s];
     if (b < -1 || b >= list->blocks->count)
@@ -104,11 +109,26 @@ int nsdae_contact_add(nsdae_contact_list *list, const nsdae_contact *c)
   list->gap[i] = c->gap;
   list->law[i] = (nsdae_coefficients){c->mu, c->e_n, c->e_t, 1};
   memcpy(list->block + 2 * (size_t)i, c->block, sizeof c->block);
-  memcpy(list->w + (size_t)i * (size_t)(1 + list->nt), c->w, (size_t)(1 + list->nt) * sizeof *c->w);
+  list->omega_given[i] = c->omega_given;
+  for (int d = 0; d <= list->nt; d++) {
+    list->w[i * (1 + list->nt) + d] = c->w[d];
+    list->omega[i * (1 + list->nt) + d] = c->omega_given ? c->omega[d] : 0;
+  }
   place_parts(list, i, at);
   for (int s = 0; s < 2 && status == NSDAE_OK; s++)
     if (c->block[s] >= 0) status = copy_part(list, c, s, list->at[2 * (size_t)i + (size_t)s]);
   return status;
+}
+
+double nsdae_contact_list_velocity(const nsdae_contact_list *l, int i, int d, const double *v)
+{
+  double u = l->w[i * (1 + l->nt) + d];
+  for (int side = 2 * i; side < 2 * i + 2; side++) {
+    int b = l->block[side], n = b < 0 ? 0 : nsdae_blocks_size(l->blocks, b);
+    const double *W = l->value + l->at[side] + (size_t)d * (size_t)n;
+    for (int j = 0; j < n; j++) u += W[j] * v[l->blocks->first[b] + j];
+  }
+  return u;
 }
 
 void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list *from, int i,
@@ -121,18 +141,26 @@ void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list 
   list->gap[new] = gap;
   list->law[new] = from->law[i];
   memcpy(list->block + 2 * (size_t) new, from->block + 2 * (size_t)i, 2 * sizeof *list->block);
+  list->omega_given[new] = from->omega_given[i];
   memcpy(list->w + (size_t) new *columns, from->w + (size_t)i * columns, columns * sizeof *list->w);
+  memcpy(list->omega + (size_t) new *columns, from->omega + (size_t)i * columns,
+         columns * sizeof *list->omega);
   place_parts(list, new, at);
   memcpy(list->value + at, from->value + begin, (list->taken.values - at) * sizeof *list->value);
 }
 
-enum { CONTACT_ARRAYS = 6, ROW_ARRAYS = 2 };
+enum { CONTACT_ARRAYS = 8, ROW_ARRAYS = 2 };
 
 static int grow_contacts(nsdae_contact_list *l, size_t entries, size_t values)
 {
-  const nsdae_array each[] = {NSDAE_ARRAY(l->id, 1),  NSDAE_ARRAY(l->block, 2),
-                              NSDAE_ARRAY(l->gap, 1), NSDAE_ARRAY(l->law, 1),
-                              NSDAE_ARRAY(l->at, 2),  NSDAE_ARRAY(l->w, 1 + l->nt)};
+  const nsdae_array each[] = {NSDAE_ARRAY(l->id, 1),
+                              NSDAE_ARRAY(l->block, 2),
+                              NSDAE_ARRAY(l->gap, 1),
+                              NSDAE_ARRAY(l->law, 1),
+                              NSDAE_ARRAY(l->at, 2),
+                              NSDAE_ARRAY(l->w, 1 + l->nt),
+                              NSDAE_ARRAY(l->omega, 1 + l->nt),
+                              NSDAE_ARRAY(l->omega_given, 1)};
   const nsdae_array value[] = {NSDAE_ARRAY(l->value, 1)};
   int status = nsdae_arrays_grow(each, CONTACT_ARRAYS, entries);
   return status < 0 ? status : nsdae_arrays_grow(value, 1, values);
@@ -154,10 +182,10 @@ int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
 
 void nsdae_contact_list_release(nsdae_contact_list *l)
 {
-  const nsdae_array all[] = {NSDAE_ARRAY(l->id, 1),   NSDAE_ARRAY(l->block, 2),
-                             NSDAE_ARRAY(l->gap, 1),  NSDAE_ARRAY(l->law, 1),
-                             NSDAE_ARRAY(l->at, 2),   NSDAE_ARRAY(l->w, 1),
-                             NSDAE_ARRAY(l->value, 1)};
+  const nsdae_array all[] = {
+      NSDAE_ARRAY(l->id, 1),    NSDAE_ARRAY(l->block, 2),       NSDAE_ARRAY(l->gap, 1),
+      NSDAE_ARRAY(l->law, 1),   NSDAE_ARRAY(l->at, 2),          NSDAE_ARRAY(l->w, 1),
+      NSDAE_ARRAY(l->omega, 1), NSDAE_ARRAY(l->omega_given, 1), NSDAE_ARRAY(l->value, 1)};
   nsdae_arrays_release(all, sizeof all / sizeof *all);
   l->room = (nsdae_room){0};
 }

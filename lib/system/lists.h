@@ -9,6 +9,9 @@
 #include "rows.h"
 #include "system_impl.h"
 
+/* Not for users: a list has not enough room. It grows between steps, and the step is done again. */
+enum { NSDAE_ARRAYS_GROW = -1000 };
+
 /* Room in a list, or what it would have taken: contacts or parts of rows, and their values. */
 typedef struct nsdae_room {
   size_t entries, values;
@@ -25,6 +28,8 @@ struct nsdae_contact_list {
   double *gap;             /* count */
   nsdae_coefficients *law; /* count */
   double *w;               /* (1 + nt) count: normal, tangents */
+  double *omega;           /* (1 + nt) count; zero where not given */
+  int *omega_given;        /* count */
   size_t *at;              /* 2 count: part of each block in value, size x (1 + nt) */
   double *value;
 };
@@ -56,6 +61,9 @@ int nsdae_contact_list_grow(nsdae_contact_list *list, const nsdae_room *room);
 int nsdae_row_list_grow(nsdae_row_list *list, const nsdae_room *room);
 void nsdae_contact_list_release(nsdae_contact_list *list);
 void nsdae_row_list_release(nsdae_row_list *list);
+
+/* W^T v + w of direction d of entry i. */
+double nsdae_contact_list_velocity(const nsdae_contact_list *list, int i, int d, const double *v);
 
 /* Appends a copy of entry i of another list, with this gap; there is room. */
 void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list *from, int i,

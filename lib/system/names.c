@@ -1,4 +1,5 @@
 /* Names and units of what a system has several of. */
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -141,9 +142,17 @@ const char *nsdae_system_called_id(const nsdae_system *system, long id,
   return append_words(&system->maker, NSDAE_NAME_CONTACT, id, text);
 }
 
+/* Whether number i is a slot with a contact of a list. */
+static int in_slot(const nsdae_system *s, int i)
+{
+  return s && s->tracked && i >= 0 && i < s->dims.k && s->tracked->used[i];
+}
+
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE])
 {
+  if (kind == NSDAE_NAME_CONTACT && in_slot(system, i))
+    return nsdae_system_called_id(system, system->tracked->id[i], text);
   const char *name = nsdae_system_get_name(system, kind, i);
   snprintf(text, NSDAE_CALLED_SIZE, *name ? "%s %d \"%s\"" : "%s %d%s", kinds[kind], i, name);
   return system ? append_words(&system->maker, kind, i, text) : text;
@@ -174,6 +183,9 @@ void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_e
   if (!error) return;
   append_label(system, &item, kind, i, ": ", error);
   error->index = i;
+  if (kind != NSDAE_NAME_CONTACT || !in_slot(system, i)) return;
+  long id = system->tracked->id[i];
+  error->index = id >= 0 && id <= INT_MAX ? (int)id : -1;
 }
 
 /* What an output is about: of W_N, its contacts. */

@@ -76,6 +76,7 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
   nsdae_contact_list *list = &T->by.list;
   if ((T->have & NSDAE_TERM_CONTACTS) && T->by.reach >= reach) return NSDAE_OK;
   T->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
+  if (s->tracked) nsdae_terms_forget_slots(T);
   list->error = T->error;
   nsdae_contact_list_clear(list);
   int code = s->call.contacts
@@ -88,11 +89,11 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
   return NSDAE_OK;
 }
 
-/* The parts of entry i are those of one more row, of its direction d. */
+/* The parts of entry i are those of one more row, of its direction d; of i = -1: none. */
 static void add_row(nsdae_rows *rows, const nsdae_contact_list *list, int i, size_t d)
 {
   int part = rows->first[rows->count];
-  for (size_t s = 2 * (size_t)i; s < 2 * (size_t)i + 2; s++) {
+  for (size_t s = 2 * (size_t)i; i >= 0 && s < 2 * (size_t)i + 2; s++) {
     int b = list->block[s];
     if (b < 0) continue;
     rows->block[part] = b;
@@ -111,13 +112,67 @@ void nsdae_terms_select(nsdae_terms *T, int count, const int *item)
   by->normal.first[0] = by->tangent.first[0] = 0;
   for (int a = 0; a < count; a++) {
     int i = item[a];
-    const double *w = list->w + (size_t)i * (1 + nt);
-    T->gap[a] = list->gap[i];
+    static const double none[3];
+    const double *w = i < 0 ? none : list->w + (size_t)i * (1 + nt);
+    T->gap[a] = i < 0 ? NSDAE_FAR : list->gap[i];
     T->w_N[a] = w[0];
     memcpy(T->w_T + (size_t)a * nt, w + 1, nt * sizeof *w);
     add_row(&by->normal, list, i, 0);
     for (size_t d = 1; d <= nt; d++) add_row(&by->tangent, list, i, d);
   }
+}
+
+/* ---- contacts by slot */
+
+enum {
+  OF_LIST = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS,
+  OF_SLOTS = OF_LIST | NSDAE_TERM_ACCELERATION
+};
+
+void nsdae_terms_forget_slots(nsdae_terms *T)
+{
+  T->have &= ~(unsigned)OF_SLOTS;
+}
+
+int nsdae_terms_slots(nsdae_terms *T)
+{
+  const nsdae_tracked *tracked = T->system->tracked;
+  const nsdae_contact_list *list = &T->by.list;
+  int k = T->system->dims.k, *place = T->by.place;
+  int status = nsdae_terms_contacts(T, tracked->reach);
+  if (status < 0) return status;
+  for (int i = 0; i < k; i++) place[i] = -1;
+  for (int i = 0, slot = -1; i < list->count; i++) {
+    int found = nsdae_tracked_find(tracked, k, list->id[i], slot + 1);
+    if (found >= 0) place[slot = found] = i;
+  }
+  nsdae_terms_select(T, k, place);
+  T->have |= OF_LIST;
+  return NSDAE_OK;
+}
+
+int nsdae_terms_slot_accelerations(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  const nsdae_contact_list *list = &T->by.list;
+  nsdae_differences *d = T->differences;
+  int any = 0, nt = s->dims.nt, status = nsdae_terms_contacts(T, s->tracked->reach);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, OF_LIST);
+  for (int i = 0; i < s->dims.k && status == NSDAE_OK; i++)
+    any |= T->by.place[i] >= 0 && !list->omega_given[T->by.place[i]];
+  if (any) {
+    int code = nsdae_differences_by_id(d, nsdae_terms_time(T), T->q, T->v, T->omega.N, T->omega.T);
+    status = nsdae_differences_status(d, code, "contacts", nsdae_terms_time(T), T->error);
+    if (status < 0 && status != NSDAE_ARRAYS_GROW) status = explain(T, d->failed, status);
+  }
+  for (int i = 0; i < s->dims.k && status == NSDAE_OK; i++) {
+    int entry = T->by.place[i];
+    if (entry >= 0 && any && !list->omega_given[entry]) continue;
+    const double *given = list->omega + (size_t)(entry >= 0 ? entry : 0) * (size_t)(1 + nt);
+    T->omega.N[i] = entry >= 0 ? given[0] : 0;
+    for (int j = 0; j < nt; j++) T->omega.T[i * nt + j] = entry >= 0 ? given[1 + j] : 0;
+  }
+  return status;
 }
 
 enum { ARRAYS = 9 };
@@ -140,9 +195,11 @@ static int grow_selected(nsdae_terms *T, size_t room, int nt)
 int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_room *rows)
 {
   int status = T->by.rows.rows ? nsdae_row_list_grow(&T->by.rows, rows) : NSDAE_OK;
-  if (status < 0 || !T->system->by_list) return status;
+  if (status < 0 || !(T->system->by_list || T->system->tracked)) return status;
   status = nsdae_contact_list_grow(&T->by.list, contacts);
-  if (status == NSDAE_OK) status = grow_selected(T, contacts->entries + 1, T->by.list.nt);
+  if (status == NSDAE_OK && !T->system->tracked)
+    status = grow_selected(T, contacts->entries + 1, T->by.list.nt);
+  if (status == NSDAE_OK) status = nsdae_differences_grow(T->differences, contacts, T->error);
   if (status < 0) return status;
   T->by.normal.value = T->by.tangent.value = T->by.list.value; /* what moved has its place again */
   return NSDAE_OK;
@@ -152,6 +209,8 @@ void nsdae_terms_release(nsdae_terms *T)
 {
   nsdae_by_blocks *by = &T->by;
   nsdae_row_list_release(&by->rows);
+  nsdae_contact_list_release(&by->list);
+  if (T->differences) nsdae_differences_release(T->differences);
   if (!T->system || !T->system->by_list) return;
   const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
                                     NSDAE_ARRAY(T->w_N, 1),
@@ -163,5 +222,4 @@ void nsdae_terms_release(nsdae_terms *T)
                                     NSDAE_ARRAY(by->tangent.block, 2),
                                     NSDAE_ARRAY(by->tangent.at, 2)};
   nsdae_arrays_release(each, ARRAYS);
-  nsdae_contact_list_release(&by->list);
 }

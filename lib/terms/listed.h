@@ -2,21 +2,27 @@
  *
  * A list at a point is what the callback says within its reach. The contacts that a step closes are
  * selected from it: contact a of the step has row a of normal, gap[a] and w_N[a], and its tangents
- * the rows a nt .. of tangent, at every point that the step evaluates. */
+ * the rows a nt .. of tangent, at every point that the step evaluates. Of a model whose contacts
+ * are tracked (tracked.h) contact a is the one in slot a. */
 #ifndef NSDAE_TERMS_LISTED_H
 #define NSDAE_TERMS_LISTED_H
 
 #include "terms.h"
 
-/* Not for users: a list has not enough room. It grows between steps, and the step is done again. */
-enum { NSDAE_ARRAYS_GROW = -1000 };
-
 /* Brings the list up to date, with every contact of a gap up to reach. NSDAE_OK, NSDAE_ARRAYS_GROW,
  * what the callback failed with or was refused with. */
 int nsdae_terms_contacts(nsdae_terms *terms, double reach);
 
-/* Contact a of the step is entry item[a] of the list. */
+/* Contact a of the step is entry item[a] of the list; -1: it is far away, without directions. */
 void nsdae_terms_select(nsdae_terms *terms, int count, const int *item);
+
+/* Gaps, directions, velocities at v = 0 of the slots, from the list within the table's reach; with
+ * the statuses of nsdae_terms_contacts. */
+int nsdae_terms_slots(nsdae_terms *terms);
+/* The same of accelerations at v' = 0: given, or by differences of the velocities by id. */
+int nsdae_terms_slot_accelerations(nsdae_terms *terms);
+/* What is in the slots, or the reach, changed: their terms are out of date. */
+void nsdae_terms_forget_slots(nsdae_terms *terms);
 
 /* The callbacks of terms.c. */
 int nsdae_terms_mass_blocks(nsdae_terms *terms);

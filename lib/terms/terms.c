@@ -53,6 +53,15 @@ static void lay_out_constraint_rows(nsdae_terms *terms, nsdae_arena *arena)
   terms->by.jacobian.first = NSDAE_ARENA_INTS(arena, s->dims.m + 1L);
 }
 
+/* Rows of which each has at most two parts, in a list. */
+static void lay_out_slot_rows(nsdae_rows *rows, long count, nsdae_arena *arena)
+{
+  *rows = (nsdae_rows){.count = (int)count, .stride = 1};
+  rows->first = NSDAE_ARENA_INTS(arena, count + 1);
+  rows->block = NSDAE_ARENA_INTS(arena, 2 * count);
+  rows->at = nsdae_arena_take(arena, 2 * count, sizeof *rows->at);
+}
+
 static void lay_out_contacts(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_system *s = terms->system;
@@ -60,6 +69,14 @@ static void lay_out_contacts(nsdae_terms *terms, nsdae_arena *arena)
   terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
   terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
+  terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  if (s->tracked) {
+    lay_out_slot_rows(&terms->by.normal, k, arena);
+    lay_out_slot_rows(&terms->by.tangent, k * nt, arena);
+    terms->by.place = NSDAE_ARENA_INTS(arena, k);
+    return;
+  }
   nsdae_terms_layout_rows(&terms->by.normal, &s->blocks, k, n, 1, arena);
   nsdae_terms_layout_rows(&terms->by.tangent, &s->blocks, k * nt, n, 1, arena);
 }
@@ -78,7 +95,7 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &terms->system->dims;
   const nsdae_blocks *blocks = &terms->system->blocks;
-  long n = dims->nv, m = dims->m, k = dims->k, nt = dims->nt;
+  long n = dims->nv, m = dims->m;
   terms->by.list.blocks = blocks;
   terms->by.list.nt = dims->nt;
   terms->by.normal.stride = terms->by.tangent.stride = 1;
@@ -95,11 +112,9 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
     lay_out_constraint_rows(terms, arena);
   else
     nsdae_terms_layout_rows(&terms->by.jacobian, blocks, m, 1, m, arena);
-  if (!terms->system->by_list) lay_out_contacts(terms, arena);
+  if (!terms->system->by_list) lay_out_contacts(terms, arena); /* else they grow with the list */
   nsdae_terms_layout_rows(&terms->by.frictional_joint, blocks, dims->f, n, 1, arena);
   terms->frictional_joint.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
-  terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
-  terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
   terms->frictional_joint.omega = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
 
@@ -116,6 +131,7 @@ void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v)
 {
   memcpy(terms->v, v, (size_t)terms->system->dims.nv * sizeof *v);
   terms->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA | NSDAE_TERM_ACCELERATION);
+  if (terms->system->tracked) terms->have &= ~(unsigned)NSDAE_TERM_CONTACTS; /* with omega */
   terms->have |= terms->absent;
 }
 
@@ -317,8 +333,12 @@ static int frictional_joint(nsdae_terms *T)
 static int acceleration(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int k = s->dims.k, kt = k * s->dims.nt, f = s->dims.f, code;
+  int k = s->tracked ? 0 : s->dims.k, kt = k * s->dims.nt, f = s->dims.f, code;
   const char *callback = "contact_acceleration";
+  if (s->tracked) {
+    int listed = nsdae_terms_slot_accelerations(T);
+    if (listed < 0 || f == 0) return there(T, NSDAE_TERM_ACCELERATION, listed);
+  }
   zero(T->omega.N, k);
   zero(T->omega.T, kt);
   zero(T->frictional_joint.omega, f);
@@ -370,6 +390,7 @@ static int constraint_terms(nsdae_terms *T, unsigned left)
 
 static int contact_terms(nsdae_terms *T, unsigned left)
 {
+  if (T->system->tracked) return nsdae_terms_slots(T);
   int status = left & NSDAE_TERM_GAP ? gap(T) : NSDAE_OK;
   if (status == NSDAE_OK && (left & NSDAE_TERM_NORMAL)) status = normal(T);
   if (status == NSDAE_OK && (left & NSDAE_TERM_TANGENT)) status = tangent(T);

@@ -41,6 +41,7 @@ typedef struct nsdae_by_blocks {
   nsdae_contact_list list;
   double reach; /* of the list */
   double *work; /* nv */
+  int *place;   /* k: the entry of the list that is in each slot; -1: none */
 } nsdae_by_blocks;
 
 typedef struct nsdae_evals {

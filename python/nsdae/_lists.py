@@ -11,7 +11,8 @@ from . import _core
 
 # nsdae_contact, for compiled callbacks; wide: addresses, of blocks of more than 6 velocities
 CONTACT = np.dtype([("id", "i8"), ("block", "i4", 2), ("gap", "f8"), ("mu", "f8"), ("e_n", "f8"), ("e_t", "f8"),
-                    ("w", "f8", 3), ("omega", "f8", 3), ("direction", "f8", (2, 3, 6)), ("wide", "u8", 2)])
+                    ("w", "f8", 3), ("omega", "f8", 3), ("omega_given", "i4"), ("direction", "f8", (2, 3, 6)),
+                    ("wide", "u8", 2)], align=True)
 assert CONTACT.itemsize == _core.CONTACT_SIZE
 
 # the library's functions, for numba and compiled callbacks
@@ -36,7 +37,7 @@ class ContactList:
         self._core = core
 
     def add(self, id: Any, block: Any, gap: Any, direction: Any, *, mu: Any = 0, e_n: Any = 0, e_t: Any = 0,
-            w: Any = 0) -> None:
+            w: Any = 0, omega: Any = None) -> None:
         """Adds n contacts, or one contact without the dimension n.
 
         Values that are equal for all contacts can be given once.
@@ -56,6 +57,9 @@ class ContactList:
             Coefficient of friction, normal and tangential restitution.
         w : array_like, shape (n, 1 + nt)
             Velocities along the directions at v = 0 [m/s].
+        omega : array_like, shape (n, 1 + nt), optional
+            Accelerations along the directions at v' = 0 [m/s^2], for method event. By default they are computed by
+            differences.
 
         Raises
         ------
@@ -71,8 +75,10 @@ class ContactList:
         width = direction.shape[-1] if direction.ndim else 1
         law = np.empty((n, 3))
         law[:, 0], law[:, 1], law[:, 2] = mu, e_n, e_t
+        given = omega is not None
         self._core.add(id, _array("block", block, (n, 2), np.int64), _array("gap", gap, (n,)), law,
-                       _array("w", w, (n, rows)), _array("direction", direction, (n, 2, rows, width)))
+                       _array("w", w, (n, rows)), given, _array("omega", omega if given else 0, (n, rows)),
+                       _array("direction", direction, (n, 2, rows, width)))
 
 
 class RowList:

@@ -36,10 +36,11 @@ void put_side(nsdae_contact &c, int s, const double *from, std::size_t width, co
   if (!fits) c.wide[s] = wide.data();
 }
 
-// id [n], block [n, 2], gap [n], law [n, 3] = mu, e_n, e_t, w [n, 1 + nt], direction [n, 2, 1 + nt,
-// width]: Python checks the shapes. The library reports refused values when the step fails.
+// id [n], block [n, 2], gap [n], law [n, 3] = mu, e_n, e_t, w and omega [n, 1 + nt], direction [n,
+// 2, 1 + nt, width]: Python checks the shapes. The library reports refused values when the step
+// fails.
 void add_contacts(const contact_list &to, ids<1> id, ids<2> block, reals<1> gap, reals<2> law,
-                  reals<2> w, reals<4> direction)
+                  reals<2> w, bool omega_given, reals<2> omega, reals<4> direction)
 {
   nsdae_contact_list *list = to.opened();
   std::size_t rows = static_cast<std::size_t>(1 + to.of->nt), width = direction.shape(3);
@@ -51,7 +52,8 @@ void add_contacts(const contact_list &to, ids<1> id, ids<2> block, reals<1> gap,
     c.mu = law(i, 0);
     c.e_n = law(i, 1);
     c.e_t = law(i, 2);
-    for (std::size_t d = 0; d < rows; d++) c.w[d] = w(i, d);
+    c.omega_given = omega_given;
+    for (std::size_t d = 0; d < rows; d++) c.w[d] = w(i, d), c.omega[d] = omega(i, d);
     for (std::size_t s = 0; s < 2; s++) {
       c.block[s] = whole(block(i, s));
       put_side(c, static_cast<int>(s), direction.data() + (2 * i + s) * rows * width, width, *to.of,

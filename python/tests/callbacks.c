@@ -47,7 +47,9 @@ typedef struct column {
 typedef struct contact {
   long id;
   int block[2];
-  double gap, mu, e_n, e_t, w[3], omega[3], direction[2][3][6];
+  double gap, mu, e_n, e_t, w[3], omega[3];
+  int omega_given;
+  double direction[2][3][6];
   const double *wide[2];
 } contact;
 

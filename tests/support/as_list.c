@@ -201,7 +201,8 @@ static int add_contact(as_list *a, int i, nsdae_contact_list *list)
                      .mu = law->mu,
                      .e_n = law->e_n,
                      .e_t = law->e_t,
-                     .w = {T->w_N[i]}};
+                     .w = {T->w_N[i]},
+                     .omega_given = a->of->call.contact_acceleration != NULL};
   if (a->list->blocks.count == 1) c.block[0] = 0; /* zero directions too */
   size_t most = (size_t)a->of->dims.nv * (size_t)(1 + nt) * sizeof(double);
   for (int s = 0; s < 2; s++) memset(a->wide[s], 0, most);
@@ -210,6 +211,8 @@ static int add_contact(as_list *a, int i, nsdae_contact_list *list)
     c.w[d] = T->w_T[i * nt + d - 1];
     if (!add_direction(a, &c, d, spread(a, &T->by.tangent, i * nt + d - 1))) return -1;
   }
+  for (int d = 0; c.omega_given && d <= nt; d++)
+    c.omega[d] = d == 0 ? T->omega.N[i] : T->omega.T[i * nt + d - 1];
   set_sides(a, &c);
   nsdae_contact_add(list, &c);
   return 0;
@@ -219,7 +222,8 @@ static int contacts(double t, const double *q, const double *v, double reach,
                     nsdae_contact_list *list, void *user)
 {
   as_list *a = user;
-  const unsigned terms = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+  unsigned terms = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+  if (a->of->call.contact_acceleration) terms |= NSDAE_TERM_ACCELERATION;
   a->calls++;
   int code = evaluate(a, t, q, v, terms);
   for (int i = 0; i < a->of->dims.k && code == 0; i++)

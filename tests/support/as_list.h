@@ -1,6 +1,7 @@
 /* A system with fixed contacts as one with a contact list: contact i has the id i, and is listed if
  * its gap is within reach. M, Phi_q, gaps and directions are evaluated as those of the fixed
- * contacts, by differences too, so that both have the same numbers. */
+ * contacts, by differences too, so that both have the same numbers. Contacts have omega if the
+ * system has contact_acceleration. */
 #ifndef NSDAE_TESTS_AS_LIST_H
 #define NSDAE_TESTS_AS_LIST_H
 
