@@ -22,7 +22,7 @@ typedef struct pooled {
   struct _N_VectorContent_Serial serial; /* first: what SUNDIALS takes for the content */
   struct _generic_N_Vector vector;
   struct pooled *pool; /* the first one */
-  int in_use;
+  int differential, in_use;
 } pooled;
 
 struct nsdae_ida {
@@ -68,6 +68,28 @@ static void give_back(N_Vector vector)
   ((pooled *)vector->content)->in_use = 0;
 }
 
+/* sqrt(sum (w_i x_i)^2 / d) of d differential unknowns: an unknown of an open contact, which is
+ * zero, changes no bit of it. IDA's own mean is over the length. */
+static sunrealtype norm_of(N_Vector x, N_Vector weights, sunindextype count)
+{
+  const double *at = N_VGetArrayPointer(x), *w = N_VGetArrayPointer(weights);
+  double sum = 0;
+  for (sunindextype i = 0; i < count; i++) sum += (at[i] * w[i]) * (at[i] * w[i]);
+  return sqrt(sum / ((pooled *)x->content)->differential);
+}
+
+static sunrealtype norm(N_Vector x, N_Vector weights)
+{
+  return norm_of(x, weights, NV_LENGTH_S(x));
+}
+
+/* Of the differential unknowns, which are the first. */
+static sunrealtype differential_norm(N_Vector x, N_Vector weights, N_Vector differs)
+{
+  (void)differs;
+  return norm_of(x, weights, ((pooled *)x->content)->differential);
+}
+
 static int make_vectors(nsdae_ida *s)
 {
   sunindextype n = s->problem.n;
@@ -78,12 +100,15 @@ static int make_vectors(nsdae_ida *s)
   if (!serial || !s->data) return NSDAE_E_MEMORY;
   s->ops.nvclone = duplicate;
   s->ops.nvdestroy = give_back;
+  s->ops.nvwrmsnorm = norm;
+  s->ops.nvwrmsnormmask = differential_norm;
   for (int i = 0; i < VECTORS; i++) {
     pooled *p = &s->pool[i];
     p->serial.length = n;
     p->serial.data = s->data + (size_t)i * (size_t)n;
     p->vector = (struct _generic_N_Vector){.content = p, .ops = &s->ops, .sunctx = s->context};
     p->pool = s->pool;
+    p->differential = s->problem.differential;
   }
   s->y = take(s->pool);
   s->ydot = take(s->pool);
@@ -114,23 +139,21 @@ static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector r, void *
 /* Impulses are not fed back: see runge_kutta.c. */
 static const double IMPULSE = 10;
 
-/* In the norm of the error test, which leaves the algebraic entries out, these count in the mean.
- */
 static int weigh(N_Vector y, N_Vector weights, void *user)
 {
   const nsdae_ida *s = user;
   const nsdae_ida_problem *p = &s->problem;
   const nsdae_ida_tolerances *tol = &s->tolerances;
-  double share = sqrt((double)p->differential / p->n), h = nsdae_ida_last_step(s);
+  double h = nsdae_ida_last_step(s);
   double *w = N_VGetArrayPointer(weights);
   const double *at = N_VGetArrayPointer(y);
   for (int i = 0; i < p->differential; i++) {
     double scale = i < p->positions ? fmin(fabs(at[i]), s->way) : fabs(at[i]);
-    w[i] = 1 / (share * (tol->rtol * scale + tol->atol));
+    w[i] = 1 / (tol->rtol * scale + tol->atol);
   }
   double force = fmax(tol->force, nsdae_largest(p->n - p->differential, at + p->differential));
   double most = IMPULSE * tol->rtol * force * (h > 0 ? fmax(1, tol->longest / h) : 1) + tol->atol;
-  for (int i = p->differential; i < p->n; i++) w[i] = 1 / (share * most);
+  for (int i = p->differential; i < p->n; i++) w[i] = 1 / most;
   return 0;
 }
 
