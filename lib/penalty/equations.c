@@ -66,7 +66,10 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   const nsdae_penalty_forces *at = &p->at;
   int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
   double moved = 1;
-  memcpy(at->U, T->by.frictional_joint.value, (size_t)n * (size_t)f * sizeof *at->U);
+  memset(at->U, 0, (size_t)n * (size_t)f * sizeof *at->U);
+  for (int j = 0; j < f; j++)
+    nsdae_rows_add(&T->system->blocks, &T->by.frictional_joint, j, 1,
+                   at->U + (size_t)j * (size_t)n);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
   int status = nsdae_terms_solve(T, &p->stepper->kkt, f, at->U, at->D);
   if (status < 0) return nsdae_progress_code(status, p->stepper->error);
@@ -75,6 +78,14 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   nsdae_add_product(n, f, at->U, at->frictional_joint, a);
   nsdae_add_product(m, f, at->D, at->frictional_joint, at->lambda);
   return moved > 1e-8 ? 1 : 0; /* no convergence: a smaller step */
+}
+
+/* r [nv] += the forces of rows. */
+static void add_forces(const nsdae_terms *T, const nsdae_rows *rows, int count, const double *force,
+                       double *r)
+{
+  for (int i = 0; i < count; i++)
+    if (force[i] != 0) nsdae_rows_add(&T->system->blocks, rows, i, force[i], r);
 }
 
 /* a [nv] and lambda of the forces at the terms' point. */
@@ -86,8 +97,8 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
   double alpha = s->options->baumgarte_alpha, beta = s->options->baumgarte_beta;
   contact_forces(p, T);
   memcpy(a, T->F, (size_t)d->nv * sizeof *a);
-  nsdae_add_product(d->nv, d->k, T->by.normal.value, at->normal, a);
-  nsdae_add_product(d->nv, d->k * d->nt, T->by.tangent.value, at->tangential, a);
+  add_forces(T, &T->by.normal, d->k, at->normal, a);
+  add_forces(T, &T->by.tangent, d->k * d->nt, at->tangential, a);
   for (int i = 0; i < d->m; i++) {
     double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
