@@ -12,29 +12,36 @@ void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
   to->stamp = from->stamp;
 }
 
-/* Of `count` numbers and `each` for every slot those that two memories have. */
-static size_t shared(const nsdae_memory_part *part, size_t count, size_t each)
+static size_t length_of(const nsdae_memory_part *part, nsdae_memory_length length)
 {
-  size_t other = part->from ? part->from->slots : 0;
-  return part->from ? count + each * (other < part->slots ? other : part->slots) : 0;
+  return length.fixed + part->slots * (length.slot + part->slots * length.pair);
 }
 
-double *nsdae_memory_take_reals(nsdae_memory_part *part, size_t count, size_t each)
+/* Bytes of an array that two memories have, one of which is copied. */
+static size_t shared(const nsdae_memory_part *part, nsdae_memory_length length, size_t each)
 {
-  size_t copied = shared(part, count, each);
+  const nsdae_memory_part *fewer = part->from;
+  if (!fewer) return 0;
+  return each * length_of(fewer->slots < part->slots ? fewer : part, length);
+}
+
+double *nsdae_memory_take_reals(nsdae_memory_part *part, nsdae_memory_length length)
+{
   double *at = part->real ? part->real + part->reals : NULL;
-  if (copied > 0) memcpy(at, nsdae_memory_take_reals(part->from, count, each), copied * sizeof *at);
-  part->reals += count + each * part->slots;
+  const double *from = part->from ? nsdae_memory_take_reals(part->from, length) : NULL;
+  size_t bytes = shared(part, length, sizeof *at);
+  if (bytes > 0) memcpy(at, from, bytes);
+  part->reals += length_of(part, length);
   return at;
 }
 
-int *nsdae_memory_take_wholes(nsdae_memory_part *part, size_t count, size_t each)
+int *nsdae_memory_take_wholes(nsdae_memory_part *part, nsdae_memory_length length)
 {
-  size_t copied = shared(part, count, each);
   int *at = part->whole ? part->whole + part->wholes : NULL;
-  if (copied > 0)
-    memcpy(at, nsdae_memory_take_wholes(part->from, count, each), copied * sizeof *at);
-  part->wholes += count + each * part->slots;
+  const int *from = part->from ? nsdae_memory_take_wholes(part->from, length) : NULL;
+  size_t bytes = shared(part, length, sizeof *at);
+  if (bytes > 0) memcpy(at, from, bytes);
+  part->wholes += length_of(part, length);
   return at;
 }
 

@@ -32,28 +32,38 @@ typedef struct nsdae_memory_part {
   struct nsdae_memory_part *from; /* another memory, which is copied: of the slots of both */
 } nsdae_memory_part;
 
-/* An array of `count` numbers and of `each` for every slot. */
-double *nsdae_memory_take_reals(nsdae_memory_part *part, size_t count, size_t each);
-int *nsdae_memory_take_wholes(nsdae_memory_part *part, size_t count, size_t each);
+/* The length of an array: some numbers, and some for every slot and every pair of them. Pairs are
+ * in an order in which those of fewer slots come first. */
+typedef struct nsdae_memory_length {
+  size_t fixed, slot, pair;
+} nsdae_memory_length;
+
+double *nsdae_memory_take_reals(nsdae_memory_part *part, nsdae_memory_length length);
+int *nsdae_memory_take_wholes(nsdae_memory_part *part, nsdae_memory_length length);
 
 static inline double *nsdae_memory_reals(nsdae_memory_part *part, size_t count)
 {
-  return nsdae_memory_take_reals(part, count, 0);
+  return nsdae_memory_take_reals(part, (nsdae_memory_length){.fixed = count});
 }
 
 static inline int *nsdae_memory_wholes(nsdae_memory_part *part, size_t count)
 {
-  return nsdae_memory_take_wholes(part, count, 0);
+  return nsdae_memory_take_wholes(part, (nsdae_memory_length){.fixed = count});
 }
 
 static inline double *nsdae_memory_slot_reals(nsdae_memory_part *part, size_t each)
 {
-  return nsdae_memory_take_reals(part, 0, each);
+  return nsdae_memory_take_reals(part, (nsdae_memory_length){.slot = each});
 }
 
 static inline int *nsdae_memory_slot_wholes(nsdae_memory_part *part, size_t each)
 {
-  return nsdae_memory_take_wholes(part, 0, each);
+  return nsdae_memory_take_wholes(part, (nsdae_memory_length){.slot = each});
+}
+
+static inline double *nsdae_memory_slot_pairs(nsdae_memory_part *part, size_t each)
+{
+  return nsdae_memory_take_reals(part, (nsdae_memory_length){.pair = each});
 }
 
 typedef struct nsdae_state {
