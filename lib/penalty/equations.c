@@ -66,7 +66,10 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   const nsdae_penalty_forces *at = &p->at;
   int n = T->system->dims.nv, m = T->system->dims.m, f = T->system->dims.f;
   double moved = 1;
-  memcpy(at->U, T->by.frictional_joint.value, (size_t)n * (size_t)f * sizeof *at->U);
+  memset(at->U, 0, (size_t)n * (size_t)f * sizeof *at->U);
+  for (int j = 0; j < f; j++)
+    nsdae_rows_add(&T->system->blocks, &T->by.frictional_joint, j, 1,
+                   at->U + (size_t)j * (size_t)n);
   memset(at->D, 0, (size_t)m * (size_t)f * sizeof *at->D);
   int status = nsdae_terms_solve(T, &p->stepper->kkt, f, at->U, at->D);
   if (status < 0) return nsdae_progress_code(status, p->stepper->error);
