@@ -133,6 +133,7 @@ struct system_guts {
   nsdae_system *c = nullptr;
   callback<double, const double *, double *> mass_blocks;
   callback<double, const double *, nsdae_row_list *> constraint_rows;
+  callback<double, const double *, nsdae_row_list *, double *> joint_friction_rows;
   callback<double, const double *, const double *, nsdae_block_list *> force_damping_blocks;
   callback<double, const double *, const double *, nsdae_block_list *> force_stiffness_blocks;
   callback<double, const double *, const double *, double, nsdae_contact_list *> contacts;
@@ -457,6 +458,13 @@ public:
   template <class F> system &constraint_rows(F f)
   {
     return keep(NSDAE_CALLBACK(constraint_rows), std::move(f));
+  }
+  /* W_S^T(t,q) and w_s [f], in place of frictional_joint_tangent: calls nsdae_row_add for every
+   * block of the row of every frictional joint.
+   *   f(double t, const double *q, nsdae_row_list *rows, double *w_s) */
+  template <class F> system &joint_friction_rows(F f)
+  {
+    return keep(NSDAE_CALLBACK(joint_friction_rows), std::move(f));
   }
   /* D = -dF/dv by blocks: calls nsdae_block_add for every block that is not zero.
    *   f(double t, const double *q, const double *v, nsdae_block_list *blocks) */

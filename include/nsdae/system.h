@@ -119,7 +119,7 @@ NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
  * - constraint if m > 0
  * - gap if k > 0
  * - gap_tangent if nt > 0 and any mu > 0
- * - frictional_joint_tangent if a frictional joint has mu > 0
+ * - frictional_joint_tangent (with blocks: or joint_friction_rows) if a frictional joint has mu > 0
  * - kinematics if nq != nv; else the default is the identity
  *
  * Other missing callbacks are replaced (nsdae_system_differences lists the first kind):
@@ -167,10 +167,10 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
 
 /* Sets frictional joint 0 <= j < f: a bilateral constraint with Coulomb friction, such as a slider
  * in a slot without clearance. The friction is at most mu |lambda|, along the direction of the
- * callback frictional_joint_tangent. constraint is the number of the constraint, 0 .. m-1. Phi of
- * this constraint must be a length, so that its multiplier lambda is the normal force. mu >= 0;
- * with mu = 0 it is frictionless. With frictional_joint_tangent, set every frictional joint:
- * otherwise nsdae_sim_create returns NSDAE_E_STATE. */
+ * callback frictional_joint_tangent or joint_friction_rows. constraint is the number of the
+ * constraint, 0 .. m-1. Phi of this constraint must be a length, so that its multiplier lambda is
+ * the normal force. mu >= 0; with mu = 0 it is frictionless. With one of these callbacks, set every
+ * frictional joint: otherwise nsdae_sim_create returns NSDAE_E_STATE. */
 NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constraint,
                                                 double mu);
 
@@ -180,7 +180,7 @@ NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int
  * direction of a contact involve few blocks. Contacts are fixed (dims.k), as in any system, or
  * those of a contact list: a callback lists the close contacts only. Islands that share no contact
  * and no constraint are then solved separately. Not supported with a contact list: the methods
- * penalty and event, the options projection and polygon, nsdae_sim_project. */
+ * penalty and event, the options projection and polygon, nsdae_sim_project, frictional joints. */
 
 /* Divides q and v into count blocks. Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b]
  * <= nq[b], after those of block b - 1. The sums are dims.nq and dims.nv. The callback mass_blocks
@@ -206,8 +206,17 @@ typedef int (*nsdae_constraint_rows_fn)(double t, const double *q, nsdae_row_lis
 /* Sets the callback, with the errors of the setters above. NSDAE_E_ARGUMENT: also if m = 0. */
 NSDAE_API int nsdae_system_set_constraint_rows(nsdae_system *system,
                                                nsdae_constraint_rows_fn callback);
-/* Adds the entries value [nv of the block] of row 0 <= row < m in a block. Rows must be in
- * ascending order, each block once per row. Errors as nsdae_contact_add. */
+/* W_S^T(t,q) by rows, and w_s(t,q) [f], which is zero on entry: calls nsdae_row_add for every block
+ * of the row of every frictional joint. It replaces frictional_joint_tangent, whose matrix is
+ * dense. */
+typedef int (*nsdae_joint_friction_rows_fn)(double t, const double *q, nsdae_row_list *rows,
+                                            double *w_s, void *user);
+/* Sets the callback, with the errors of the setters above. NSDAE_E_ARGUMENT: also if f = 0. */
+NSDAE_API int nsdae_system_set_joint_friction_rows(nsdae_system *system,
+                                                   nsdae_joint_friction_rows_fn callback);
+/* Adds the entries value [nv of the block] of a row in a block: 0 <= row < m of Phi_q, 0 <= row < f
+ * of W_S^T. Rows must be in ascending order, each block once per row. Errors as nsdae_contact_add.
+ */
 NSDAE_API int nsdae_row_add(nsdae_row_list *rows, int row, int block, const double *value);
 
 /* Blocks of D or K that a callback fills; valid during the call. */
@@ -234,8 +243,8 @@ NSDAE_API int nsdae_block_add(nsdae_block_list *blocks, int row, int column, con
  * this callback the system has no contacts. */
 typedef int (*nsdae_contacts_fn)(double t, const double *q, const double *v, double reach,
                                  nsdae_contact_list *list, void *user);
-/* Sets the callback, with the errors of the setters above. NSDAE_E_ARGUMENT: also if dims.k or
- * dims.f is not 0. dims.nt applies to every contact. */
+/* Sets the callback, with the errors of the setters above. NSDAE_E_ARGUMENT: also if dims.k is not
+ * 0. dims.nt applies to every contact. */
 NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn callback);
 
 /* Objects with a name; the comment is their number, from 0. */

@@ -284,8 +284,8 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms, int colu
   }
   double *slides = c->delassus.W + (size_t)(c->columns - c->slides.count) * n;
   for (int j = 0; j < c->slides.count; j++)
-    memcpy(slides + (size_t)j * n,
-           terms->by.frictional_joint.value + (size_t)c->slides.number[j] * n, n * sizeof *slides);
+    gather_column(c, &terms->by.frictional_joint, c->slides.number[j], columns_n,
+                  slides + (size_t)j * n);
 }
 
 /* Where the constraints leave a column no motion, W_j = Phi_q^T D_j, its U_j = P W_j is rounding

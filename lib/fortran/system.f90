@@ -90,6 +90,14 @@ module nsdae_f_system
       type(nsdae_row_list), intent(in) :: rows
       class(*), intent(inout) :: user
     end function
+    ! W_S^T(t,q) by rows, from 0, as nsdae_constraint_rows_fn, and w_s(t,q) [f].
+    integer(c_int) function nsdae_joint_friction_rows_fn(t, q, rows, w_s, user)
+      import
+      real(c_double), intent(in) :: t, q(:)
+      type(nsdae_row_list), intent(in) :: rows
+      real(c_double), intent(inout) :: w_s(:)
+      class(*), intent(inout) :: user
+    end function
     ! D = -dF/dv or K = -(dF/dq) H by blocks: calls nsdae_block_add for the blocks that are not zero.
     integer(c_int) function nsdae_force_blocks_fn(t, q, v, blocks, user)
       import
@@ -115,6 +123,7 @@ module nsdae_f_system
     integer(c_int) :: squares = 0  ! entries of the diagonal blocks of M
     procedure(nsdae_mass_blocks_fn), pointer, nopass :: mass_blocks => null()
     procedure(nsdae_constraint_rows_fn), pointer, nopass :: constraint_rows => null()
+    procedure(nsdae_joint_friction_rows_fn), pointer, nopass :: joint_friction_rows => null()
     procedure(nsdae_force_blocks_fn), pointer, nopass :: force_damping_blocks => null()
     procedure(nsdae_force_blocks_fn), pointer, nopass :: force_stiffness_blocks => null()
     procedure(nsdae_contacts_fn), pointer, nopass :: contacts => null()
@@ -147,7 +156,8 @@ module nsdae_f_system
             nsdae_system_set_blocks, nsdae_system_get_blocks, nsdae_system_set_mass_blocks, &
             nsdae_system_set_constraint_rows, nsdae_system_set_contacts, nsdae_contact_add, &
             nsdae_row_add, nsdae_force_blocks_fn, nsdae_system_set_force_damping_blocks, &
-            nsdae_system_set_force_stiffness_blocks, nsdae_block_add
+            nsdae_system_set_force_stiffness_blocks, nsdae_block_add, &
+            nsdae_joint_friction_rows_fn, nsdae_system_set_joint_friction_rows
   ! callbacks.list: public_setters
   ! callbacks.list: end
 
@@ -155,7 +165,7 @@ module nsdae_f_system
     ! headers: functions nsdae_system_ create destroy set_user set_contact clear_error simulations set_name
     ! headers: functions nsdae_system_ set_size get_name get_unit set_frictional_joint error get_dims
     ! headers: functions nsdae_system_ differences unseen check set_blocks get_blocks set_mass_blocks
-    ! headers: functions nsdae_system_ set_constraint_rows set_contacts
+    ! headers: functions nsdae_system_ set_constraint_rows set_joint_friction_rows set_contacts
     ! headers: functions nsdae_system_ set_force_damping_blocks set_force_stiffness_blocks
     ! headers: functions nsdae_ contact_add row_add block_add
 
@@ -382,8 +392,8 @@ contains
   ! callbacks.list: end
 
   ! Divides q and v into blocks: block b has nq(b + 1) coordinates and nv(b + 1) velocities. The
-  ! callback mass_blocks then replaces mass. constraint_rows may replace constraint_jacobian, and
-  ! contacts the callbacks of fixed contacts.
+  ! callback mass_blocks then replaces mass. constraint_rows may replace constraint_jacobian,
+  ! joint_friction_rows frictional_joint_tangent, and contacts the callbacks of fixed contacts.
   integer(c_int) function nsdae_system_set_blocks(system, nq, nv) result(status)
     type(nsdae_system), intent(in) :: system
     integer(c_int), intent(in), contiguous :: nq(:), nv(:)
@@ -413,6 +423,14 @@ contains
     procedure(nsdae_constraint_rows_fn) :: constraint_rows
     status = c_set_constraint_rows(at(system), c_funloc(call_constraint_rows))
     if (status == NSDAE_OK) system%model%constraint_rows => constraint_rows
+  end function
+
+  integer(c_int) function nsdae_system_set_joint_friction_rows(system, joint_friction_rows) &
+      result(status)
+    type(nsdae_system), intent(in) :: system
+    procedure(nsdae_joint_friction_rows_fn) :: joint_friction_rows
+    status = c_set_joint_friction_rows(at(system), c_funloc(call_joint_friction_rows))
+    if (status == NSDAE_OK) system%model%joint_friction_rows => joint_friction_rows
   end function
 
   integer(c_int) function nsdae_system_set_force_damping_blocks(system, force_damping_blocks) &
@@ -503,6 +521,21 @@ contains
     here => model_at(user)
     list%handle = rows
     status = here%constraint_rows(t, q(:here%dims%nq), list, here%user)
+  end function
+
+  integer(c_int) function call_joint_friction_rows(t, q, rows, w_s, user) &
+      result(status) bind(C, name='')
+    real(c_double), value :: t
+    real(c_double), intent(in) :: q(*)
+    type(c_ptr), value :: rows, user
+    real(c_double), intent(inout) :: w_s(*)
+    type(model), pointer :: here
+    type(nsdae_row_list) :: list
+    here => model_at(user)
+    list%handle = rows
+    associate (d => here%dims)
+      status = here%joint_friction_rows(t, q(:d%nq), list, w_s(:d%f), here%user)
+    end associate
   end function
 
   integer(c_int) function call_force_damping_blocks(t, q, v, blocks, user) &

@@ -1,5 +1,5 @@
-/* Room in the lists of contacts and of rows of Phi_q: it grows between steps, by half as much again
- * as was called for, in every list at once. */
+/* Room in the lists of contacts and of rows of Phi_q and W_S^T: it grows between steps, by half as
+ * much again as was called for, in every list at once. */
 #include "errors.h"
 #include "sim_impl.h"
 
@@ -42,6 +42,7 @@ int nsdae_sim_grow(nsdae_sim *sim)
   for (int i = 0; i < 4; i++) {
     contacts = larger(&contacts, &all[i]->by.list.taken);
     rows = larger(&rows, &all[i]->by.rows.taken);
+    rows = larger(&rows, &all[i]->by.joint_rows.taken);
   }
   size_t most = (size_t)sim->options.contacts_max;
   if (contacts.entries > most)

@@ -57,12 +57,19 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
 static int check_lists(const nsdae_system *system, const nsdae_sim_options *options,
                        nsdae_error *error)
 {
-  if (!system->by_list || !options) return NSDAE_OK;
+  nsdae_sim_options defaults;
+  nsdae_sim_options_default(&defaults);
+  if (!system->by_list) return NSDAE_OK;
+  if (!options) options = &defaults;
   if (!nsdae_stepping_of(options->method)->by_list)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
                            "method = %s does not support contact lists: use implicit, "
                            "implicit-printed or moreau",
                            nsdae_method_name(options->method));
+  if (system->dims.f > 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "f",
+                           "f = %d frictional joints are not supported with a contact list",
+                           system->dims.f);
   if (options->polygon > 0)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "polygon",
                            "polygon = %d is not supported for contact lists, which have the "
@@ -88,7 +95,8 @@ static int copy_system(nsdae_sim *sim)
   return NSDAE_OK;
 }
 
-/* Lists begin with room for a contact of each block and for two blocks of each row. */
+/* Lists begin with room for a contact of each block and for two blocks of each row, of Phi_q or of
+ * W_S^T, which has no more. */
 static int first_room(nsdae_sim *sim)
 {
   const nsdae_dims *d = &sim->system->dims;
@@ -97,7 +105,8 @@ static int first_room(nsdae_sim *sim)
   nsdae_room contacts = {pairs, 2 * columns * (size_t)d->nv};
   nsdae_room rows = {2 * (size_t)d->m, 12 * (size_t)d->m};
   if (!sim->system->by_list) contacts = (nsdae_room){0};
-  if (!sim->system->call.constraint_rows) rows = (nsdae_room){0};
+  if (!sim->system->call.constraint_rows && !sim->system->call.joint_friction_rows)
+    rows = (nsdae_room){0};
   return nsdae_sim_make_room(sim, &contacts, &rows);
 }
 

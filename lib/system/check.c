@@ -238,8 +238,8 @@ int nsdae_system_check(nsdae_system *system, double t, const double *q, const do
   nsdae_arena arena;
   if (nsdae_arena_build(&arena, layout_check, &c) < 0)
     return nsdae_error_memory(&system->error, "nsdae_system_check");
+  if (system->by_blocks) status = nsdae_check_lists(&c);
   for (int i = 0; i < TERMS && status == NSDAE_OK; i++) status = check_term(&c, i);
-  if (status == NSDAE_OK && system->by_blocks) status = nsdae_check_lists(&c);
   if (status == NSDAE_OK) status = nsdae_check_forces(&c);
   if (status == NSDAE_OK) status = verdict(&c);
   nsdae_arena_release(&arena);

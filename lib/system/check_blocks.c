@@ -1,7 +1,7 @@
 /* Entries of M against the transposed ones, of Phi_q against differences of Phi along each
  * velocity, and the rate of each gap in a list, W_N v + w, against differences of the gap of the
  * same id along two trial velocities, and omega where it is given: what is listed at the point,
- * within a tenth of 1 + max |q|.
+ * within a tenth of 1 + max |q|. Rows of frictional joints have no position: they are called alone.
  */
 #include <float.h>
 #include <math.h>
@@ -16,28 +16,41 @@ typedef nsdae_derivative_check check;
 /* What the callbacks fill. */
 typedef struct context {
   check *c;
-  nsdae_row_list rows; /* into */
-  nsdae_rows jacobian;
+  nsdae_row_list rows, joints; /* into jacobian, into directions */
+  nsdae_rows jacobian, directions;
   nsdae_contact_list list, ahead, back;
 } context;
 
-/* The rows, with as much room as they take. */
-static int list_rows(context *x)
+/* The rows, with as much room as they take; of W_S^T with w_S in given. */
+static int list_rows(check *c, nsdae_row_list *rows, const char *callback)
 {
-  const nsdae_system *s = x->c->system;
+  const nsdae_system *s = c->system;
   for (int round = 0; round < 2; round++) {
-    nsdae_row_list_clear(&x->rows);
-    int code = s->call.constraint_rows(x->c->t, x->c->q, &x->rows, s->user);
-    nsdae_row_list_close(&x->rows);
-    if (x->rows.status < 0) return x->rows.status;
-    int status = nsdae_check_callback(x->c, code, "constraint_rows");
-    if (status < 0 || nsdae_room_enough(&x->rows.room, &x->rows.taken)) return status;
-    status = nsdae_row_list_grow(&x->rows, &x->rows.taken);
+    nsdae_row_list_clear(rows);
+    memset(c->given, 0, (size_t)rows->rows->count * sizeof *c->given);
+    int code = rows->kind == NSDAE_NAME_CONSTRAINT
+                   ? s->call.constraint_rows(c->t, c->q, rows, s->user)
+                   : s->call.joint_friction_rows(c->t, c->q, rows, c->given, s->user);
+    nsdae_row_list_close(rows);
+    if (rows->status < 0) return rows->status;
+    int status = nsdae_check_callback(c, code, callback);
+    if (status < 0 || nsdae_room_enough(&rows->room, &rows->taken)) return status;
+    status = nsdae_row_list_grow(rows, &rows->taken);
     if (status < 0) return status;
   }
-  return nsdae_error_set(&x->c->system->error, NSDAE_E_CALLBACK, "nsdae_system_check",
-                         "constraint_rows",
-                         "constraint_rows gave more rows when it was called again");
+  return nsdae_error_set(&c->system->error, NSDAE_E_CALLBACK, "nsdae_system_check", callback,
+                         "%s gave more rows when it was called again", callback);
+}
+
+/* The rows alone, and that w_S is finite: no position is theirs. */
+static int check_joints(context *x)
+{
+  static const char *const callback = "joint_friction_rows";
+  nsdae_system *s = x->c->system;
+  int status = list_rows(x->c, &x->joints, callback);
+  return status < 0
+             ? status
+             : nsdae_system_finite(s, x->c->given, s->dims.f, 1, callback, x->c->t, &s->error);
 }
 
 /* Column by column: the product with a unit vector. */
@@ -45,7 +58,7 @@ static int check_rows(context *x)
 {
   check *c = x->c;
   const nsdae_system *s = c->system;
-  int status = list_rows(x);
+  int status = list_rows(c, &x->rows, "constraint_rows");
   for (int j = 0; j < s->dims.nv && status == NSDAE_OK; j++) {
     memset(c->trial, 0, (size_t)s->dims.nv * sizeof *c->trial);
     c->trial[j] = 1;
@@ -153,8 +166,12 @@ int nsdae_check_lists(check *c)
   const nsdae_contact_list empty = {.blocks = &s->blocks, .nt = s->dims.nt, .error = &s->error};
   context x = {.c = c, .list = empty, .ahead = empty, .back = empty};
   x.jacobian = (nsdae_rows){.count = s->dims.m, .stride = 1, .first = c->first};
-  x.rows =
-      (nsdae_row_list){.system = s, .blocks = &s->blocks, .error = &s->error, .rows = &x.jacobian};
+  x.directions = (nsdae_rows){.count = s->dims.f, .stride = 1, .first = c->first};
+  x.rows = x.joints = (nsdae_row_list){.system = s, .blocks = &s->blocks, .error = &s->error};
+  x.rows.kind = NSDAE_NAME_CONSTRAINT;
+  x.rows.rows = &x.jacobian;
+  x.joints.kind = NSDAE_NAME_FRICTIONAL_JOINT;
+  x.joints.rows = &x.directions;
   /* The mass against its transpose. */
   memset(c->given, 0, s->blocks.square[s->blocks.count] * sizeof *c->given);
   int code = s->call.mass_blocks(c->t, c->q, c->given, s->user);
@@ -166,6 +183,7 @@ int nsdae_check_lists(check *c)
       for (int i = 0; i < n; i++)
         nsdae_check_keep(c, "mass_blocks", at + i, at + j, M[j * n + i], M[i * n + j]);
   }
+  if (status == NSDAE_OK && s->call.joint_friction_rows) status = check_joints(&x);
   if (status == NSDAE_OK && s->call.constraint_rows) status = check_rows(&x);
   double reach = 0.1 * (1 + nsdae_largest(s->dims.nq, c->q));
   if (status == NSDAE_OK && s->call.contacts) status = list_contacts(c, &x.list, c->t, c->q, reach);
@@ -181,5 +199,6 @@ int nsdae_check_lists(check *c)
   nsdae_contact_list_release(&x.ahead);
   nsdae_contact_list_release(&x.back);
   nsdae_row_list_release(&x.rows);
+  nsdae_row_list_release(&x.joints);
   return status;
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "lists.h"
 #include "system_impl.h"
 #include "vector.h"
 
@@ -36,10 +37,11 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   differences->plus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->minus = NSDAE_ARENA_DOUBLES(arena, rows);
   differences->rate = NSDAE_ARENA_DOUBLES(arena, rows);
-  long kt = k * dims->nt, columns = kt > k ? kt : k;
-  if (dims->f > columns) columns = dims->f;
+  long kt = k * dims->nt, entries = dims->nv * (kt > k ? kt : k);
+  long joints = differences->system->call.joint_friction_rows ? dims->f : (long)dims->nv * dims->f;
+  if (joints > entries) entries = joints;
   differences->moved = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  differences->W = NSDAE_ARENA_DOUBLES(arena, dims->nv * columns);
+  differences->W = NSDAE_ARENA_DOUBLES(arena, entries);
   differences->velocity = NSDAE_ARENA_DOUBLES(arena, k + kt + dims->f);
   for (int i = 0; i < 2; i++)
     differences->tuned[i] =
@@ -217,6 +219,26 @@ static int contact_offsets(nsdae_differences *d, double t, const double *q, doub
   return judge(d, code, "contact_bias", k, u_n);
 }
 
+/* u [f] += W_S^T v + w_S, W_S by rows. */
+static int add_joint_rows(nsdae_differences *d, double t, const double *q, const double *v,
+                          double *u)
+{
+  const nsdae_system *s = d->system;
+  nsdae_rows rows = {.count = s->dims.f};
+  nsdae_row_list list = {.system = s,
+                         .blocks = &s->blocks,
+                         .kind = NSDAE_NAME_FRICTIONAL_JOINT,
+                         .rows = &rows,
+                         .x = v,
+                         .product = d->W};
+  nsdae_row_list_clear(&list);
+  memset(d->W, 0, (size_t)rows.count * sizeof *d->W);
+  int code = s->call.joint_friction_rows(t, q, &list, u, s->user);
+  if (!code && list.status < 0) code = -1;
+  nsdae_add(rows.count, 1, d->W, u);
+  return judge(d, code, "joint_friction_rows", rows.count, u);
+}
+
 /* u: of contacts along the normal (unless W_N is of differences) and the
  * tangents, and of frictional joints. */
 static int add_all_velocities(nsdae_differences *d, double t, const double *q, const double *v,
@@ -232,7 +254,9 @@ static int add_all_velocities(nsdae_differences *d, double t, const double *q, c
   if (!code && kt > 0 && call->gap_tangent)
     code = add_velocities(d, call->gap_tangent(t, q, no_directions(d, kt), n, s->user),
                           "gap_tangent", kt, v, u[1]);
-  if (code || f == 0 || !call->frictional_joint_tangent) return code;
+  if (code || f == 0) return code;
+  if (call->joint_friction_rows) return add_joint_rows(d, t, q, v, u[2]);
+  if (!call->frictional_joint_tangent) return 0;
   code = call->frictional_joint_tangent(t, q, no_directions(d, f), n, u[2], s->user);
   return add_velocities(d, code, "frictional_joint_tangent", f, v, u[2]);
 }

@@ -190,7 +190,7 @@ void nsdae_contact_list_release(nsdae_contact_list *l)
   l->room = (nsdae_room){0};
 }
 
-/* ---- rows of Phi_q */
+/* ---- rows of Phi_q and of frictional joints */
 
 void nsdae_row_list_clear(nsdae_row_list *list)
 {
@@ -204,8 +204,9 @@ static int refuse_row(nsdae_row_list *list, int status, const char *argument, in
 {
   if (list->status < 0) return status;
   list->status = status;
-  nsdae_error_set(list->error, status, "nsdae_row_add", argument, "row %d of Phi_q: %s", row, what);
-  nsdae_system_name_item(list->system, NSDAE_NAME_CONSTRAINT, row, list->error);
+  nsdae_error_set(list->error, status, "nsdae_row_add", argument, "row %d of %s: %s", row,
+                  list->kind == NSDAE_NAME_CONSTRAINT ? "Phi_q" : "W_S^T", what);
+  nsdae_system_name_item(list->system, list->kind, row, list->error);
   return status;
 }
 
@@ -220,13 +221,21 @@ int nsdae_row_add(nsdae_row_list *l, int row, int block, const double *value)
 {
   if (!l) return NSDAE_E_ARGUMENT;
   if (row < 0 || row >= l->rows->count || row < l->last)
-    return refuse_row(l, NSDAE_E_ARGUMENT, "row", row, "rows are 0 .. m-1, in ascending order");
+    return refuse_row(l, NSDAE_E_ARGUMENT, "row", row,
+                      l->kind == NSDAE_NAME_CONSTRAINT ? "rows are 0 .. m-1, in ascending order"
+                                                       : "rows are 0 .. f-1, in ascending order");
   if (block < 0 || block >= l->blocks->count)
     return refuse_row(l, NSDAE_E_ARGUMENT, "block", row, "there is no such block");
   if (!value) return refuse_row(l, NSDAE_E_ARGUMENT, "value", row, "value is NULL");
   for (int j = 0; j < nsdae_blocks_size(l->blocks, block); j++)
     if (!isfinite(value[j]))
       return refuse_row(l, NSDAE_E_NONFINITE, "value", row, "an entry is not finite");
+  if (l->x) {
+    l->last = row;
+    l->product[row] +=
+        nsdae_dot(nsdae_blocks_size(l->blocks, block), value, l->x + l->blocks->first[block]);
+    return NSDAE_OK;
+  }
   open_rows(l, row);
   size_t at = l->taken.values, part = l->taken.entries;
   size_t n = (size_t)nsdae_blocks_size(l->blocks, block);

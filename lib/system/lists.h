@@ -38,16 +38,19 @@ struct nsdae_row_list {
   const nsdae_system *system; /* for names */
   const nsdae_blocks *blocks;
   nsdae_error *error;
+  int kind; /* of its rows: constraints or frictional joints */
   int status;
   int last; /* the row at hand */
   nsdae_room room, taken;
   nsdae_rows *rows; /* to be filled; its count, first and stride are set before */
+  const double *x;  /* NULL, or nv: in place of rows product [count] += rows x */
+  double *product;
 };
 
 /* Empty lists, before the callback. */
 void nsdae_contact_list_clear(nsdae_contact_list *list);
 void nsdae_row_list_clear(nsdae_row_list *list);
-/* After it: the rows up to m have their places. */
+/* After it: all rows have their places. */
 void nsdae_row_list_close(nsdae_row_list *list);
 
 /* Whether all that was added is there. */

@@ -214,8 +214,10 @@ static const nsdae_output *find_output(const nsdae_system *system, const nsdae_c
 void nsdae_system_name_entry(const nsdae_system *system, const char *callback, int rows, int row,
                              int column, nsdae_error *error)
 {
+  static const nsdae_output of_joint = {.row = NSDAE_NAME_FRICTIONAL_JOINT, .column = -1};
   const nsdae_callback *c = nsdae_callback_of(callback);
   const nsdae_output *output = error && c ? find_output(system, c, rows) : NULL;
+  if (error && strcmp(callback, "joint_friction_rows") == 0) output = &of_joint;
   if (output) nsdae_output_name_entry(system, output, row, column, error);
 }
 

@@ -87,6 +87,9 @@ static int may_set(nsdae_system *s, const char *name, int given)
   if (strcmp(name, "constraint_rows") == 0 && s->dims.m == 0)
     return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, name, name,
                                "the system has no constraints (m = 0)");
+  if (strcmp(name, "joint_friction_rows") == 0 && s->dims.f == 0)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, name, name,
+                               "the system has no frictional joints (f = 0)");
   if (!given) return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, name, name, "it is NULL");
   return nsdae_system_open(s, name);
 }
@@ -101,16 +104,16 @@ static int may_set(nsdae_system *s, const char *name, int given)
 
 SETTER(mass_blocks, nsdae_mass_blocks_fn)
 SETTER(constraint_rows, nsdae_constraint_rows_fn)
+SETTER(joint_friction_rows, nsdae_joint_friction_rows_fn)
 SETTER(force_damping_blocks, nsdae_force_blocks_fn)
 SETTER(force_stiffness_blocks, nsdae_force_blocks_fn)
 
 int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
 {
   if (!s) return NSDAE_E_ARGUMENT;
-  if (s->dims.k + s->dims.f > 0)
-    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "contacts", s->dims.k > 0 ? "k" : "f",
-                               "a contact list replaces fixed contacts and frictional joints: "
-                               "dims.k and dims.f must be 0");
+  if (s->dims.k > 0)
+    return nsdae_system_refuse(s, NSDAE_E_ARGUMENT, "contacts", "k",
+                               "a contact list replaces fixed contacts: dims.k must be 0");
   int status = may_set(s, "contacts", callback != NULL);
   if (status < 0) return status;
   s->call.contacts = callback;
@@ -118,18 +121,20 @@ int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
   return NSDAE_OK;
 }
 
-/* M, D and K are by blocks or dense; Phi_q of a system with blocks is either, too. */
+/* M, D and K are by blocks or dense; Phi_q and W_S of a system with blocks are either, too. */
 static const char *misplaced(const nsdae_system *s)
 {
   const nsdae_calls *c = &s->call;
   if (s->by_blocks)
-    return c->mass                                        ? "mass"
-           : c->constraint_rows && c->constraint_jacobian ? "constraint_jacobian"
-           : c->force_damping                             ? "force_damping"
-           : c->force_stiffness                           ? "force_stiffness"
-                                                          : NULL;
+    return c->mass                                                 ? "mass"
+           : c->constraint_rows && c->constraint_jacobian          ? "constraint_jacobian"
+           : c->joint_friction_rows && c->frictional_joint_tangent ? "frictional_joint_tangent"
+           : c->force_damping                                      ? "force_damping"
+           : c->force_stiffness                                    ? "force_stiffness"
+                                                                   : NULL;
   return c->mass_blocks              ? "mass_blocks"
          : c->constraint_rows        ? "constraint_rows"
+         : c->joint_friction_rows    ? "joint_friction_rows"
          : c->force_damping_blocks   ? "force_damping_blocks"
          : c->force_stiffness_blocks ? "force_stiffness_blocks"
          : c->contacts               ? "contacts"
@@ -144,7 +149,8 @@ int nsdae_system_check_blocks(const nsdae_system *s, const char **missing, nsdae
   return nsdae_error_set(
       error, NSDAE_E_STATE, "nsdae_system", wrong,
       s->by_blocks ? "%s: a system with blocks has mass_blocks, force_damping_blocks, "
-                     "force_stiffness_blocks, and one of constraint_rows and constraint_jacobian"
+                     "force_stiffness_blocks, one of constraint_rows and constraint_jacobian, "
+                     "and one of joint_friction_rows and frictional_joint_tangent"
                    : "%s needs blocks: call nsdae_system_set_blocks",
       wrong);
 }

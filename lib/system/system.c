@@ -332,6 +332,7 @@ const char *nsdae_system_unseen(nsdae_system *system)
        !moves && any_friction(system)},
       {"nsdae_system_set_contact: that e_n = mu = 0 for contacts without a call", untold},
       {"frictional_joint_tangent: its values", system->call.frictional_joint_tangent != NULL},
+      {"joint_friction_rows: its values", system->call.joint_friction_rows != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},
@@ -355,9 +356,9 @@ int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
   for (int i = 0; system->call.gap_tangent && i < system->dims.k; i++)
     if (!system->contact[i].told)
       return refuse_untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
-  for (int j = 0; system->call.frictional_joint_tangent && j < system->dims.f; j++)
+  for (int j = 0; nsdae_system_has_joint_friction(system) && j < system->dims.f; j++)
     if (!system->frictional_joint[j].told)
-      return refuse_untold(system, "frictional_joint", "frictional_joint_tangent",
+      return refuse_untold(system, "frictional_joint", nsdae_system_joint_friction_name(system),
                            NSDAE_NAME_FRICTIONAL_JOINT, j, error);
   return NSDAE_OK;
 }
@@ -385,8 +386,9 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (dims->k > 0 && !system->call.gap) missing = "gap";
   if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->call.gap_tangent)
     missing = "gap_tangent";
-  for (int j = 0; j < dims->f && !system->call.frictional_joint_tangent; j++)
-    if (system->frictional_joint[j].mu > 0) missing = "frictional_joint_tangent";
+  for (int j = 0; j < dims->f && !nsdae_system_has_joint_friction(system); j++)
+    if (system->frictional_joint[j].mu > 0)
+      missing = system->by_blocks ? "joint_friction_rows" : "frictional_joint_tangent";
   if (dims->nq != dims->nv && !system->call.kinematics) missing = "kinematics";
   if (!missing) return nsdae_names_distinct(system, error);
   return nsdae_error_set(error, NSDAE_E_STATE, "nsdae_system", missing,

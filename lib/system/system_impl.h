@@ -51,6 +51,7 @@ typedef struct nsdae_calls {
   /* callbacks.list: end */
   nsdae_mass_blocks_fn mass_blocks;
   nsdae_constraint_rows_fn constraint_rows;
+  nsdae_joint_friction_rows_fn joint_friction_rows;
   nsdae_force_blocks_fn force_damping_blocks, force_stiffness_blocks;
   nsdae_contacts_fn contacts;
 } nsdae_calls;
@@ -130,6 +131,18 @@ static inline const char *nsdae_system_mass_name(const nsdae_system *system)
 static inline const char *nsdae_system_jacobian_name(const nsdae_system *system)
 {
   return system->call.constraint_rows ? "constraint_rows" : "constraint_jacobian";
+}
+
+/* The callback that gives the directions of the frictional joints. */
+static inline const char *nsdae_system_joint_friction_name(const nsdae_system *system)
+{
+  return system->call.joint_friction_rows ? "joint_friction_rows" : "frictional_joint_tangent";
+}
+
+/* Whether these directions are given, by rows or dense. */
+static inline int nsdae_system_has_joint_friction(const nsdae_system *system)
+{
+  return system->call.joint_friction_rows || system->call.frictional_joint_tangent;
 }
 
 /* Whether Phi_q is given, by rows or dense. */

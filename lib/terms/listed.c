@@ -70,6 +70,18 @@ int nsdae_terms_constraint_rows(nsdae_terms *T)
   return listed(T, code, list->status, "constraint_rows", &list->room, &list->taken);
 }
 
+int nsdae_terms_joint_rows(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  nsdae_row_list *list = &T->by.joint_rows;
+  list->error = T->error;
+  nsdae_row_list_clear(list);
+  int code =
+      s->call.joint_friction_rows(nsdae_terms_time(T), T->q, list, T->frictional_joint.w, s->user);
+  nsdae_row_list_close(list);
+  return listed(T, code, list->status, "joint_friction_rows", &list->room, &list->taken);
+}
+
 int nsdae_terms_contacts(nsdae_terms *T, double reach)
 {
   const nsdae_system *s = T->system;
@@ -195,6 +207,8 @@ static int grow_selected(nsdae_terms *T, size_t room, int nt)
 int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_room *rows)
 {
   int status = T->by.rows.rows ? nsdae_row_list_grow(&T->by.rows, rows) : NSDAE_OK;
+  if (status == NSDAE_OK && T->by.joint_rows.rows)
+    status = nsdae_row_list_grow(&T->by.joint_rows, rows);
   if (status < 0 || !(T->system->by_list || T->system->tracked)) return status;
   status = nsdae_contact_list_grow(&T->by.list, contacts);
   if (status == NSDAE_OK && !T->system->tracked)
@@ -209,6 +223,7 @@ void nsdae_terms_release(nsdae_terms *T)
 {
   nsdae_by_blocks *by = &T->by;
   nsdae_row_list_release(&by->rows);
+  nsdae_row_list_release(&by->joint_rows);
   nsdae_contact_list_release(&by->list);
   if (T->differences) nsdae_differences_release(T->differences);
   if (!T->system || !T->system->by_list) return;

@@ -1,4 +1,4 @@
-/* The terms that callbacks give by blocks or by list: M, rows of Phi_q, contacts.
+/* The terms that callbacks give by blocks or by list: M, rows of Phi_q and W_S^T, contacts.
  *
  * A list at a point is what the callback says within its reach. The contacts that a step closes are
  * selected from it: contact a of the step has row a of normal, gap[a] and w_N[a], and its tangents
@@ -27,8 +27,10 @@ void nsdae_terms_forget_slots(nsdae_terms *terms);
 /* The callbacks of terms.c. */
 int nsdae_terms_mass_blocks(nsdae_terms *terms);
 int nsdae_terms_constraint_rows(nsdae_terms *terms);
+int nsdae_terms_joint_rows(nsdae_terms *terms); /* and w of the frictional joints */
 
-/* Room for lists of contacts and of rows of Phi_q; NSDAE_OK or NSDAE_E_MEMORY. */
+/* Room for lists of contacts and of rows, of Phi_q and of frictional joints; NSDAE_OK or
+ * NSDAE_E_MEMORY. */
 int nsdae_terms_grow(nsdae_terms *terms, const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_terms_release(nsdae_terms *terms);
 

@@ -42,15 +42,16 @@ static void find_parts(const nsdae_blocks *blocks, nsdae_rows *rows, size_t begi
   }
 }
 
-static void lay_out_constraint_rows(nsdae_terms *terms, nsdae_arena *arena)
+static void lay_out_rows(const nsdae_system *s, nsdae_row_list *list, int kind, nsdae_rows *rows,
+                         nsdae_arena *arena)
 {
-  const nsdae_system *s = terms->system;
-  terms->by.rows.system = s;
-  terms->by.rows.blocks = &s->blocks;
-  terms->by.rows.rows = &terms->by.jacobian;
-  terms->by.jacobian.count = s->dims.m;
-  terms->by.jacobian.stride = 1;
-  terms->by.jacobian.first = NSDAE_ARENA_INTS(arena, s->dims.m + 1L);
+  list->system = s;
+  list->blocks = &s->blocks;
+  list->kind = kind;
+  list->rows = rows;
+  rows->count = nsdae_system_count(s, kind);
+  rows->stride = 1;
+  rows->first = NSDAE_ARENA_INTS(arena, rows->count + 1L);
 }
 
 /* Rows of which each has at most two parts, in a list. */
@@ -109,11 +110,15 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   terms->constraint.omega = NSDAE_ARENA_DOUBLES(arena, m);
   terms->by.work = NSDAE_ARENA_DOUBLES(arena, n);
   if (terms->system->call.constraint_rows)
-    lay_out_constraint_rows(terms, arena);
+    lay_out_rows(terms->system, &terms->by.rows, NSDAE_NAME_CONSTRAINT, &terms->by.jacobian, arena);
   else
     nsdae_terms_layout_rows(&terms->by.jacobian, blocks, m, 1, m, arena);
   if (!terms->system->by_list) lay_out_contacts(terms, arena); /* else they grow with the list */
-  nsdae_terms_layout_rows(&terms->by.frictional_joint, blocks, dims->f, n, 1, arena);
+  if (terms->system->call.joint_friction_rows)
+    lay_out_rows(terms->system, &terms->by.joint_rows, NSDAE_NAME_FRICTIONAL_JOINT,
+                 &terms->by.frictional_joint, arena);
+  else
+    nsdae_terms_layout_rows(&terms->by.frictional_joint, blocks, dims->f, n, 1, arena);
   terms->frictional_joint.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->frictional_joint.omega = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
@@ -320,9 +325,13 @@ static int frictional_joint(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int f = s->dims.f, n = s->dims.nv, code = 0;
   double *W = T->by.frictional_joint.value, *w = T->frictional_joint.w;
-  const char *callback = "frictional_joint_tangent"; /* may be missing if no joint has friction */
-  zero(W, (long)n * f);
+  const char *callback = nsdae_system_joint_friction_name(s);
   zero(w, f);
+  if (s->call.joint_friction_rows) {
+    int status = nsdae_terms_joint_rows(T);
+    return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, callback, w, f, 1);
+  }
+  zero(W, (long)n * f); /* the callback may be missing if no joint has friction */
   if (s->call.frictional_joint_tangent)
     code = s->call.frictional_joint_tangent(nsdae_terms_time(T), T->q, W, n, w, s->user);
   find_parts(&s->blocks, &T->by.frictional_joint, (size_t)n);

@@ -34,10 +34,10 @@ enum {
  * of the frictional joints [nv x f], or those of a list (listed.h). A row of an array has a part
  * for each block in which it is not zero; a system without blocks has one part for all of v. */
 typedef struct nsdae_by_blocks {
-  nsdae_rows jacobian;         /* m */
-  nsdae_rows normal, tangent;  /* k, k nt; by list: of the contacts that the step selected */
-  nsdae_rows frictional_joint; /* f */
-  nsdae_row_list rows;
+  nsdae_rows jacobian;             /* m */
+  nsdae_rows normal, tangent;      /* k, k nt; by list: of the contacts that the step selected */
+  nsdae_rows frictional_joint;     /* f */
+  nsdae_row_list rows, joint_rows; /* what fills jacobian, frictional_joint */
   nsdae_contact_list list;
   double reach; /* of the list */
   double *work; /* nv */

@@ -82,7 +82,8 @@ class ContactList:
 
 
 class RowList:
-    """Rows of the block-sparse Jacobian Phi_q, filled by ``constraint_rows``. It is valid until the callback returns."""
+    """Rows of the block-sparse Jacobian Phi_q, filled by ``constraint_rows``, or of W_S^T, filled by ``joint_friction_rows``. It is
+    valid until the callback returns."""
 
     __slots__ = ("_core",)
 
@@ -170,6 +171,8 @@ def wrapped(name: str, function: Callable[..., Any], nv: np.ndarray) -> Callable
         return _Mass(function, nv)
     if name == "constraint_rows":
         return lambda t, q, rows: function(t, q, RowList(rows))
+    if name == "joint_friction_rows":
+        return lambda t, q, rows, w_s: function(t, q, RowList(rows), w_s)
     if name in ("force_damping_blocks", "force_stiffness_blocks"):
         return lambda t, q, v, blocks: function(t, q, v, BlockList(blocks))
     if name == "contacts":

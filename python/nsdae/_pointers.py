@@ -27,6 +27,7 @@ _ARGUMENTS = {
     "potential": "double t, const double *q, double *energy, void *user",
     "mass_blocks": "double t, const double *q, double *M, void *user",
     "constraint_rows": "double t, const double *q, nsdae_row_list *rows, void *user",
+    "joint_friction_rows": "double t, const double *q, nsdae_row_list *rows, double *w_s, void *user",
     "force_damping_blocks": "double t, const double *q, const double *v, nsdae_block_list *blocks, void *user",
     "force_stiffness_blocks": "double t, const double *q, const double *v, nsdae_block_list *blocks, void *user",
     "contacts": "double t, const double *q, const double *v, double reach, nsdae_contact_list *list, void *user",

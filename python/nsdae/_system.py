@@ -122,11 +122,12 @@ class System:
     - ``potential(t, q)`` returns the energy
 
     A block-sparse system has ``mass_blocks``, ``force_damping_blocks`` and ``force_stiffness_blocks`` in place of ``mass``,
-    ``force_damping`` and ``force_stiffness``. It may have ``constraint_rows`` in place of ``constraint_jacobian``, and
-    ``contacts`` in place of k, f and their callbacks:
+    ``force_damping`` and ``force_stiffness``. It may have ``constraint_rows`` in place of ``constraint_jacobian``,
+    ``joint_friction_rows`` in place of ``frictional_joint_tangent``, and ``contacts`` in place of k and its callbacks:
 
     - ``mass_blocks(t, q, M)``: M[b] [nv, nv]; one array [blocks, nv, nv] if all blocks have the same size
     - ``constraint_rows(t, q, rows)``: calls ``rows.add(row, block, value)``, see `RowList`
+    - ``joint_friction_rows(t, q, rows, w_s)``: the same, and w_s [f]
     - ``force_damping_blocks(t, q, v, blocks)``, ``force_stiffness_blocks``: call ``blocks.add(row, column, value)``, see `BlockList`
     - ``contacts(t, q, v, reach, found)``: calls ``found.add(id, block, gap, direction, ...)``, see `ContactList`
 

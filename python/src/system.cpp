@@ -67,6 +67,8 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
     return {q, out(squares(blocks))};
   case role_constraint_rows:
     return {q};
+  case role_joint_friction_rows:
+    return {q, out(d.f)};
   case role_force_damping_blocks:
   case role_force_stiffness_blocks:
   case role_contacts:

@@ -192,6 +192,23 @@ def test_rows_of_constraints_by_blocks():
     assert np.allclose(a.q, b.q, atol=1e-9) and np.allclose(a.multiplier, b.multiplier, atol=1e-6)
 
 
+def test_rows_of_frictional_joints():
+    """A body in a slot: x, y are blocks, y = 0 carries the weight. v = v_0 - mu g t until it moves with the slot."""
+    def joint_friction_rows(t, q, rows, w_s):
+        w_s[:] = 0.5
+        rows.add(0, 0, [1.0])
+
+    def force(t, q, v, F):
+        F[1] = -2 * G
+
+    slot = nsdae.System(blocks=[1, 1], m=1, f=1, mass_blocks=lambda t, q, M: M.__setitem__(slice(None), 2), force=force,
+                        constraint=lambda t, q, phi: phi.__setitem__(0, q[1]),
+                        constraint_rows=lambda t, q, rows: rows.add(0, 1, [1.0]), joint_friction_rows=joint_friction_rows)
+    slot.set_frictional_joint(0, 0, 0.25)
+    run = nsdae.solve(slot, 1, [0, 0], [1, 0], method="moreau", dt=0.01)
+    assert np.allclose(run.v[:, 0], np.maximum(1 - 0.25 * G * run.t, -0.5), atol=1e-12)
+
+
 def springs(n, **given):
     """Balls on a line, each with a spring and a damper to the next one, of different stiffness."""
     k, d = 100.0 + np.arange(n - 1), 1.0 + np.arange(n - 1)

@@ -299,7 +299,7 @@ static void test_setters(void **state)
 {
   (void)state;
   const int size[] = {1, WIDE}, short_q[] = {1, WIDE - 1}, large_q[] = {2, WIDE};
-  nsdae_dims dims = {.nq = NV, .f = 1, .m = 1};
+  nsdae_dims dims = {.nq = NV, .k = 1, .f = 1, .m = 1};
   nsdae_sim *sim;
   model p = {.what = NONE};
   nsdae_system *s = make(&p);
@@ -329,7 +329,7 @@ static void test_setters(void **state)
   assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
   assert_int_equal(nsdae_system_set_blocks(s, 2, size, size), NSDAE_OK);
   assert_int_equal(nsdae_system_set_contacts(s, contacts), NSDAE_E_ARGUMENT);
-  assert_string_equal(nsdae_system_error(s)->argument, "f");
+  assert_string_equal(nsdae_system_error(s)->argument, "k");
   nsdae_system_destroy(&s);
 }
 

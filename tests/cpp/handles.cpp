@@ -577,6 +577,33 @@ void test_numbered_blocks()
   }
 }
 
+/* A body in a slot: x, y are blocks, y = 0 carries the weight, and v = v_0 - mu g t along x. */
+void test_joint_rows()
+{
+  nsdae_dims dims = nsdae_dims();
+  dims.nq = 2;
+  dims.m = dims.f = 1;
+  nsdae::system system(dims);
+  const double one = 1;
+  system.blocks({1, 1}, {1, 1})
+      .mass_blocks([](double, const double *, double *M) { M[0] = M[1] = 2; })
+      .force([](double, const double *, const double *, double *F) { F[1] = -20; })
+      .constraint([](double, const double *q, double *phi) { phi[0] = q[1]; })
+      .constraint_rows(
+          [&one](double, const double *, nsdae_row_list *rows) { nsdae_row_add(rows, 0, 1, &one); })
+      .joint_friction_rows([&one](double, const double *, nsdae_row_list *rows, double *w_s) {
+        w_s[0] = 0.5;
+        nsdae_row_add(rows, 0, 0, &one);
+      })
+      .frictional_joint(0, 0, 0.25);
+  nsdae::sim sim(system, nsdae::options().set("method", "moreau").set("dt", "0.01"));
+  sim.init(0, {0, 0}, {1, 0});
+  for (int i = 0; i < 20; i++) sim.step();
+  EXPECT(std::fabs(sim.record().v[0] - 0.5) < 1e-12);
+  for (int i = 0; i < 60; i++) sim.step(); /* until it moves with the slot */
+  EXPECT(std::fabs(sim.record().v[0] + 0.5) < 1e-12);
+}
+
 } // namespace
 
 /* A body of 2 kg hangs on a rope around a drum of 0.5 kg m^2 and 1 m that is written by hand: it
@@ -802,6 +829,7 @@ int main(int argc, char **argv)
   test_drive();
   test_blocks();
   test_numbered_blocks();
+  test_joint_rows();
   std::printf("%d failures\n", failures);
   return failures ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -93,10 +93,60 @@ contains
 
 end module
 
+! A body in a slot: x, y are blocks, and y = 0 carries the weight. The slot moves by -1/2.
+module slot_model
+  use nsdae
+  implicit none
+
+contains
+
+  integer(c_int) function slot_mass(t, q, M, user)
+    real(c_double), intent(in) :: t, q(:)
+    real(c_double), intent(inout) :: M(:)
+    class(*), intent(inout) :: user
+    M = 2
+    slot_mass = 0
+  end function
+
+  integer(c_int) function weight(t, q, v, F, user)
+    real(c_double), intent(in) :: t, q(:), v(:)
+    real(c_double), intent(inout) :: F(:)
+    class(*), intent(inout) :: user
+    F(2) = -20
+    weight = 0
+  end function
+
+  integer(c_int) function height(t, q, phi, user)
+    real(c_double), intent(in) :: t, q(:)
+    real(c_double), intent(inout) :: phi(:)
+    class(*), intent(inout) :: user
+    phi(1) = q(2)
+    height = 0
+  end function
+
+  integer(c_int) function height_rows(t, q, list, user)
+    real(c_double), intent(in) :: t, q(:)
+    type(nsdae_row_list), intent(in) :: list
+    class(*), intent(inout) :: user
+    height_rows = nsdae_row_add(list, 0_c_int, 1_c_int, [1d0])
+  end function
+
+  integer(c_int) function joint_rows(t, q, list, w_s, user)
+    real(c_double), intent(in) :: t, q(:)
+    type(nsdae_row_list), intent(in) :: list
+    real(c_double), intent(inout) :: w_s(:)
+    class(*), intent(inout) :: user
+    w_s(1) = 0.5d0
+    joint_rows = nsdae_row_add(list, 0_c_int, 0_c_int, [1d0])
+  end function
+
+end module
+
 program blocks
   use nsdae
   use check
   use stack_model
+  use slot_model
   implicit none
 
   real(c_double), parameter :: DT = 1d-3
@@ -171,6 +221,28 @@ program blocks
   error = nsdae_sim_error(sim)
   call is_text(trim(error%argument), 'mu', 'its argument')
   call is_true(balls_of%lists > 0, 'lists were asked for')
+  call nsdae_sim_destroy(sim)
+  call is_int(nsdae_system_set_joint_friction_rows(system, joint_rows), NSDAE_E_ARGUMENT, 'f = 0')
+  call nsdae_system_destroy(system)
+
+  ! v = v_0 - mu g t along the slot, until the body moves with it
+  call is_int(nsdae_system_create(nsdae_dims(nq=2, m=1, f=1), system), NSDAE_OK, 'slot')
+  call is_int(nsdae_system_set_blocks(system, ONES(:2), ONES(:2)), NSDAE_OK, 'its blocks')
+  call is_int(nsdae_system_set_mass_blocks(system, slot_mass), NSDAE_OK, 'its mass')
+  call is_int(nsdae_system_set_force(system, weight), NSDAE_OK, 'its force')
+  call is_int(nsdae_system_set_constraint(system, height), NSDAE_OK, 'its constraint')
+  call is_int(nsdae_system_set_constraint_rows(system, height_rows), NSDAE_OK, 'its rows')
+  call is_int(nsdae_system_set_joint_friction_rows(system, joint_rows), NSDAE_OK, 'joint rows')
+  call is_int(nsdae_system_set_frictional_joint(system, 0_c_int, 0_c_int, 0.25d0), NSDAE_OK, 'mu')
+  options%dt = 1d-2
+  call is_int(nsdae_sim_create(system, sim, options), NSDAE_OK, 'its simulation')
+  call is_int(nsdae_sim_init(sim, 0d0, [0d0, 0d0], [1d0, 0d0]), NSDAE_OK, 'its start')
+  do i = 1, 80
+    call is_int(nsdae_sim_step(sim), NSDAE_OK, 'its step')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'its record')
+    if (i == 20) call is_near(record%v(1), 0.5d0, 1d-12, 'slip')
+  end do
+  call is_near(record%v(1), -0.5d0, 1d-12, 'stick')
   call nsdae_sim_destroy(sim)
   call nsdae_system_destroy(system)
   call check_done()

@@ -28,7 +28,8 @@ static int jacobian(double t, const double *q, double *J, int ldj, void *user)
   const nsdae_room most = {(size_t)of->dims.m * (size_t)of->blocks.count,
                            (size_t)of->dims.m * (size_t)of->dims.nv};
   nsdae_rows rows = {.count = of->dims.m, .stride = 1};
-  nsdae_row_list list = {.system = of, .blocks = &of->blocks, .rows = &rows};
+  nsdae_row_list list = {
+      .system = of, .blocks = &of->blocks, .kind = NSDAE_NAME_CONSTRAINT, .rows = &rows};
   rows.first = calloc((size_t)of->dims.m + 1, sizeof *rows.first);
   int code = rows.first && nsdae_row_list_grow(&list, &most) == NSDAE_OK ? 0 : -1;
   if (code == 0) {

@@ -206,6 +206,22 @@ static int slides(double time, const double *q, double *W, int ldw, double *w_s,
   return 0;
 }
 
+static int slide_rows(double time, const double *q, nsdae_row_list *rows, double *w_s, void *user)
+{
+  const twin *t = user;
+  (void)time, (void)q, (void)w_s;
+  for (int i = 0; i < t->f; i++)
+    for (int s = 0; s < 2; s++) nsdae_row_add(rows, i, i + s, t->slide[i].a[s]);
+  return 0;
+}
+
+static void set_slides(const twin *t, nsdae_system *s, int by_rows)
+{
+  if (t->f > 0 && by_rows) nsdae_system_set_joint_friction_rows(s, slide_rows);
+  if (t->f > 0 && !by_rows) nsdae_system_set_frictional_joint_tangent(s, slides);
+  for (int j = 0; j < t->f; j++) nsdae_system_set_frictional_joint(s, j, j, t->slide_mu[j]);
+}
+
 static int still(double time, const double *q, double *w_n, double *w_t, void *user)
 {
   (void)time;
@@ -235,8 +251,6 @@ static nsdae_system *numbered(twin *t)
   }
   if (t->k > 0 && t->nt > 0) nsdae_system_set_gap_tangent(s, tangent);
   for (int i = 0; i < t->k; i++) nsdae_system_set_contact(s, i, t->mu[i], t->e_n[i], 0);
-  if (t->f > 0) nsdae_system_set_frictional_joint_tangent(s, slides);
-  for (int j = 0; j < t->f; j++) nsdae_system_set_frictional_joint(s, j, j, t->slide_mu[j]);
   return s;
 }
 
@@ -245,6 +259,7 @@ nsdae_system *twin_dense(twin *t)
   nsdae_system *s = numbered(t);
   if (!s) return NULL;
   nsdae_system_set_mass(s, mass);
+  set_slides(t, s, 0);
   if (t->m > 0) nsdae_system_set_constraint_jacobian(s, jacobian);
   return s;
 }
@@ -315,7 +330,7 @@ static int contacts(double time, const double *q, const double *v, double reach,
 
 nsdae_system *twin_blocks(twin *t)
 {
-  const nsdae_dims dims = {.nq = t->nv, .m = t->m, .nt = t->nt};
+  const nsdae_dims dims = {.nq = t->nv, .m = t->m, .nt = t->nt, .f = t->f};
   nsdae_system *s;
   if (nsdae_system_create(&dims, &s, NULL) < 0) return NULL;
   nsdae_system_set_user(s, t);
@@ -328,6 +343,7 @@ nsdae_system *twin_blocks(twin *t)
     nsdae_system_set_constraint_bias(s, bias);
   }
   nsdae_system_set_contacts(s, contacts);
+  set_slides(t, s, 1);
   return s;
 }
 
@@ -337,6 +353,7 @@ nsdae_system *twin_numbered(twin *t, int constraints)
   if (!s) return NULL;
   nsdae_system_set_blocks(s, t->blocks, t->size, t->size);
   nsdae_system_set_mass_blocks(s, mass_blocks);
+  set_slides(t, s, constraints == TWIN_BY_ROWS);
   if (t->m > 0 && constraints == TWIN_BY_ROWS) nsdae_system_set_constraint_rows(s, constraint_rows);
   if (t->m > 0 && constraints == TWIN_BY_MATRIX) nsdae_system_set_constraint_jacobian(s, jacobian);
   return s;

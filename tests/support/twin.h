@@ -41,12 +41,12 @@ typedef struct twin_kind {
   int joined;  /* rows of constraints between neighbours: all of them, or none */
   int k, nt;
   double friction, restitution; /* upper ends */
-  int f;                        /* frictional joints: the first constraints; 0 for lists */
+  int f;                        /* frictional joints: the first constraints */
 } twin_kind;
 
 void twin_draw(twin *t, uint64_t seed, const twin_kind *kind);
 
-/* How Phi_q is given. */
+/* How Phi_q and W_S are given; by differences: W_S as a matrix. */
 enum { TWIN_BY_ROWS, TWIN_BY_MATRIX, TWIN_BY_DIFFERENCES };
 
 /* The descriptions; t must outlive them. NULL without memory. */

@@ -226,6 +226,121 @@ static void test_faults(void **state)
     }
 }
 
+/* ---- rows of frictional joints that are wrong */
+
+enum joint_mistake {
+  JOINT_BEYOND,
+  JOINT_BLOCK,
+  JOINT_NAN,
+  JOINT_TWICE,
+  JOINT_W_NAN,
+  JOINT_FAILS,
+  JOINT_MISTAKES
+};
+
+static int joint_mistake; /* of the callback below */
+
+static int wrong_joint_rows(double t, const double *q, nsdae_row_list *rows, double *w_s,
+                            void *user)
+{
+  static const double value[TWIN_WIDE] = {1, 1, 1, 1, 1, 1, 1}, bad[TWIN_WIDE] = {NAN};
+  (void)t, (void)q, (void)user;
+  nsdae_row_add(rows, 0, 0, value);
+  if (joint_mistake == JOINT_TWICE) nsdae_row_add(rows, 0, 0, value);
+  nsdae_row_add(rows, 1, joint_mistake == JOINT_BLOCK ? TWIN_BLOCKS : 1, value);
+  if (joint_mistake == JOINT_NAN) nsdae_row_add(rows, 1, 2, bad);
+  if (joint_mistake == JOINT_BEYOND) nsdae_row_add(rows, 2, 1, value);
+  if (joint_mistake == JOINT_W_NAN) w_s[1] = NAN;
+  return joint_mistake == JOINT_FAILS ? 5 : 0;
+}
+
+/* Each by the start and by nsdae_system_check, which name joint and argument. */
+static void test_joint_rows(void **state)
+{
+  static const struct {
+    int status, index;
+    const char *argument, *text;
+  } wanted[JOINT_MISTAKES] = {
+      [JOINT_BEYOND] = {NSDAE_E_ARGUMENT, 2, "row", "row 2 of W_S^T: rows are 0 .. f-1"},
+      [JOINT_BLOCK] = {NSDAE_E_ARGUMENT, 1, "block", "frictional joint 1"},
+      [JOINT_NAN] = {NSDAE_E_NONFINITE, 1, "value", "frictional joint 1"},
+      [JOINT_TWICE] = {NSDAE_E_ARGUMENT, 0, "block", "a block occurs twice"},
+      [JOINT_W_NAN] = {NSDAE_E_NONFINITE, 1, "joint_friction_rows", "frictional joint 1"},
+      [JOINT_FAILS] = {NSDAE_E_CALLBACK, -1, "joint_friction_rows", "returned 5"}};
+  static twin t;
+  (void)state;
+  draw(&t, 930, 3);
+  for (joint_mistake = 0; joint_mistake < JOINT_MISTAKES; joint_mistake++)
+    for (int i = 0; i <= METHODS; i++) {
+      nsdae_system *s = twin_numbered(&t, TWIN_BY_ROWS);
+      nsdae_sim *sim = NULL;
+      nsdae_system_set_joint_friction_rows(s, wrong_joint_rows);
+      if (i < METHODS) sim = make(s, methods[i], NSDAE_PROJECTION_NONE);
+      if (sim || i == METHODS) {
+        int status = sim ? nsdae_sim_init(sim, 0, t.q0, t.v0)
+                         : nsdae_system_check(s, 0, t.q0, t.v0, 1e-6, NULL);
+        const nsdae_error *error = sim ? nsdae_sim_error(sim) : nsdae_system_error(s);
+        if (status != wanted[joint_mistake].status ||
+            strcmp(error->argument, wanted[joint_mistake].argument) != 0 ||
+            error->index != wanted[joint_mistake].index ||
+            !strstr(error->text, wanted[joint_mistake].text))
+          fail_msg("%d, index %d: %s", status, error->index, error->text);
+      }
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&s);
+    }
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+static int first_coordinate(double t, const double *q, double *phi, void *user)
+{
+  (void)t, (void)user;
+  phi[0] = q[0];
+  return 0;
+}
+
+static void not_made(nsdae_system *s, const char *argument)
+{
+  nsdae_sim *sim;
+  nsdae_error error;
+  assert_int_equal(nsdae_sim_create(s, NULL, &sim, &error), NSDAE_E_STATE);
+  assert_string_equal(error.argument, argument);
+  nsdae_system_destroy(&s);
+}
+
+/* Callbacks of frictional joints that are missing, given twice or out of place. */
+static void test_joint_callbacks(void **state)
+{
+  static twin t;
+  static const int one = 1;
+  (void)state;
+  draw(&t, 930, 3);
+  nsdae_system *s = twin_numbered(&t, TWIN_BY_MATRIX);
+  nsdae_system_set_joint_friction_rows(s, wrong_joint_rows);
+  not_made(s, "frictional_joint_tangent");
+  s = twin_dense(&t);
+  nsdae_system_set_joint_friction_rows(s, wrong_joint_rows);
+  not_made(s, "joint_friction_rows");
+  assert_int_equal(nsdae_system_create(&(nsdae_dims){.nq = 1, .m = 1, .f = 1}, &s, NULL), NSDAE_OK);
+  nsdae_system_set_blocks(s, 1, &one, &one);
+  nsdae_system_set_mass_blocks(s, no_masses);
+  nsdae_system_set_force(s, no_force);
+  nsdae_system_set_constraint(s, first_coordinate);
+  nsdae_system_set_frictional_joint(s, 0, 0, 0.5);
+  not_made(s, "joint_friction_rows");
+  draw(&t, 931, 2);
+  s = twin_numbered(&t, TWIN_BY_ROWS);
+  assert_int_equal(nsdae_system_set_joint_friction_rows(s, wrong_joint_rows), NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(nsdae_system_error(s)->text, "f = 0"));
+  assert_int_equal(nsdae_system_set_joint_friction_rows(NULL, wrong_joint_rows), NSDAE_E_ARGUMENT);
+  nsdae_system_destroy(&s);
+}
+
 /* Right descriptions pass; one wrong entry is found. */
 static void test_check(void **state)
 {
@@ -307,6 +422,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_methods),     cmocka_unit_test(test_projections),
       cmocka_unit_test(test_constraints), cmocka_unit_test(test_faults),
+      cmocka_unit_test(test_joint_rows),  cmocka_unit_test(test_joint_callbacks),
       cmocka_unit_test(test_check),       cmocka_unit_test(test_allocations)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
