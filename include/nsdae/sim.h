@@ -122,30 +122,40 @@ typedef struct nsdae_impact {
   double time;                  /* event: time of the impact; penalty: time of first contact,
                                    possibly in an earlier step; time stepping: end of the step
                                    [s] */
-  int contact;                  /* from 0; contact list: index into the record's contacts */
+  int contact;                  /* index into the record's contacts, from 0 */
   double normal_impulse;        /* [N s]; time stepping: includes the contact force of the step */
   double tangential_impulse[2]; /* [N s], the first nt entries */
   double velocity_before, velocity_after; /* normal velocity of the contact [m/s] */
   double peak_force; /* largest normal force of a continuous contact [N]; 0 for a rigid contact */
   int accumulation;  /* 1: an accumulation of infinitely many impacts (Zeno) that ends at rest at
                         time */
+  long id;           /* of the contact; fixed contacts: its number */
+  int block[2];      /* blocks of a listed contact, -1: the ground; fixed contacts: -1, -1 */
 } nsdae_impact;
 
 /* A mode transition of a contact or frictional joint; method event only. */
 typedef struct nsdae_change {
-  double time;                 /* [s] */
-  int contact;                 /* from 0; -1: a frictional joint */
-  int frictional_joint;        /* from 0; -1: a contact */
+  double time;          /* [s] */
+  int contact;          /* index into the record's contacts, from 0; -1: a frictional joint */
+  int frictional_joint; /* from 0; -1: a contact */
   int mode_before, mode_after; /* enum nsdae_mode */
+  long id;                     /* as in nsdae_impact; -1: a frictional joint */
+  int block[2];                /* as in nsdae_impact */
 } nsdae_change;
 
-/* Closed contacts of a step from the contact list, in the order of the callback. */
+/* Contacts of a step.
+ *
+ * - fixed contacts: all of them, open or closed, in their order; id is the number, from 0
+ * - contact list: those that were closed in the step, in the order of the callback; none at the
+ *  start */
 typedef struct nsdae_contact_set {
-  int count;                        /* 0 for systems with fixed contacts */
+  int count;                        /* fixed contacts: k */
   const long *id;                   /* [count] */
-  const int *block;                 /* [2 count] */
-  const double *gap;                /* [count] at the last evaluation: moreau at the middle of
-                                       the step, implicit and implicit-printed at its end */
+  const int *block;                 /* [2 count] blocks of a listed contact, -1: the ground; fixed
+                                       contacts: -1, -1 */
+  const double *gap;                /* [count] fixed contacts: at the end of the step; contact list:
+                                       at the last evaluation, moreau at the middle of the step,
+                                       implicit and implicit-printed at its end */
   const double *normal_impulse;     /* [count] over the step */
   const double *tangential_impulse; /* [count nt] */
   const int *mode;                  /* [count] enum nsdae_mode */
@@ -183,7 +193,7 @@ typedef struct nsdae_record {
   const double *q, *v;              /* [nq], [nv] */
   const double *acceleration;       /* [nv] mean over the step, including impacts; 0 at the start */
   const double *multiplier;         /* [m] mean constraint force over the step */
-  const double *gap;                /* [k] */
+  const double *gap;                /* [k], as the next ones: fixed contacts; contact list: NULL */
   const double *normal_impulse;     /* [k] over the step */
   const double *tangential_impulse; /* [k nt] */
   const double *normal_force;       /* [k] mean over the step [N], including impacts */
@@ -194,7 +204,7 @@ typedef struct nsdae_record {
   const double *frictional_joint_force;   /* [f] mean friction force */
   const int *frictional_joint_mode; /* [f] NSDAE_MODE_SLIP or NSDAE_MODE_STICK; NSDAE_MODE_OPEN:
                                        frictionless */
-  nsdae_contact_set contacts;       /* contact list; fixed contacts are in the arrays above */
+  nsdae_contact_set contacts;       /* contacts of the step, fixed or listed */
   double kinetic, potential;        /* [J]; potential is 0 without its callback */
   double dissipated;                /* work absorbed by all contact impulses since the start [J] */
   double lcp_residual;           /* scaled natural residual of the contact problem, 0 without one;

@@ -63,25 +63,31 @@ module nsdae_f_sim
   ! An impact of one contact: at one time (event-driven) or in one step (time stepping).
   type, bind(C), public :: nsdae_impact
     real(c_double) :: time                              ! [s]
-    integer(c_int) :: contact                           ! from 0
+    integer(c_int) :: contact                           ! index into the record's contacts, from 0
     real(c_double) :: normal_impulse                    ! [N s]
     real(c_double) :: tangential_impulse(2)
     real(c_double) :: velocity_before, velocity_after   ! normal velocity [m/s]
     real(c_double) :: peak_force                        ! [N]; 0 for a rigid contact
     integer(c_int) :: accumulation                      ! 1: infinitely many (Zeno), at rest after time
+    integer(c_long) :: id                               ! of the contact; fixed contacts: its number, from 0
+    integer(c_int) :: block(2)                          ! of a listed contact, -1: the ground; fixed contacts: -1
   end type
 
   ! A mode transition of a contact or frictional joint; method event only.
   type, bind(C), public :: nsdae_change
     real(c_double) :: time                              ! [s]
-    integer(c_int) :: contact                           ! from 0; -1: a frictional joint
-    integer(c_int) :: frictional_joint                             ! from 0; -1: a contact
+    integer(c_int) :: contact                           ! as in nsdae_impact; -1: a frictional joint
+    integer(c_int) :: frictional_joint                  ! from 0; -1: a contact
     integer(c_int) :: mode_before, mode_after           ! NSDAE_MODE_OPEN, NSDAE_MODE_SLIP, NSDAE_MODE_STICK
+    integer(c_long) :: id                               ! as in nsdae_impact; -1: a frictional joint
+    integer(c_int) :: block(2)                          ! as in nsdae_impact
   end type
 
-  ! Closed contacts of a step from the contact list; block(:, i) of contact i, numbered from 0.
+  ! Contacts of a step: all fixed contacts in their order, id = 0, 1, ...; or those of the contact
+  ! list that were closed in the step. block(:, i) of contact i are numbered from 0; -1: the ground,
+  ! and of fixed contacts.
   type, public :: nsdae_contact_set
-    integer(c_int) :: count = 0
+    integer(c_int) :: count = 0                                    ! fixed contacts: k
     integer(c_long), pointer :: id(:) => null()
     integer(c_int), pointer :: block(:, :) => null()                ! [2, count]
     real(c_double), pointer :: gap(:) => null()                    ! [count] at the last evaluation
@@ -121,7 +127,7 @@ module nsdae_f_sim
     real(c_double), pointer :: q(:) => null(), v(:) => null()
     real(c_double), pointer :: acceleration(:) => null()        ! [nv] mean over the step
     real(c_double), pointer :: multiplier(:) => null()          ! [m] mean bilateral force
-    real(c_double), pointer :: gap(:) => null()                 ! [k]
+    real(c_double), pointer :: gap(:) => null()                 ! [k], as the next ones; contact list: null
     real(c_double), pointer :: normal_impulse(:) => null()      ! [k] over the step
     real(c_double), pointer :: tangential_impulse(:, :) => null()  ! [nt, k]
     real(c_double), pointer :: normal_force(:) => null()        ! [k] mean over the step [N]
@@ -130,7 +136,7 @@ module nsdae_f_sim
     real(c_double), pointer :: frictional_joint_impulse(:) => null()       ! [f]
     real(c_double), pointer :: frictional_joint_force(:) => null()         ! [f] its mean force
     integer(c_int), pointer :: frictional_joint_mode(:) => null()          ! [f]
-    type(nsdae_contact_set) :: contacts                         ! contact list
+    type(nsdae_contact_set) :: contacts                         ! of the step, fixed or listed
     real(c_double) :: kinetic = 0, potential = 0                ! [J]
     real(c_double) :: dissipated = 0     ! work absorbed by all contact impulses since the start [J]
     real(c_double) :: lcp_residual = 0   ! scaled natural residual
@@ -608,12 +614,9 @@ contains
     call c_f_pointer(from%v, record%v, [dims%nv])
     call c_f_pointer(from%acceleration, record%acceleration, [dims%nv])
     call c_f_pointer(from%multiplier, record%multiplier, [dims%m])
-    call c_f_pointer(from%gap, record%gap, [dims%k])
-    call c_f_pointer(from%normal_impulse, record%normal_impulse, [dims%k])
-    call c_f_pointer(from%tangential_impulse, record%tangential_impulse, [dims%nt, dims%k])
-    call c_f_pointer(from%normal_force, record%normal_force, [dims%k])
-    call c_f_pointer(from%tangential_force, record%tangential_force, [dims%nt, dims%k])
-    call c_f_pointer(from%mode, record%mode, [dims%k])
+    nullify (record%gap, record%normal_impulse, record%tangential_impulse, record%normal_force, &
+             record%tangential_force, record%mode)
+    if (c_associated(from%gap)) call shape_fixed(from, dims, record)
     call c_f_pointer(from%frictional_joint_impulse, record%frictional_joint_impulse, [dims%f])
     call c_f_pointer(from%frictional_joint_force, record%frictional_joint_force, [dims%f])
     call c_f_pointer(from%frictional_joint_mode, record%frictional_joint_mode, [dims%f])
@@ -629,6 +632,18 @@ contains
     call c_f_pointer(from%change, record%change, [from%changes])
     record%changes = from%changes
     record%certificate = from%certificate
+  end subroutine
+
+  subroutine shape_fixed(from, dims, record)
+    type(nsdae_c_record), intent(in) :: from
+    type(nsdae_dims), intent(in) :: dims
+    type(nsdae_record), intent(inout) :: record
+    call c_f_pointer(from%gap, record%gap, [dims%k])
+    call c_f_pointer(from%normal_impulse, record%normal_impulse, [dims%k])
+    call c_f_pointer(from%tangential_impulse, record%tangential_impulse, [dims%nt, dims%k])
+    call c_f_pointer(from%normal_force, record%normal_force, [dims%k])
+    call c_f_pointer(from%tangential_force, record%tangential_force, [dims%nt, dims%k])
+    call c_f_pointer(from%mode, record%mode, [dims%k])
   end subroutine
 
   subroutine shape_contacts(from, nt, contacts)

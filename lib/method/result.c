@@ -117,7 +117,8 @@ nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double
   if (full && last >= 0) return &r->impact[last];
   for (; at > 0 && r->impact[at - 1].time > t; at--) r->impact[at] = r->impact[at - 1];
   r->impacts++;
-  r->impact[at] = (nsdae_impact){.time = t, .contact = contact, .velocity_before = before};
+  r->impact[at] = (nsdae_impact){
+      .time = t, .contact = contact, .velocity_before = before, .id = contact, .block = {-1, -1}};
   return &r->impact[at];
 }
 
@@ -126,7 +127,13 @@ void nsdae_result_change(nsdae_result *r, double t, int contact, int frictional_
 {
   if (before == after) return;
   t = nsdae_system_time(r->end.system, t);
-  r->change[r->changes++] = (nsdae_change){t, contact, frictional_joint, before, after};
+  r->change[r->changes++] = (nsdae_change){.time = t,
+                                           .contact = contact,
+                                           .frictional_joint = frictional_joint,
+                                           .mode_before = before,
+                                           .mode_after = after,
+                                           .id = contact,
+                                           .block = {-1, -1}};
 }
 
 int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)

@@ -72,7 +72,8 @@ void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
 /* Whether the lists hold what one more instant may add: an impact and a change of each contact. */
 int nsdae_result_room(const nsdae_result *result);
 
-/* Impacts and changes are kept in the user's time. */
+/* Impacts and changes are kept in the user's time. The id is that of a fixed contact, its number.
+ */
 
 /* A new impact of the contact, in order of time; or, after a number of them only one for each
  * contact and the next instant is left, that of the same contact and time. */

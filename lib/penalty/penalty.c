@@ -318,7 +318,9 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
                            .velocity_before = -b->start_rate[i],
                            .normal_impulse = b->impulse[i],
                            .velocity_after = p->equations.at.v_n[i],
-                           .peak_force = p->peak[i]};
+                           .peak_force = p->peak[i],
+                           .id = i,
+                           .block = {-1, -1}};
   for (int l = 0, j = i * d->nt; l < d->nt; l++, j++)
     impact->tangential_impulse[l] = b->impulse_t[j];
 }

@@ -80,7 +80,7 @@ static double rounding_of_contacts(const nsdae_point *point)
     double inertia = nsdae_larger(0, c->delassus.G[diagonal]); /* where nothing moves, rounding */
     sum += fabs(r->normal_impulse[c->active[a]]) * sqrt(inertia);
   }
-  for (int i = 0; i < r->contacts.count; i++) {
+  for (int i = 0; T->system->by_list && i < r->contacts.count; i++) {
     const int *block = r->contacts.block + 2 * (size_t)i;
     double m = fmin(lightest(T, block[0]), lightest(T, block[1]));
     sum += fabs(r->contacts.normal_impulse[i]) / sqrt(m);

@@ -40,6 +40,7 @@ static int find_not_finite(const nsdae_point *point)
   const nsdae_result *result = &point->result;
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &result->end.system->dims;
+  int k = r->contacts.count, contact = result->end.system->by_list ? OF_NONE : NSDAE_NAME_CONTACT;
   const part parts[] = {
       {"time", &r->time, 1, OF_ONE, 1},
       {"q", r->q, d->nq, NSDAE_NAME_COORDINATE, 1},
@@ -48,15 +49,11 @@ static int find_not_finite(const nsdae_point *point)
       {"potential", &r->potential, 1, OF_ONE, 1},
       {"dissipated", &r->dissipated, 1, OF_ONE, 1},
       {"multiplier", r->multiplier, d->m, NSDAE_NAME_CONSTRAINT, 1},
-      {"gap", r->gap, d->k, NSDAE_NAME_CONTACT, 1},
-      {"normal_impulse", r->normal_impulse, d->k, NSDAE_NAME_CONTACT, 1},
-      {"tangential_impulse", r->tangential_impulse, d->k * d->nt, NSDAE_NAME_CONTACT, d->nt},
+      {"gap", r->contacts.gap, k, contact, 1},
+      {"normal_impulse", r->contacts.normal_impulse, k, contact, 1},
+      {"tangential_impulse", r->contacts.tangential_impulse, k * d->nt, contact, d->nt},
       {"frictional_joint_impulse", r->frictional_joint_impulse, d->f, NSDAE_NAME_FRICTIONAL_JOINT,
        1},
-      {"contacts.gap", r->contacts.gap, r->contacts.count, OF_NONE, 1},
-      {"contacts.normal_impulse", r->contacts.normal_impulse, r->contacts.count, OF_NONE, 1},
-      {"contacts.tangential_impulse", r->contacts.tangential_impulse, r->contacts.count * d->nt,
-       OF_NONE, 1},
       {"certificate.work", &r->certificate.work, 1, OF_ONE, 1},
       {"certificate.unexplained", &r->certificate.unexplained, 1, OF_ONE, 1},
       {"certificate.constraint_rate", &r->certificate.constraint_rate, 1, OF_ONE, 1},
@@ -71,8 +68,8 @@ static int find_not_finite(const nsdae_point *point)
   if (!isfinite(energy)) return refuse_nonfinite(result, "energy", 0, energy, OF_ONE, 0);
   for (int i = 0; i < r->impacts; i++)
     if (!isfinite(sum_of(&r->impact[i])))
-      return refuse_nonfinite(result, "impact", i, sum_of(&r->impact[i]),
-                              d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE, r->impact[i].contact);
+      return refuse_nonfinite(result, "impact", i, sum_of(&r->impact[i]), contact,
+                              r->impact[i].contact);
   return NSDAE_OK;
 }
 
@@ -90,15 +87,13 @@ int nsdae_point_finite(const nsdae_point *point)
 {
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &point->result.end.system->dims;
-  int listed = r->contacts.count;
+  int k = r->contacts.count;
   const nsdae_certificate *c = &r->certificate;
   double all = r->time + c->work + c->unexplained + r->lcp_residual + r->constraint_drift +
                c->constraint_rate + c->complementarity;
-  all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->normal_impulse, d->k) +
-         sum(r->tangential_impulse, d->k * d->nt) + sum(r->frictional_joint_impulse, d->f);
-  if (listed > 0)
-    all += sum(r->contacts.gap, listed) + sum(r->contacts.normal_impulse, listed) +
-           sum(r->contacts.tangential_impulse, listed * d->nt);
+  all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->contacts.normal_impulse, k) +
+         sum(r->contacts.tangential_impulse, k * d->nt) + sum(r->frictional_joint_impulse, d->f);
+  if (point->result.end.system->by_list) all += sum(r->contacts.gap, k);
   for (int i = 0; i < r->impacts; i++) all += sum_of(&r->impact[i]);
   return isfinite(all) ? NSDAE_OK : find_not_finite(point);
 }

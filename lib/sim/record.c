@@ -11,40 +11,60 @@ enum {
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
+/* k of a system with fixed contacts, 0 of one with a contact list. */
+static int fixed_contacts(const nsdae_point *p)
+{
+  const nsdae_system *s = p->result.end.system;
+  return s->by_list ? 0 : s->dims.k;
+}
+
 /* Where the arrays are: made anew when lists grew. */
 void nsdae_point_show_arrays(nsdae_point *p)
 {
   const nsdae_result *r = &p->result;
   const nsdae_impulses *impulses = &r->impulses;
+  int listed = r->end.system->by_list;
   nsdae_record *to = &p->record;
+  nsdae_contact_set *contacts = &to->contacts;
   to->q = r->end.q;
   to->v = r->end.v;
   to->acceleration = p->acceleration;
   to->multiplier = r->multiplier;
-  to->gap = r->end.gap;
-  to->normal_impulse = to->contacts.normal_impulse = impulses->normal;
-  to->tangential_impulse = to->contacts.tangential_impulse = impulses->tangential;
-  to->normal_force = p->normal_force;
-  to->tangential_force = p->tangential_force;
-  to->mode = to->contacts.mode = impulses->mode;
   to->frictional_joint_impulse = impulses->frictional_joint_impulse;
   to->frictional_joint_force = p->frictional_joint_force;
   to->frictional_joint_mode = impulses->frictional_joint_mode;
-  to->contacts.id = r->closed.id;
-  to->contacts.block = r->closed.block;
-  to->contacts.gap = r->closed.gap;
   to->impact = r->impact;
   to->change = r->change;
+  contacts->id = listed ? r->closed.id : p->number;
+  contacts->block = listed ? r->closed.block : p->no_block;
+  contacts->gap = listed ? r->closed.gap : r->end.gap;
+  contacts->normal_impulse = impulses->normal;
+  contacts->tangential_impulse = impulses->tangential;
+  contacts->mode = impulses->mode;
+  if (listed) return;
+  to->gap = contacts->gap;
+  to->normal_impulse = contacts->normal_impulse;
+  to->tangential_impulse = contacts->tangential_impulse;
+  to->mode = contacts->mode;
+  to->normal_force = p->normal_force;
+  to->tangential_force = p->tangential_force;
 }
 
 void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->result.end.system->dims;
+  long k = fixed_contacts(p);
   nsdae_result_layout(&p->result, arena);
   p->acceleration = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->normal_force = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->tangential_force = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
+  p->normal_force = NSDAE_ARENA_DOUBLES(arena, k);
+  p->tangential_force = NSDAE_ARENA_DOUBLES(arena, k * d->nt);
   p->frictional_joint_force = NSDAE_ARENA_DOUBLES(arena, d->f);
+  p->number = nsdae_arena_take(arena, k, sizeof *p->number);
+  p->no_block = NSDAE_ARENA_INTS(arena, 2 * k);
+  for (int i = 0; arena->base && i < k; i++) {
+    p->number[i] = i;
+    p->no_block[2 * i] = p->no_block[2 * i + 1] = -1;
+  }
   nsdae_point_show_arrays(p);
 }
 
@@ -58,12 +78,13 @@ static void fill_means(nsdae_point *p, const nsdae_terms *from, double h)
 {
   const nsdae_result *r = &p->result;
   const nsdae_dims *d = &r->end.system->dims;
+  int k = fixed_contacts(p);
   double rate = h > 0 ? 1 / h : 0;
   const double *before = from->v, *after = r->end.v;
   double *a = p->acceleration;
   for (int i = 0; i < d->nv; i++) a[i] = rate * (after[i] - before[i]);
-  scale(p->normal_force, r->impulses.normal, d->k, rate);
-  scale(p->tangential_force, r->impulses.tangential, d->k * d->nt, rate);
+  scale(p->normal_force, r->impulses.normal, k, rate);
+  scale(p->tangential_force, r->impulses.tangential, k * d->nt, rate);
   scale(p->frictional_joint_force, r->impulses.frictional_joint_impulse, d->f, rate);
   p->record.duration = r->end.t - from->t;
 }
@@ -80,7 +101,7 @@ static void fill_record(nsdae_point *p)
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
   record->lcp_residual = r->worst_residual;
-  record->contacts.count = r->closed.count;
+  record->contacts.count = r->end.system->by_list ? r->closed.count : fixed_contacts(p);
   record->impacts = r->impacts;
   record->changes = r->changes;
 }
@@ -119,17 +140,21 @@ static void find_impacts(const nsdae_impulses *before, nsdae_result *result, dou
 {
   const nsdae_impulses *r = &result->impulses;
   const nsdae_dims *dims = &result->end.system->dims;
-  int listed = result->end.system->by_list, count = listed ? result->closed.count : dims->k;
+  const nsdae_closed *closed = &result->closed;
+  int listed = result->end.system->by_list, count = listed ? closed->count : dims->k;
   for (int i = 0; i < count; i++) {
-    int idle = listed ? result->closed.fresh[i] : before->normal[i] == 0;
+    int idle = listed ? closed->fresh[i] : before->normal[i] == 0;
     int fresh = idle || r->impact[i];
     if (!(r->normal[i] > 0) || !fresh || !(r->before[i] < -slow)) continue;
     nsdae_impact *impact = &result->impact[result->impacts++];
-    *impact = (nsdae_impact){.time = nsdae_terms_time(&result->end),
-                             .contact = i,
-                             .normal_impulse = r->normal[i],
-                             .velocity_before = r->before[i],
-                             .velocity_after = r->after[i]};
+    *impact = (nsdae_impact){
+        .time = nsdae_terms_time(&result->end),
+        .contact = i,
+        .normal_impulse = r->normal[i],
+        .velocity_before = r->before[i],
+        .velocity_after = r->after[i],
+        .id = listed ? closed->id[i] : i,
+        .block = {listed ? closed->block[2 * i] : -1, listed ? closed->block[2 * i + 1] : -1}};
     for (int j = 0; j < dims->nt; j++)
       impact->tangential_impulse[j] = r->tangential[i * dims->nt + j];
   }
@@ -162,7 +187,8 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   point->accounts.watch.kinetic = point->record.kinetic;
   status = nsdae_certificate_start(sim, point);
   if (status < 0) return status;
-  point->result.closed.count = point->record.contacts.count = 0; /* none did anything yet */
+  point->result.closed.count = 0; /* none did anything yet */
+  point->record.contacts.count = fixed_contacts(point);
   fill_means(point, start, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;

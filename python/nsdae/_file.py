@@ -131,7 +131,7 @@ def _put_names(trajectory: Trajectory, file: Any) -> None:
         _put(file, path, _text(name for name, _ in rows), "", f"names of the {kind}s", (path,))
         if "/" not in path:
             _put(file, f"{path}_unit", _text(unit for _, unit in rows), "", "units of these", (path,))
-    nt = trajectory.tangential_impulse.shape[2]
+    nt = trajectory.tangential_impulse.shape[-1]
     if nt:
         _put(file, "tangent", _text(f"tangent{i}" for i in range(nt)), "", "names of the tangential directions",
              ("tangent",))
@@ -152,7 +152,8 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
 
 
 def _put_certificate(file: Any, trajectory: Trajectory, listed: bool) -> None:
-    has = {"": True, "contact": listed or trajectory.gap.shape[1] > 0, "constraint": trajectory.multiplier.shape[1] > 0}
+    has = {"": True, "contact": listed or trajectory.contacts.shape[1] > 0,
+           "constraint": trajectory.multiplier.shape[1] > 0}
     for path, name, unit, description, axis in CERTIFICATE:
         if trajectory.certificate is not None and has[axis]:
             _put(file, path, np.ascontiguousarray(trajectory.certificate[name]), unit, description, ("time",))
@@ -276,11 +277,13 @@ def fill(trajectory: Trajectory, file: Any) -> None:
     _put(file, "time", trajectory.time, "s", "simulated time", ("time",))
     _put_names(trajectory, file)
     for path, name, unit, description, scales in RECORDS:
+        if listed and path.startswith("contact/"):
+            continue
         values = getattr(trajectory, name)
         if values is not None and all(values.shape[1:]):
             _put(file, path, values, unit, description, scales)
     _put_certificate(file, trajectory, listed)
-    nt = trajectory.tangential_impulse.shape[2]
+    nt = trajectory.tangential_impulse.shape[-1]
     if listed:
         _put_blocks(file, trajectory.blocks)
         _put_contacts(file, trajectory, nt)
@@ -324,7 +327,7 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
     rows = np.zeros(n, dtype=of)
     if f"{group}/contact" not in file and "contact" in (of.names or ()):
         rows["contact"] = -1  # a contact list: no index
-    if "id" in (of.names or ()) and f"{group}/id" not in file:
+    if f"{group}/id" not in file:
         rows["block"] = -1
     dataset = {field: name for name, field in FIELDS.items()}
     for name in of.names or ():
@@ -335,15 +338,21 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
                 rows[name][:, : values.shape[1]] = values
             else:
                 rows[name] = values
-    if "id" in (of.names or ()) and f"{group}/id" not in file:
+    if f"{group}/id" not in file:
         rows["id"] = rows["contact"]
     return rows
 
 
 def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
-    """The contact lists of the n records; of a run that was killed the list may be longer."""
+    """The contacts of the n records; the list of a killed run may be longer."""
     if "contacts" not in file:
-        return {}
+        k = file["contact/gap"].shape[1] if "contact/gap" in file else 0
+        rows = np.zeros((n, k), dtype=of)
+        rows["id"], rows["block"] = np.arange(k), -1
+        for name in ("gap", "normal_impulse", "tangential_impulse", "mode"):
+            if f"contact/{name}" in file:
+                rows[name] = file[f"contact/{name}"][:n]
+        return {"contacts": rows, "contact_count": np.full(n, k, dtype="i4")}
     first, count = file["contacts/first"][:n], file["contacts/count"][:n]
     if (count < 0).any() or not np.array_equal(first, np.cumsum(count, dtype="i8") - count):
         raise ValueError("its /contacts do not follow one another")
@@ -405,23 +414,23 @@ def _read_named(file: Any, shape: Any) -> list[Any]:
 
 def read(file: Any, shape: Any) -> dict[str, Any]:
     """The fields of Trajectory."""
-    from ._records import CHANGE, CLOSED, IMPACT
+    from ._records import CHANGE, IMPACT, contact_row
     n = len(file["time"])
     columns = {"time": file["time"][:n]}
     nt = file["tangent"].shape[0] if "tangent" in file else 0
-    k = file["contact/gap"].shape[1] if "contact/gap" in file else 0
+    contacts = _read_contacts(file, n, contact_row(nt))
     for path, name, _, _, _ in RECORDS:
         kind = "i4" if name.endswith("mode") else "f8"
-        if path in file:
-            columns[name] = file[path][:n]
-        else:
-            columns[name] = np.zeros((n, k, nt) if name == "tangential_impulse" else (n, 0), dtype=kind)
+        if path.startswith("contact/"):
+            continue
+        columns[name] = file[path][:n] if path in file else np.zeros((n, 0), dtype=kind)
     if "energy/potential" not in file:
         columns["potential"] = None
     counts = {kind: columns[name].shape[1] for kind, name in
-              (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"), ("contact", "gap"),
+              (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"),
                ("frictional_joint", "frictional_joint_impulse"))}
-    return {**columns, **_read_contacts(file, n, CLOSED), "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
+    counts["contact"] = 0 if "contacts" in file else contacts["contacts"].shape[1]
+    return {**columns, **contacts, "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),
             "model": _str(file.attrs.get("model", "")), "status": _str(file.attrs.get("status", "")),

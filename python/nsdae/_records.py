@@ -12,11 +12,17 @@ from . import _core
 IMPACT = np.dtype([("time", "f8"), ("contact", "i4"), ("accumulation", "i4"), ("normal_impulse", "f8"),
                    ("tangential_impulse", "f8", 2), ("velocity_before", "f8"), ("velocity_after", "f8"),
                    ("peak_force", "f8"), ("id", "i8"), ("block", "i4", 2)])
-CHANGE = np.dtype({"names": ["time", "contact", "frictional_joint", "mode_before", "mode_after"],
-                   "formats": ["f8", "i4", "i4", "i4", "i4"], "offsets": [0, 8, 12, 16, 20], "itemsize": 24})
-CLOSED = np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode"],
-                   "formats": ["i8", ("i4", 2), "f8", "f8", ("f8", 2), "i4"], "offsets": [0, 8, 16, 24, 32, 48],
-                   "itemsize": 56})
+CHANGE = np.dtype([("time", "f8"), ("contact", "i4"), ("frictional_joint", "i4"), ("mode_before", "i4"),
+                   ("mode_after", "i4"), ("id", "i8"), ("block", "i4", 2)])
+
+
+def contact_row(nt: int) -> np.dtype:
+    """A contact of a record with nt tangential directions."""
+    return np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode"],
+                     "formats": ["i8", ("i4", (2,)), "f8", "f8", ("f8", (nt,)), "i4"], "offsets": [0, 8, 16, 24, 32, 48],
+                     "itemsize": 56})
+
+
 # nsdae_certificate
 CERTIFICATE = np.dtype([(name, "f8") for name in (
     "pull", "cone_excess", "penetration", "constraint_drift", "constraint_rate", "complementarity",
@@ -25,7 +31,7 @@ CERTIFICATE = np.dtype([(name, "f8") for name in (
         "complementarity_contact")])
 assert CERTIFICATE.itemsize == _core.CERTIFICATE_SIZE
 assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
-assert CLOSED.itemsize == _core.CONTACT_ROW_SIZE
+assert contact_row(2).itemsize == _core.CONTACT_ROW_SIZE
 
 OPEN, SLIP, STICK = 0, 1, 2  # modes of contacts and frictional joints
 
@@ -37,7 +43,33 @@ class LcpProblem(NamedTuple):
     b: np.ndarray
 
 
-class Record:
+class ContactColumns:
+    """The fields of the contacts as attributes."""
+
+    contacts: np.ndarray
+
+    @property
+    def gap(self) -> np.ndarray:
+        """``contacts["gap"]``"""
+        return self.contacts["gap"]
+
+    @property
+    def normal_impulse(self) -> np.ndarray:
+        """``contacts["normal_impulse"]``"""
+        return self.contacts["normal_impulse"]
+
+    @property
+    def tangential_impulse(self) -> np.ndarray:
+        """``contacts["tangential_impulse"]``"""
+        return self.contacts["tangential_impulse"]
+
+    @property
+    def mode(self) -> np.ndarray:
+        """``contacts["mode"]``"""
+        return self.contacts["mode"]
+
+
+class Record(ContactColumns):
     """State after a step, with its certificate. The arrays are copies.
 
     Attributes
@@ -52,11 +84,13 @@ class Record:
         Velocities, and mean accelerations of the step.
     multiplier : ndarray, shape (m,)
         Mean bilateral forces of the step.
-    gap, normal_impulse : ndarray, shape (k,)
-        Gaps [m] and normal impulses [N s] of the contacts.
-    tangential_impulse : ndarray, shape (k, nt)
+    contacts : structured ndarray, shape (c,)
+        Contacts, see Notes. All k fixed contacts, or those of a contact list that were closed in the step.
+    gap, normal_impulse : ndarray, shape (c,)
+        Fields of the contacts: gaps [m] and normal impulses [N s].
+    tangential_impulse : ndarray, shape (c, nt)
         Tangential impulses [N s].
-    mode : ndarray of int, shape (k,)
+    mode : ndarray of int, shape (c,)
         `OPEN`, `SLIP` or `STICK`.
     frictional_joint_impulse, frictional_joint_mode : ndarray, shape (f,)
         Friction impulses [N s] and modes of the frictional joints.
@@ -69,14 +103,15 @@ class Record:
     penetration : float
         Largest overlap [m].
     impacts, changes : structured ndarray
-        Impacts and mode transitions of the step.
-    contacts : structured ndarray
-        Closed contacts of a contact list: id, block [2] (-1: the ground), gap, normal_impulse, tangential_impulse [2], mode.
+        Impacts and mode transitions of the step, with the fields of those of `Trajectory`.
     certificate : structured scalar
         Residuals of the laws and the energy balance, see Notes.
 
     Notes
     -----
+    Fields of the contacts: id (fixed contacts: the number), block [2] (of a contact list; -1: the ground), gap, normal_impulse,
+    tangential_impulse [nt], mode.
+
     Fields of the certificate:
 
     - pull, cone_excess [N s], penetration [m], constraint_drift, constraint_rate, complementarity [J];
@@ -92,10 +127,6 @@ class Record:
     v: np.ndarray
     acceleration: np.ndarray
     multiplier: np.ndarray
-    gap: np.ndarray
-    normal_impulse: np.ndarray
-    tangential_impulse: np.ndarray
-    mode: np.ndarray
     frictional_joint_impulse: np.ndarray
     frictional_joint_mode: np.ndarray
     kinetic: float
@@ -106,14 +137,14 @@ class Record:
     penetration: float
     impacts: np.ndarray
     changes: np.ndarray
-    contacts: np.ndarray
     certificate: np.void
 
     def __init__(self, arrays: dict[str, Any]):
-        self.impacts, self.changes, self.contacts = events(arrays)
+        self.impacts, self.changes, contacts = events(arrays)
+        self.contacts = contacts[0] if contacts.ndim == 2 else contacts
         self.certificate = certificates(arrays)[0]
         for name, values in arrays.items():
-            if name not in EVENTS and name not in ("contact_count", "certificate"):
+            if name not in EVENTS and name not in ("contact_count", "nt", "certificate"):
                 row = values[0] if isinstance(values, np.ndarray) else values
                 setattr(self, name, row.item() if isinstance(row, np.generic) else row)
 
@@ -130,8 +161,8 @@ EVENTS = ("impacts", "changes", "contacts")
 
 
 def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Impacts, mode transitions and contacts of the list, from their bytes."""
+    """Impacts, mode transitions and contacts, from their bytes."""
     def rows(name: str, of: np.dtype) -> np.ndarray:
-        return arrays[name].reshape(-1).view(of)
+        return arrays[name].view(of)[..., 0]
 
-    return rows("impacts", IMPACT), rows("changes", CHANGE), rows("contacts", CLOSED)
+    return rows("impacts", IMPACT), rows("changes", CHANGE), rows("contacts", contact_row(arrays["nt"]))

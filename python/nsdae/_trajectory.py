@@ -11,11 +11,8 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from . import _file
-from ._records import CLOSED, EVENTS, certificates, events
+from ._records import EVENTS, ContactColumns, certificates, events
 from ._system import KINDS, System
-
-_AXES = {"coordinate": "q", "velocity": "v", "constraint": "multiplier", "contact": "gap",
-         "frictional_joint": "frictional_joint_impulse"}
 
 
 def names_of(system: System) -> dict[str, list[tuple[str, str]]]:
@@ -73,7 +70,7 @@ class Shape:
 
 
 @dataclass
-class Trajectory:
+class Trajectory(ContactColumns):
     """Result of a run, as arrays of n records: the start, and the recorded steps.
 
     ``trajectory["theta"]`` is the column of a coordinate or velocity by its name.
@@ -88,10 +85,15 @@ class Trajectory:
         Velocities.
     multiplier : ndarray, shape (n, m)
         Mean bilateral forces of the step.
-    gap, normal_impulse, mode : ndarray, shape (n, k)
-        Gaps [m], normal impulses [N s] and modes (0 open, 1 slip, 2 stick) of the fixed contacts.
-    tangential_impulse : ndarray, shape (n, k, nt)
+    contacts : structured ndarray, shape (n, k) or (c,)
+        Fixed contacts: all of each record. Contact list: the closed contacts of all records one after another; `contacts_at`
+        selects a record.
+    gap, normal_impulse, mode : ndarray, shape (n, k) or (c,)
+        Fields of the contacts: gaps [m], normal impulses [N s] and modes (0 open, 1 slip, 2 stick).
+    tangential_impulse : ndarray, shape (n, k, nt) or (c, nt)
         [N s]
+    contact_count : ndarray of int, shape (n,)
+        Number of contacts of each record.
     frictional_joint_impulse, frictional_joint_mode : ndarray, shape (n, f)
         Friction impulses [N s] and modes of the frictional joints.
     kinetic, dissipated : ndarray, shape (n,)
@@ -106,10 +108,6 @@ class Trajectory:
         Impacts and mode transitions, see Notes.
     names : dict
         ``{"coordinate": [(name, unit), ...], ...}``, also of "velocity", "constraint", "contact", "frictional_joint".
-    contacts : structured ndarray
-        Closed contacts of a contact list, all records one after another; `contacts_at` selects a record.
-    contact_count : ndarray of int, shape (n,)
-        Number of these contacts of each record.
     blocks : ndarray or None, shape (blocks, 2)
         nq and nv of each block, with a contact list.
     options, stats, parameters : dict
@@ -124,19 +122,20 @@ class Trajectory:
     Fields of the structured arrays:
 
     - impacts: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after, peak_force, accumulation
-      (1: Zeno accumulation that ends at its time). With a contact list contact is -1, and id and block [2] name it.
-    - changes: time, contact, frictional_joint, mode_before, mode_after (method "event").
-    - contacts: id, block [2], gap, normal_impulse, tangential_impulse [2], mode.
+      (1: Zeno accumulation that ends at its time), id, block [2].
+    - changes: time, contact, frictional_joint, mode_before, mode_after, id, block [2] (method "event").
+    - contacts: id, block [2], gap, normal_impulse, tangential_impulse [nt], mode.
+
+    id is the number of a fixed contact, from 0, or the identifier in the contact list. block has the blocks of a listed contact;
+    -1 is the ground, and both are -1 for fixed contacts. contact is the number of a fixed contact, or -1.
     """
 
     time: np.ndarray
     q: np.ndarray
     v: np.ndarray
     multiplier: np.ndarray
-    gap: np.ndarray
-    normal_impulse: np.ndarray
-    tangential_impulse: np.ndarray
-    mode: np.ndarray
+    contacts: np.ndarray
+    contact_count: np.ndarray
     frictional_joint_impulse: np.ndarray
     frictional_joint_mode: np.ndarray
     kinetic: np.ndarray
@@ -154,21 +153,15 @@ class Trajectory:
     model: str = ""
     status: str = "complete"
     shapes: list[Shape] = field(default_factory=list)
-    contacts: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=CLOSED))
-    contact_count: np.ndarray | None = None
     blocks: np.ndarray | None = None
     certificate: np.ndarray | None = None
-
-    def __post_init__(self) -> None:
-        if self.contact_count is None:
-            self.contact_count = np.zeros(len(self.time), dtype="i4")
 
     @classmethod
     def _of_run(cls, arrays: dict[str, Any], names: dict[str, list[tuple[str, str]]], *, has_potential: bool,
                 **told: Any) -> Trajectory:
         impacts, changes, contacts = events(arrays)
         columns = {name: values for name, values in arrays.items()
-                   if name not in (*EVENTS, "acceleration", "potential", "certificate")}
+                   if name not in (*EVENTS, "nt", "acceleration", "potential", "certificate")}
         return cls(**columns, potential=arrays["potential"] if has_potential else None, impacts=impacts, changes=changes,
                    contacts=contacts, certificate=certificates(arrays), names=names, **told)
 
@@ -178,7 +171,7 @@ class Trajectory:
         return str(self.options.get("method", ""))
 
     def contacts_at(self, record: int) -> np.ndarray:
-        """Returns the closed contacts of the contact list in the step of a record.
+        """Returns the contacts of a record.
 
         Parameters
         ----------
@@ -191,7 +184,7 @@ class Trajectory:
         """
         ends = np.cumsum(self.contact_count)
         i = range(len(self))[record]
-        return self.contacts[ends[i] - self.contact_count[i] : ends[i]]
+        return self.contacts.reshape(-1)[ends[i] - self.contact_count[i] : ends[i]]
 
     def __len__(self) -> int:
         return len(self.time)

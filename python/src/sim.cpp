@@ -64,33 +64,41 @@ int watch::look()
 namespace
 {
 
-impact_row row_of(const nsdae_impact &p, const nsdae_contact_set &set)
+// Contacts of a list have no number.
+bool is_listed(const nsdae_record &r)
 {
-  impact_row row = {p.time,
-                    p.contact,
-                    p.accumulation,
-                    p.normal_impulse,
-                    {p.tangential_impulse[0], p.tangential_impulse[1]},
-                    p.velocity_before,
-                    p.velocity_after,
-                    p.peak_force,
-                    p.contact,
-                    {-1, -1}};
-  if (set.count == 0) return row;
-  row.contact = -1; // contacts of a list have no number
-  row.id = set.id[p.contact];
-  std::copy(set.block + 2 * p.contact, set.block + 2 * p.contact + 2, row.block);
-  return row;
+  return !r.gap;
+}
+
+impact_row row_of(const nsdae_impact &p, bool listed)
+{
+  return {p.time,
+          listed ? -1 : p.contact,
+          p.accumulation,
+          p.normal_impulse,
+          {p.tangential_impulse[0], p.tangential_impulse[1]},
+          p.velocity_before,
+          p.velocity_after,
+          p.peak_force,
+          p.id,
+          {p.block[0], p.block[1]}};
 }
 
 } // namespace
 
 void columns::add_events(const nsdae_record &r)
 {
-  for (int i = 0; i < r.impacts; i++) impacts.push_back(row_of(r.impact[i], r.contacts));
+  const bool list = is_listed(r);
+  for (int i = 0; i < r.impacts; i++) impacts.push_back(row_of(r.impact[i], list));
   for (int i = 0; i < r.changes; i++) {
     const nsdae_change &c = r.change[i];
-    changes.push_back({c.time, c.contact, c.frictional_joint, c.mode_before, c.mode_after});
+    changes.push_back({c.time,
+                       list ? -1 : c.contact,
+                       c.frictional_joint,
+                       c.mode_before,
+                       c.mode_after,
+                       c.id,
+                       {c.block[0], c.block[1]}});
   }
 }
 
@@ -116,11 +124,7 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   append(v, r.v, d.nv);
   append(acceleration, r.acceleration, d.nv);
   append(multiplier, r.multiplier, d.m);
-  append(gap, r.gap, d.k);
-  append(normal_impulse, r.normal_impulse, d.k);
-  append(tangential_impulse, r.tangential_impulse, d.k * d.nt);
   append(frictional_joint_impulse, r.frictional_joint_impulse, d.f);
-  if (d.k > 0) mode.insert(mode.end(), r.mode, r.mode + d.k);
   if (d.f > 0)
     frictional_joint_mode.insert(frictional_joint_mode.end(), r.frictional_joint_mode,
                                  r.frictional_joint_mode + d.f);
@@ -131,18 +135,25 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   constraint_drift.push_back(r.constraint_drift);
   penetration.push_back(r.penetration);
   certificates.push_back(r.certificate);
+  listed = is_listed(r);
   add_contacts(r.contacts, d.nt);
 }
 
 namespace
 {
 
-// Rows of a struct as bytes [n, size].
-template <class T> nb::object bytes_of(const std::vector<T> &rows)
+// Rows of a struct as bytes [shape, size].
+template <class T> nb::object bytes_of(const std::vector<T> &rows, std::vector<std::size_t> shape)
 {
   const auto *first = reinterpret_cast<const std::uint8_t *>(rows.data());
   std::vector<std::uint8_t> copy(first, first + rows.size() * sizeof(T));
-  return array_of(copy, {rows.size(), sizeof(T)});
+  shape.push_back(sizeof(T));
+  return array_of(copy, shape);
+}
+
+template <class T> nb::object bytes_of(const std::vector<T> &rows)
+{
+  return bytes_of(rows, {rows.size()});
 }
 
 } // namespace
@@ -154,17 +165,14 @@ nb::dict columns::arrays(const nsdae_dims &d)
   nb::dict a;
   a["impacts"] = bytes_of(impacts);
   a["changes"] = bytes_of(changes);
-  a["contacts"] = bytes_of(contacts);
+  a["contacts"] = listed ? bytes_of(contacts) : bytes_of(contacts, {n, size(d.k)});
+  a["nt"] = d.nt;
   a["certificate"] = bytes_of(certificates);
   a["contact_count"] = array_of(contact_count, {n});
   a["q"] = array_of(q, {n, size(d.nq)});
   a["v"] = array_of(v, {n, size(d.nv)});
   a["acceleration"] = array_of(acceleration, {n, size(d.nv)});
   a["multiplier"] = array_of(multiplier, {n, size(d.m)});
-  a["gap"] = array_of(gap, {n, size(d.k)});
-  a["normal_impulse"] = array_of(normal_impulse, {n, size(d.k)});
-  a["tangential_impulse"] = array_of(tangential_impulse, {n, size(d.k), size(d.nt)});
-  a["mode"] = array_of(mode, {n, size(d.k)});
   a["frictional_joint_impulse"] = array_of(frictional_joint_impulse, {n, size(d.f)});
   a["frictional_joint_mode"] = array_of(frictional_joint_mode, {n, size(d.f)});
   struct {

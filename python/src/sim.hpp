@@ -37,7 +37,7 @@ struct impact_row {
   int block[2];
 };
 
-// A closed contact of a contact list.
+// A contact of a record.
 struct contact_row {
   std::int64_t id;
   int block[2];
@@ -48,18 +48,20 @@ struct contact_row {
 struct change_row {
   double time;
   int contact, frictional_joint, mode_before, mode_after;
+  std::int64_t id;
+  int block[2];
 };
 
 // Records of a run, in columns.
 struct columns {
-  std::vector<double> time, q, v, acceleration, multiplier, gap, normal_impulse, tangential_impulse,
-      frictional_joint_impulse, kinetic, potential, dissipated, lcp_residual, constraint_drift,
-      penetration;
-  std::vector<int> mode, frictional_joint_mode, contact_count;
+  std::vector<double> time, q, v, acceleration, multiplier, frictional_joint_impulse, kinetic,
+      potential, dissipated, lcp_residual, constraint_drift, penetration;
+  std::vector<int> frictional_joint_mode, contact_count;
   std::vector<contact_row> contacts;
   std::vector<impact_row> impacts;
   std::vector<change_row> changes;
   std::vector<nsdae_certificate> certificates;
+  bool listed = false;
   void add(const nsdae_record &r, const nsdae_dims &d);
   void add_events(const nsdae_record &r);
   void add_contacts(const nsdae_contact_set &set, int nt);

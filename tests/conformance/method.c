@@ -51,6 +51,23 @@ static void expect_laws(const watch *w, const nsdae_record *r)
     assert_in_range(r->frictional_joint_mode[j], NSDAE_MODE_OPEN, NSDAE_MODE_STICK);
 }
 
+/* The arrays by contact are those of the contacts, each with its number as id. */
+static void expect_contacts(const watch *w, const nsdae_record *r)
+{
+  const nsdae_contact_set *c = &r->contacts;
+  assert_int_equal(c->count, w->dims.k);
+  assert_true(c->gap == r->gap && c->mode == r->mode && c->normal_impulse == r->normal_impulse &&
+              c->tangential_impulse == r->tangential_impulse);
+  for (int i = 0; i < c->count; i++) {
+    assert_int_equal(c->id[i], i);
+    assert_true(c->block[2 * i] == -1 && c->block[2 * i + 1] == -1);
+  }
+  for (int i = 0; i < r->changes; i++) {
+    assert_int_equal(r->change[i].id, r->change[i].contact);
+    assert_true(r->change[i].block[0] == -1 && r->change[i].block[1] == -1);
+  }
+}
+
 static void expect_certificate(const watch *w, const nsdae_record *r)
 {
   const double certificate[] = {r->kinetic,      r->potential,        r->dissipated,
@@ -69,6 +86,8 @@ static void expect_impacts(const watch *w, const nsdae_record *r)
   double before = w->records > 0 ? w->at[w->records - 1].time : r->time;
   for (int i = 0; i < r->impacts; i++) {
     assert_in_range(r->impact[i].contact, 0, w->dims.k - 1);
+    assert_int_equal(r->impact[i].id, r->impact[i].contact);
+    assert_true(r->impact[i].block[0] == -1 && r->impact[i].block[1] == -1);
     assert_true(r->impact[i].normal_impulse >= 0);
     assert_at_most(r->impact[i].velocity_before, 1e-9); /* zero: pushed by another impact */
     assert_true(r->impact[i].time >= before || r->impact[i].peak_force > 0);
@@ -85,6 +104,7 @@ static int observe(const nsdae_record *r, nsdae_error *error, void *user)
   expect_finite(r->q, w->dims.nq);
   expect_finite(r->v, w->dims.nv);
   expect_laws(w, r);
+  expect_contacts(w, r);
   expect_certificate(w, r);
   expect_impacts(w, r);
   if (r->step == w->fail_at) { /* once: it is shown this step again */

@@ -544,6 +544,7 @@ void test_blocks()
   for (int i = 0; i < 5; i++) sim.step();
   const nsdae_contact_set contacts = sim.record().contacts;
   EXPECT(contacts.count == 2 && contacts.id[1] == 11 && contacts.block[3] == 0);
+  EXPECT(!sim.record().gap && !sim.record().normal_impulse && !sim.record().mode);
   EXPECT(std::fabs(contacts.normal_impulse[0] - 100.1) < 1e-9);
   EXPECT(std::fabs(contacts.normal_impulse[1] - 100) < 1e-9);
   spoil = true;
@@ -573,7 +574,10 @@ void test_numbered_blocks()
     const nsdae_record record = sim.record();
     EXPECT(std::fabs(record.normal_impulse[0] - 100.1) < 1e-9);
     EXPECT(std::fabs(record.normal_impulse[1] - 100) < 1e-9);
-    EXPECT(record.contacts.count == 0);
+    EXPECT(record.contacts.count == 2 && record.contacts.id[1] == 1);
+    EXPECT(record.contacts.block[2] == -1 && record.contacts.block[3] == -1);
+    EXPECT(record.contacts.gap == record.gap);
+    EXPECT(record.contacts.normal_impulse == record.normal_impulse);
   }
 }
 

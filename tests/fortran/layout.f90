@@ -310,6 +310,8 @@ contains
     call same_place('nsdae_impact%velocity_after', c_loc(x), c_loc(x%velocity_after))
     call same_place('nsdae_impact%peak_force', c_loc(x), c_loc(x%peak_force))
     call same_place('nsdae_impact%accumulation', c_loc(x), c_loc(x%accumulation))
+    call same_place('nsdae_impact%id', c_loc(x), c_loc(x%id))
+    call same_place('nsdae_impact%block', c_loc(x), c_loc(x%block))
   end subroutine
 
   subroutine change_fields()
@@ -319,6 +321,8 @@ contains
     call same_place('nsdae_change%frictional_joint', c_loc(x), c_loc(x%frictional_joint))
     call same_place('nsdae_change%mode_before', c_loc(x), c_loc(x%mode_before))
     call same_place('nsdae_change%mode_after', c_loc(x), c_loc(x%mode_after))
+    call same_place('nsdae_change%id', c_loc(x), c_loc(x%id))
+    call same_place('nsdae_change%block', c_loc(x), c_loc(x%block))
   end subroutine
 
   subroutine record_fields()

@@ -54,6 +54,8 @@ static void see_impacts(seen *s, const nsdae_record *r)
     int at = r->impact[i].contact;
     assert_in_range(at, 0, r->contacts.count - 1);
     assert_true(s->impacts < 100 * DISKS);
+    assert_int_equal(r->impact[i].id, r->contacts.id[at]);
+    assert_memory_equal(r->impact[i].block, r->contacts.block + 2 * at, 2 * sizeof(int));
     s->impact_id[s->impacts] = r->contacts.id[at];
     memcpy(s->impact_block[s->impacts], r->contacts.block + 2 * at, 2 * sizeof(int));
   }

@@ -58,10 +58,8 @@ typedef struct nsdae_table {
 /* What the columns are taken from. */
 typedef struct nsdae_row {
   nsdae_record record;
-  long first;          /* where its contacts begin in the list of all */
-  nsdae_impact impact; /* with the id and blocks of its contact if contacts are listed */
-  long id;
-  int block[2];
+  long first; /* where its contacts begin in the list of all */
+  nsdae_impact impact;
   nsdae_change change;
 } nsdae_row;
 

@@ -82,19 +82,13 @@ static void append_record(nsdae_trajectory *t, const nsdae_record *record)
 {
   const nsdae_row row = {.record = *record,
                          .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
-  append_rows(t, NSDAE_CONTACTS, &row, record->contacts.count);
+  append_rows(t, NSDAE_CONTACTS, &row, record->gap ? 0 : record->contacts.count);
   append_rows(t, NSDAE_RECORDS, &row, 1);
 }
 
 static void append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
 {
-  const nsdae_contact_set *all = &record->contacts;
-  int at = record->impact[i].contact;
-  nsdae_row row = {.impact = record->impact[i]};
-  if (all->count > 0) {
-    row.id = all->id[at];
-    memcpy(row.block, all->block + 2 * at, sizeof row.block);
-  }
+  const nsdae_row row = {.impact = record->impact[i]};
   append_rows(t, NSDAE_IMPACTS, &row, 1);
 }
 
@@ -141,5 +135,5 @@ void nsdae_trajectory_append_last(nsdae_trajectory *t)
   if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->rows.step) return;
   append_record(t, &last);
   t->rows.extra = 1;
-  t->rows.extra_contacts = last.contacts.count;
+  t->rows.extra_contacts = last.gap ? 0 : last.contacts.count;
 }
