@@ -138,6 +138,7 @@ static const entry entries[] = {
     SIZE(nsdae_contact)
     AT(nsdae_contact, block) AT(nsdae_contact, gap) AT(nsdae_contact, mu) AT(nsdae_contact, e_n)
     AT(nsdae_contact, e_t) AT(nsdae_contact, w) AT(nsdae_contact, omega)
+    AT(nsdae_contact, omega_given)
     AT(nsdae_contact, direction) AT(nsdae_contact, wide)
     SIZE(nsdae_rigid_body)
     AT(nsdae_rigid_body, inertia) AT(nsdae_rigid_body, position) AT(nsdae_rigid_body, angle)

@@ -433,6 +433,7 @@ contains
     call same_place('nsdae_contact%e_t', c_loc(x), c_loc(x%e_t))
     call same_place('nsdae_contact%w', c_loc(x), c_loc(x%w))
     call same_place('nsdae_contact%omega', c_loc(x), c_loc(x%omega))
+    call same_place('nsdae_contact%omega_given', c_loc(x), c_loc(x%omega_given))
     call same_place('nsdae_contact%direction', c_loc(x), c_loc(x%direction))
     call same_place('nsdae_contact%wide', c_loc(x), c_loc(x%wide))
   end subroutine
