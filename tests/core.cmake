@@ -34,6 +34,8 @@ foreach(name contact_islands law contacts random slides)
   nsdae_unit_test(contact ${name})
 endforeach()
 
+nsdae_unit_test(tracking tracking)
+target_include_directories(test_unit_tracking_tracking PRIVATE support)
 nsdae_unit_test(smooth runge_kutta)
 nsdae_unit_test(smooth ida)
 target_link_libraries(test_unit_smooth_ida PRIVATE test_process_allocator)

@@ -155,6 +155,7 @@ struct system_guts {
   callback<double, const double *, double *, int, double *> frictional_joint_tangent;
   callback<double, const double *, const double *, double *> kinematics;
   callback<double, const double *, double *> potential;
+  callback<double, const double *, const double *, double *> contact_speed;
   /* clang-format on */
   /* callbacks.list: end */
 
@@ -432,6 +433,13 @@ public:
   template <class F> system &potential(F f)
   {
     return keep(NSDAE_CALLBACK(potential), std::move(f));
+  }
+  /* Upper bound of |d g_N / dt| at (t,q,v) of every contact that a contact list can have. Methods
+   * event and penalty derive from it the reach of a step. Without it they estimate the bound.
+   *   f(double t, const double *q, const double *v, double *speed) */
+  template <class F> system &contact_speed(F f)
+  {
+    return keep(NSDAE_CALLBACK(contact_speed), std::move(f));
   }
   /* callbacks.list: end */
 

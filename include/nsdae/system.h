@@ -90,6 +90,10 @@ typedef int (*nsdae_kinematics_fn)(double t, const double *q, const double *v, d
                                    void *user);
 /* Potential energy U(t,q); used in energy reports only. */
 typedef int (*nsdae_potential_fn)(double t, const double *q, double *energy, void *user);
+/* Upper bound of |d g_N / dt| at (t,q,v) of every contact that a contact list can have. Methods
+ * event and penalty derive from it the reach of a step. Without it they estimate the bound. */
+typedef int (*nsdae_contact_speed_fn)(double t, const double *q, const double *v, double *speed,
+                                      void *user);
 /* callbacks.list: end */
 
 /* Creates a system without callbacks. error may be NULL. NSDAE_E_ARGUMENT: a size is out of range;
@@ -152,6 +156,7 @@ NSDAE_API int nsdae_system_set_frictional_joint_tangent(nsdae_system *system,
                                                         nsdae_frictional_joint_fn callback);
 NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn callback);
 NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn callback);
+NSDAE_API int nsdae_system_set_contact_speed(nsdae_system *system, nsdae_contact_speed_fn callback);
 /* callbacks.list: end */
 
 /* Sets the coefficients of contact 0 <= i < k; the defaults are zero.

@@ -146,7 +146,8 @@ static int check_finite(probe *p)
 
 int nsdae_callback_guard_callbacks(const nsdae_callback_guard *of)
 {
-  static const char *const names[] = {"constraint", "gap", "kinematics", "potential"};
+  static const char *const names[] = {"constraint", "gap", "kinematics", "potential",
+                                      "contact_speed"};
   int status = NSDAE_OK;
   for (int c = 0; c < nsdae_callbacks_count && status == NSDAE_OK; c++) {
     probe p = {.of = of, .callback = &nsdae_callbacks[c]};

@@ -31,6 +31,7 @@ CALL(contact_acceleration, at->v, out[0], out[1], out[2])
 CALL(frictional_joint_tangent, out[0], ld[0], out[1])
 CALL(kinematics, at->v, out[0])
 CALL(potential, out[0])
+CALL(contact_speed, at->v, out[0])
 /* callbacks.list: end */
 
 #define COORDINATE       NSDAE_NAME_COORDINATE
@@ -73,6 +74,8 @@ const nsdae_callback nsdae_callbacks[] = {
      {{"qdot", COORDINATE, -1, 0, 0}}},
     {"potential", has_potential, call_potential, 1,
      {{"energy", -1, -1, 0, 0}}},
+    {"contact_speed", has_contact_speed, call_contact_speed, 1,
+     {{"speed", -1, -1, 0, 0}}},
     /* clang-format on */
     /* callbacks.list: end */
 };

@@ -198,6 +198,7 @@ SETTER(frictional_joint_tangent, nsdae_frictional_joint_fn, d->f > 0,
        "the system has no frictional joints (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
+SETTER(contact_speed, nsdae_contact_speed_fn, 1, "")
 /* callbacks.list: end */
 
 static int bad_coefficient(nsdae_system *system, const char *setter, const char *name, double value,

@@ -48,6 +48,7 @@ typedef struct nsdae_calls {
   nsdae_frictional_joint_fn frictional_joint_tangent;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
+  nsdae_contact_speed_fn contact_speed;
   /* callbacks.list: end */
   nsdae_mass_blocks_fn mass_blocks;
   nsdae_constraint_rows_fn constraint_rows;

@@ -14,6 +14,7 @@ typedef struct nsdae_tracked {
   int *used;    /* k */
   int *block;   /* 2 k */
   double reach; /* within which lists are asked for */
+  int wanted;   /* slots that the last update took, or would have taken */
 } nsdae_tracked;
 
 /* The slot of an id among k; -1: none. The search starts at `likely`. */

@@ -25,6 +25,7 @@ _ARGUMENTS = {
     "frictional_joint_tangent": "double t, const double *q, double *W, int ldw, double *w_s, void *user",
     "kinematics": "double t, const double *q, const double *v, double *qdot, void *user",
     "potential": "double t, const double *q, double *energy, void *user",
+    "contact_speed": "double t, const double *q, const double *v, double *speed, void *user",
     "mass_blocks": "double t, const double *q, double *M, void *user",
     "constraint_rows": "double t, const double *q, nsdae_row_list *rows, void *user",
     "joint_friction_rows": "double t, const double *q, nsdae_row_list *rows, double *w_s, void *user",

@@ -120,6 +120,7 @@ class System:
     - ``frictional_joint_tangent(t, q, W, w_s)``: W [nv, f], w_s [f]
     - ``kinematics(t, q, v, qdot)``: qdot [nq]
     - ``potential(t, q)`` returns the energy
+    - ``contact_speed(t, q, v)`` returns a bound of the rates of all gaps of ``contacts``
 
     A block-sparse system has ``mass_blocks``, ``force_damping_blocks`` and ``force_stiffness_blocks`` in place of ``mass``,
     ``force_damping`` and ``force_stiffness``. It may have ``constraint_rows`` in place of ``constraint_jacobian``,

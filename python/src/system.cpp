@@ -73,6 +73,8 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
   case role_force_stiffness_blocks:
   case role_contacts:
     return {q, v};
+  case role_contact_speed:
+    return {q, v, out(1)};
   default:
     return {q, out(1)}; // potential: its value
   }
@@ -182,7 +184,8 @@ void system::set_function(const std::string &name, nb::object function)
   role r = role_of(name);
   open();
   if (nsdae_system_simulations(handle) == 0) {
-    callbacks[r].set_function(function.ptr(), slots_of(r, dims, blocks), r == role_potential);
+    bool returns = r == role_potential || r == role_contact_speed;
+    callbacks[r].set_function(function.ptr(), slots_of(r, dims, blocks), returns);
     callbacks[r].blocks = &blocks;
   }
   install_or_drop(r);

@@ -17,7 +17,7 @@ namespace nsdae_python
 // clang-format off
 #define NSDAE_PYTHON_ROLES(X) \
   X(mass) X(force) X(force_damping) X(force_stiffness) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal) \
-  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(frictional_joint_tangent) X(kinematics) X(potential) \
+  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(frictional_joint_tangent) X(kinematics) X(potential) X(contact_speed) \
   X(mass_blocks) X(constraint_rows) X(joint_friction_rows) X(force_damping_blocks) X(force_stiffness_blocks) X(contacts)
 // clang-format on
 

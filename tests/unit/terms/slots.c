@@ -47,7 +47,7 @@ static int begin(fixture *f, uint64_t seed, unsigned left_out)
   f->list = *as_list_system(f->as_list);
   f->list.by_list = 0;
   f->list.dims.k = SLOTS;
-  f->tracked = (nsdae_tracked){f->id, f->used, f->block, 1e3};
+  f->tracked = (nsdae_tracked){.id = f->id, .used = f->used, .block = f->block, .reach = 1e3};
   f->list.tracked = &f->tracked;
   for (int i = 0; i < 2; i++) {
     f->differences[i].system = f->terms[i].system = i ? &f->list : f->fixed;

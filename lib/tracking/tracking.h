@@ -1,0 +1,61 @@
+/* The contacts of a list near a smooth motion: which ids have a slot.
+ *
+ * Of a step [t0, t0 + h] the list is asked at the start, in the middle and at the end for gaps up
+ * to
+ *
+ *   R = near + h V,   |d g_N / dt| <= V.
+ *
+ * A contact whose gap is at most `near` at some time of the step has at most near + h V / 4 at the
+ * nearest of the three, so it is listed there, even if V is four times too small. V is the largest
+ * at the three times: from the callback contact_speed, or the estimate
+ *
+ *   V = 2 (sum_j L_j |v_j| + w),
+ *
+ * over the velocities of the two fastest blocks, with L_j the largest |W_N| at velocity j so far,
+ * at least 1 and the width of the block, and w the largest |w_N| so far. Open contacts have no
+ * force: a step remains right whichever of them have slots. */
+#ifndef NSDAE_TRACKING_H
+#define NSDAE_TRACKING_H
+
+#include "arena.h"
+#include "listed.h"
+#include "state.h"
+
+/* Moves terms to time t of the step and gives them; NSDAE_OK, or a status. */
+typedef int nsdae_tracking_look(double t, nsdae_terms **terms, void *user);
+
+typedef struct nsdae_tracking {
+  const nsdae_system *model; /* with k slots; coefficients are set by slot */
+  nsdae_tracked *table;      /* the model's */
+  nsdae_error *error;
+  double near; /* who comes as near as that has a slot */
+  nsdae_tracking_look *look;
+  void *user;
+  int *fresh;  /* k: 1 since the slot has its contact, until the user sets it to 0 */
+  int *listed; /* k: where the list was asked last */
+  double *gap; /* k: of a fresh contact where it was listed first */
+  /* in the method's memory */
+  int *used, *block, *id;      /* k, 2 k, 2 k: both halves of the number */
+  double *law, *lever, *still; /* 3 k: mu, e_n, e_t; nv: L_j; 2: w, the table's reach */
+} nsdae_tracking;
+
+void nsdae_tracking_layout(nsdae_tracking *tracking, nsdae_arena *arena);
+
+/* Lays its arrays over a method's memory; the table to there, and back. */
+void nsdae_tracking_lay(nsdae_tracking *tracking, const nsdae_system *model,
+                        nsdae_memory_part *part);
+void nsdae_tracking_store(const nsdae_tracking *tracking);
+void nsdae_tracking_load(nsdae_tracking *tracking);
+
+/* Terms are at the start of a run or of a dt, whose longest step is h: frees the slots of contacts
+ * that are not within R and not kept [k], gives slots to those that are within it. The status of a
+ * callback or a list; NSDAE_ARRAYS_GROW also if a slot is missing. */
+int nsdae_tracking_begin(nsdae_tracking *tracking, nsdae_terms *terms, double h, const int *keep);
+
+/* After a step from one time to another: every contact that comes as near as `near` in it gets a
+ * slot. The number of new ones, or a status; NSDAE_E_CALLBACK if a contact was not listed in time,
+ * or moves faster than contact_speed says. Lists within the table's reach then have the new ones
+ * from the start of the step on. The terms that `look` moved are anywhere in it. */
+int nsdae_tracking_cover(nsdae_tracking *tracking, double from, double to);
+
+#endif
