@@ -183,6 +183,7 @@ static int integrator_failed(penalty *p, int status, double t)
 {
   nsdae_stepper *s = p->equations.stepper;
   const char *cause = p->integrator.cause;
+  if (status == NSDAE_ARRAYS_GROW) return status;
   if (s->error->status != NSDAE_OK) return s->error->status;
   int velocity = fastest(p, t);
   if (s->error->status != NSDAE_OK) return s->error->status;          /* no solution there */
@@ -444,7 +445,8 @@ static int step_or_start(penalty *p)
   if (steps >= (stiff ? STIFF_STEPS_MAX : STEPS_MAX)) return start(p, from, stiff);
   int status = one_step(p);
   if (status == NSDAE_OK) return NSDAE_OK;
-  if (!stiff || !automatic || p->equations.stepper->error->status != NSDAE_OK)
+  int grows = status == NSDAE_ARRAYS_GROW;
+  if (grows || !stiff || !automatic || p->equations.stepper->error->status != NSDAE_OK)
     return integrator_failed(p, status, from);
   p->ahead = from;
   status = move_base(p, from); /* by what IDA has */
@@ -520,8 +522,9 @@ static int replay(penalty *p, const nsdae_terms *to)
   int status = start_integrator(p);
   for (*b->steps = 0; status == NSDAE_OK && *b->steps < steps;) status = one_step(p);
   if (status < 0) return integrator_failed(p, status, p->ahead);
-  if (to->t <= p->ahead && read_state(p, to->t, p->equations.room) == NSDAE_OK &&
-      memcmp(p->equations.room, to->q, nq) == 0 &&
+  if (to->t <= p->ahead) status = read_state(p, to->t, p->equations.room);
+  if (status < 0) return integrator_failed(p, status, p->ahead);
+  if (to->t <= p->ahead && memcmp(p->equations.room, to->q, nq) == 0 &&
       memcmp(p->equations.room + d->nq, to->v, nv) == 0)
     return NSDAE_OK;
   memcpy(q, to->q, nq);

@@ -342,8 +342,8 @@ int nsdae_ida_advance(nsdae_ida *s, double *t)
   if (nsdae_progress_lost(&s->progress, reached > from) && s->flag >= 0) s->flag = IDA_CONV_FAIL;
   if (s->flag >= 0) hold_step(s);
   if (s->flag < 0) {
-    int callback = s->progress.failed || s->progress.refused;
-    return callback ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+    if (s->progress.failed) return nsdae_progress_status(s->progress.failed);
+    return s->progress.refused ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
   }
   *t = s->t = reached;
   measure_way(s);

@@ -131,7 +131,7 @@ static int first_step(nsdae_runge_kutta *rk)
                                        : isfinite(curve) ? pow(0.01 / curve, 1.0 / rk->pair->order)
                                                          : h));
   if (hint < rk->h && hint > HINT * rk->h) rk->h = hint;
-  return code < 0 ? NSDAE_E_CALLBACK : NSDAE_OK;
+  return code < 0 ? nsdae_progress_status(code) : NSDAE_OK;
 }
 
 int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y)
@@ -142,7 +142,8 @@ int nsdae_runge_kutta_start(nsdae_runge_kutta *rk, double t, const double *y)
   rk->border = rk->is_dense = 0;
   memcpy(rk->y, y, (size_t)rk->n * sizeof *y);
   memcpy(rk->dense[0], y, (size_t)rk->n * sizeof *y);
-  if (rate(rk, t, rk->y, 1, rate_here(rk)) != 0) return NSDAE_E_CALLBACK;
+  int code = rate(rk, t, rk->y, 1, rate_here(rk));
+  if (code != 0) return nsdae_progress_status(code);
   measure_way(rk);
   return first_step(rk);
 }
@@ -213,7 +214,7 @@ static int make_dense(nsdae_runge_kutta *rk)
   if (rk->is_dense) return NSDAE_OK;
   for (int s = p->stages + 1; s < p->all && code == 0; s++)
     code = stage(rk, rk->from, rk->dense[0], h, rk->controlled, s);
-  if (code != 0) return code < 0 ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+  if (code != 0) return code < 0 ? nsdae_progress_status(code) : NSDAE_E_CONVERGENCE;
   for (int i = 0; i < rk->n; i++) {
     double change = rk->y[i] - rk->dense[0][i], bend = h * rk->k[0][i] - change;
     rk->dense[1][i] = change;
@@ -249,7 +250,8 @@ int nsdae_runge_kutta_advance(nsdae_runge_kutta *rk)
     if (code < 0) break;
   }
   rk->last = 0; /* its stages are lost */
-  return rk->progress.failed || rk->progress.refused ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
+  if (rk->progress.failed) return nsdae_progress_status(rk->progress.failed);
+  return rk->progress.refused ? NSDAE_E_CALLBACK : NSDAE_E_CONVERGENCE;
 }
 
 void nsdae_runge_kutta_retreat(nsdae_runge_kutta *rk, double part)

@@ -43,7 +43,8 @@ static int start_ida(nsdae_smooth *g, double t, const double *qv)
   size_t controlled = (size_t)s->controlled, forces = (size_t)s->forces;
   memset(g->y, 0, (size_t)s->n * sizeof *qv);
   memcpy(g->y, qv, controlled * sizeof *qv);
-  if (s->rate(t, g->y, g->ydot, 1, s->user) != 0) return NSDAE_E_CALLBACK;
+  int code = s->rate(t, g->y, g->ydot, 1, s->user);
+  if (code != 0) return nsdae_progress_status(code);
   memcpy(g->y + controlled, g->ydot + controlled, forces * sizeof *qv);
   memset(g->ydot + controlled, 0, forces * sizeof *qv);
   return nsdae_ida_start(g->ida, &tolerances, t, g->y, g->ydot, g->first);
@@ -78,8 +79,8 @@ static int find_powers(nsdae_smooth *g)
     int status = nsdae_ida_read(g->ida, t, 0, g->y);
     if (status == NSDAE_OK) status = nsdae_ida_read(g->ida, t, 1, g->ydot);
     if (status < 0) return status;
-    if (g->powers(t, g->y, g->ydot, g->power + i * further, g->steps.user) != 0)
-      return NSDAE_E_CALLBACK;
+    int code = g->powers(t, g->y, g->ydot, g->power + i * further, g->steps.user);
+    if (code != 0) return nsdae_progress_status(code);
   }
   return NSDAE_OK;
 }

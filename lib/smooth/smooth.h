@@ -7,7 +7,10 @@
  * The forces a follow from q and v: f gives them as rates of their integrals, which makes y and y'
  * at a start consistent. With IDA the integrals are those of its polynomial of degree 5 at most, by
  * Gauss's quadrature with three points, which is exact for that degree; they are no part of
- * Newton's system. */
+ * Newton's system.
+ *
+ * A callback's code NSDAE_ARRAYS_GROW (nsdae_progress_code) ends a start, a step or a reading with
+ * that status: a list is full. */
 #ifndef NSDAE_SMOOTH_H
 #define NSDAE_SMOOTH_H
 

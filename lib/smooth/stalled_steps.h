@@ -7,6 +7,8 @@
 
 #include <nsdae/status.h>
 
+#include "lists.h"
+
 enum { NSDAE_STALLED_MAX = 100 };
 
 typedef struct nsdae_progress {
@@ -18,9 +20,15 @@ typedef struct nsdae_progress {
 /* A status of the library as a callback's code: what a smaller step may help is positive. */
 static inline int nsdae_progress_code(int status, const nsdae_error *error)
 {
-  if (status == NSDAE_OK) return 0;
+  if (status == NSDAE_OK || status == NSDAE_ARRAYS_GROW) return status;
   if (status == NSDAE_E_CALLBACK) return error->code < 0 ? -1 : 1;
   return status == NSDAE_E_NONFINITE ? -1 : 1;
+}
+
+/* The status of an integrator that a code ended: a full list is no failure of a callback. */
+static inline int nsdae_progress_status(int code)
+{
+  return code == NSDAE_ARRAYS_GROW ? NSDAE_ARRAYS_GROW : NSDAE_E_CALLBACK;
 }
 
 /* Notes a callback's code and hands it on. */
