@@ -2,10 +2,28 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <nsdae/status.h>
 
 enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector register */
+
+static size_t aligned(size_t bytes)
+{
+  return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+/* The next array of a layout: counted, noted, or copied from the block of before. */
+static void note(nsdae_arena_log *log, void *start, size_t bytes)
+{
+  size_t *had = log->bytes ? &log->bytes[log->count] : NULL;
+  log->count++;
+  if (!had) return;
+  if (!log->from) *had = bytes;
+  if (!log->from || !start) return;
+  if (*had > 0) memcpy(start, log->from + log->at, *had < bytes ? *had : bytes);
+  log->at += aligned(*had);
+}
 
 void *nsdae_arena_take(nsdae_arena *arena, long count, size_t size)
 {
@@ -15,7 +33,8 @@ void *nsdae_arena_take(nsdae_arena *arena, long count, size_t size)
   }
   void *start = arena->base ? arena->base + arena->used : NULL;
   size_t bytes = (size_t)count * size;
-  arena->used += (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+  arena->used += aligned(bytes);
+  if (arena->log) note(arena->log, start, bytes);
   return start;
 }
 
@@ -68,4 +87,48 @@ void nsdae_arena_release(nsdae_arena *arena)
 {
   if (arena->base) free(((void **)(void *)arena->base)[-1]);
   *arena = (nsdae_arena){0};
+}
+
+/* The layout over a block that is there. */
+static void lay_over(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                     void *object, nsdae_arena_log *log)
+{
+  arena->used = 0;
+  arena->log = log;
+  layout(object, arena);
+  arena->log = NULL;
+}
+
+int nsdae_arena_resize(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                       void (*change)(void *object, int back), void *object, nsdae_arena *old)
+{
+  nsdae_arena_log log = {0};
+  nsdae_arena larger = {0};
+  lay_over(arena, layout, object, &log);
+  log.bytes = malloc((log.count + 1) * sizeof *log.bytes);
+  log.count = 0;
+  if (log.bytes) lay_over(arena, layout, object, &log);
+  change(object, 0);
+  lay_over(&larger, layout, object, NULL);
+  larger.base = log.bytes && !larger.overflow ? aligned_zeros(larger.used) : NULL;
+  larger.size = larger.used;
+  *old = *arena;
+  *arena = larger;
+  log = (nsdae_arena_log){.bytes = log.bytes, .from = old->base};
+  if (arena->base)
+    lay_over(arena, layout, object, &log);
+  else
+    nsdae_arena_restore(arena, layout, change, object, old);
+  free(log.bytes);
+  return log.count > 0 ? NSDAE_OK : NSDAE_E_MEMORY;
+}
+
+void nsdae_arena_restore(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                         void (*change)(void *object, int back), void *object, nsdae_arena *old)
+{
+  change(object, 1);
+  nsdae_arena_release(arena);
+  *arena = *old;
+  *old = (nsdae_arena){0};
+  lay_over(arena, layout, object, NULL);
 }

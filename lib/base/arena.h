@@ -6,11 +6,20 @@
 
 #include <stddef.h>
 
+/* The arrays of a layout, in their order. */
+typedef struct nsdae_arena_log {
+  size_t *bytes; /* of each; NULL: they are counted */
+  size_t count,
+      at; /* so far; of those before the next one in the block that they are copied from */
+  const char *from; /* that block; NULL: nothing is copied */
+} nsdae_arena_log;
+
 typedef struct nsdae_arena {
   char *base; /* NULL while measuring */
   size_t used;
-  size_t size;  /* bytes of the block */
-  int overflow; /* a size was negative or the sum does not fit size_t */
+  size_t size;          /* bytes of the block */
+  int overflow;         /* a size was negative or the sum does not fit size_t */
+  nsdae_arena_log *log; /* or NULL */
 } nsdae_arena;
 
 /* count entries of the given size, aligned to 64 bytes and zeroed; NULL while measuring. */
@@ -34,5 +43,20 @@ int nsdae_arena_build(nsdae_arena *arena, void (*layout)(void *object, nsdae_are
 int nsdae_arena_fit(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
                     void *object);
 void nsdae_arena_release(nsdae_arena *arena);
+
+/* Arrays of other lengths, after `change`, in a new block: each begins with what it had, up to
+ * where the layout calls nsdae_arena_zeros, and it takes as many arrays there before and after.
+ * *old is the block of before, to be released: after NSDAE_E_MEMORY the object is as it was, and
+ * *old is empty. back: `change` undoes itself. */
+int nsdae_arena_resize(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                       void (*change)(void *object, int back), void *object, nsdae_arena *old);
+/* The arrays that follow are zeros in a new block. */
+static inline void nsdae_arena_zeros(nsdae_arena *arena)
+{
+  arena->log = NULL;
+}
+/* Undoes it. */
+void nsdae_arena_restore(nsdae_arena *arena, void (*layout)(void *object, nsdae_arena *arena),
+                         void (*change)(void *object, int back), void *object, nsdae_arena *old);
 
 #endif

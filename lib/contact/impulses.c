@@ -58,3 +58,22 @@ void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double sha
 {
   nsdae_blend((int)doubles(dims), share, from->before, to->before);
 }
+
+void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,
+                          const nsdae_impulses *from)
+{
+  size_t n = (size_t)count, t = n * (size_t)dims->nt, f = (size_t)dims->f;
+  const size_t size[] = {n, n, n, t, t, t, f, f, f};
+  double *const into[] = {to->before,       to->after,       to->normal,
+                          to->before_t,     to->after_t,     to->tangential,
+                          to->slide_before, to->slide_after, to->frictional_joint_impulse};
+  double *const of[] = {from->before,       from->after,       from->normal,
+                        from->before_t,     from->after_t,     from->tangential,
+                        from->slide_before, from->slide_after, from->frictional_joint_impulse};
+  nsdae_impulses_clear(to, dims);
+  for (int i = 0; i < 9; i++)
+    if (size[i] > 0) memcpy(into[i], of[i], size[i] * sizeof *into[i]);
+  if (n > 0) memcpy(to->impact, from->impact, n * sizeof *to->impact);
+  if (n > 0) memcpy(to->mode, from->mode, n * sizeof *to->mode);
+  if (f > 0) memcpy(to->frictional_joint_mode, from->frictional_joint_mode, f * sizeof(int));
+}

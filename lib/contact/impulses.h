@@ -22,6 +22,11 @@ typedef struct nsdae_impulses {
 void nsdae_impulses_layout(nsdae_impulses *impulses, const nsdae_dims *dims, nsdae_arena *arena);
 void nsdae_impulses_clear(nsdae_impulses *impulses, const nsdae_dims *dims);
 
+/* Those of the first contacts, and of the frictional joints, of impulses of other dimensions; of
+ * the rest none. */
+void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,
+                          const nsdae_impulses *from);
+
 /* sum of Lambda (v(+) + v(-)) / 2 over contacts of these numbers; NULL: from 0 on. */
 double nsdae_impulses_work(const nsdae_impulses *impulses, int nt, int count, const int *contact);
 

@@ -169,7 +169,7 @@ static void gather_forces(nsdae_sharing *s)
     for (int l = column; l < c->first_column[a + 1]; l++) {
       s->normal[l] = column;
       s->weight[l] = l > column && most > 0 ? s->emphasis[a] / most : 1;
-      s->force_number[l] = l == column ? i : d->k + i * d->nt + l - column - 1;
+      s->force_number[l] = i * (1 + d->nt) + l - column;
     }
   }
 }
@@ -362,20 +362,19 @@ static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
 
 /* ---- relations for a phase */
 
-/* The relations by the numbers of the phase's forces. */
 static void hand_over(nsdae_sharing *s)
 {
   const nsdae_shared *m = s->of;
   const nsdae_dims *d = &system_of(s)->dims;
-  size_t all = (size_t)(d->k * (1 + d->nt));
-  memset(m->related, 0, all * sizeof *m->related);
+  int all = d->k * (1 + d->nt);
+  memset(m->related, 0, (size_t)all * sizeof *m->related);
   for (int i = 0; i < s->rows.dependent_count; i++) {
-    int p = s->rows.dependent[i];
-    double *r = m->relation + (size_t)s->force_number[p] * all;
-    m->related[s->force_number[p]] = 1;
-    memset(r, 0, all * sizeof *r);
+    int p = s->rows.dependent[i], force = s->force_number[p];
+    m->related[force] = 1;
+    for (int l = 0; l < all; l++) m->relation[nsdae_relation_at(d->nt, force, l)] = 0;
     for (int l = 0; l < contact_columns(s); l++)
-      r[s->force_number[l]] = row_of(s, s->relation, p)[l];
+      m->relation[nsdae_relation_at(d->nt, force, s->force_number[l])] =
+          row_of(s, s->relation, p)[l];
   }
 }
 

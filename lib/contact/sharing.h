@@ -28,8 +28,8 @@ typedef struct nsdae_shared {
   int *mode;                     /* k: of the solution; what others hold is to stick */
   const int *moving, *breakaway; /* k: slides already; and just began to */
   const int *frictional_joint_mode, *slide_sense; /* f */
-  int *related;       /* out, by force i for F_N, k + j for F_T: has a relation */
-  double *relation;   /* their r, by rows */
+  int *related;       /* out, k (1 + nt), by contact F_N and F_T: has a relation */
+  double *relation;   /* the square of it: their r, see nsdae_relation_at */
   int *slide_row;     /* out, f: one that sticks has a row */
   double *slide_part; /* out, f: F_S = -mu |lambda| times this if it has none */
 } nsdae_shared;
@@ -38,7 +38,8 @@ typedef struct nsdae_shared {
 typedef struct nsdae_sharing {
   const nsdae_shared *of; /* in work */
   nsdae_rank_revealing rows;
-  int *normal, *force_number; /* n: column of the same contact's normal; of the phase's forces */
+  int *normal, *force_number; /* n: column of the same contact's normal; i (1 + nt) of F_N of
+                                 contact i, F_T after it */
   double *relation;           /* n x n, by rows */
   double *force, *weight;     /* n */
   double *emphasis;           /* k, by place among the active */
@@ -47,6 +48,15 @@ typedef struct nsdae_sharing {
   double *system, *shift;     /* n x n, n: of fulfil_relations */
   int *pivot;                 /* n */
 } nsdae_sharing;
+
+/* The place of r_l of force p: pairs of contacts shell by shell, so that those of fewer contacts
+ * are the beginning. */
+static inline size_t nsdae_relation_at(int nt, int p, int l)
+{
+  size_t columns = 1 + (size_t)nt, i = (size_t)p / columns, j = (size_t)l / columns;
+  size_t shell = i > j ? i : j, pair = shell * shell + (i == shell ? j : shell + 1 + i);
+  return (pair * columns + (size_t)p % columns) * columns + (size_t)l % columns;
+}
 
 void nsdae_sharing_layout(nsdae_sharing *sharing, const nsdae_dims *dims, nsdae_arena *arena);
 

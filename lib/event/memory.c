@@ -7,26 +7,25 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
                 nsdae_memory_part *part)
 {
   const nsdae_dims *d = &s->system->dims;
-  size_t k = (size_t)d->k, kt = k * (size_t)d->nt, f = (size_t)d->f;
+  size_t nt = (size_t)d->nt, f = (size_t)d->f;
   int **of_slide[] = {&m->frictional_joint, &m->slide_sense, &m->normal_sense, &m->slide_row};
   int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->integrator};
-  nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
-  for (int i = 0; i < 2; i++)
-    b->basis[i] = nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
-  m->contact = nsdae_memory_wholes(part, k);
-  b->rattle.count = nsdae_memory_wholes(part, k);
+  nsdae_stepper_lay_cones(s, part);
+  for (int i = 0; i < 2; i++) b->basis[i] = nsdae_stepper_lay_basis(s, part);
+  m->contact = nsdae_memory_slot_wholes(part, 1);
+  b->rattle.count = nsdae_memory_slot_wholes(part, 1);
   for (int i = 0; i < 4; i++) *of_slide[i] = nsdae_memory_wholes(part, f);
-  m->related = nsdae_memory_wholes(part, k + kt);
+  m->related = nsdae_memory_slot_wholes(part, 1 + nt);
   for (int i = 0; i < 6; i++) *of_one[i] = nsdae_memory_wholes(part, 1);
   b->finer = nsdae_memory_wholes(part, 2);
   b->difference_error = nsdae_memory_reals(part, 2);
   m->slide_part = nsdae_memory_reals(part, f);
-  m->relation = nsdae_memory_reals(part, (k + kt) * (k + kt));
+  m->relation = nsdae_memory_slot_pairs(part, (1 + nt) * (1 + nt));
   m->basis = nsdae_memory_reals(part, (size_t)nsdae_kkt_basis_size(&s->kkt));
   b->y = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
-  b->direction = nsdae_memory_reals(part, kt);
-  b->blur = nsdae_memory_reals(part, k);
-  b->rattle.last = nsdae_memory_reals(part, k);
+  b->direction = nsdae_memory_slot_reals(part, nt);
+  b->blur = nsdae_memory_slot_reals(part, 1);
+  b->rattle.last = nsdae_memory_slot_reals(part, 1);
   double **real[] = {&b->t, &b->slow, &b->none, &b->goal, &b->h};
   for (int i = 0; i < 5; i++) *real[i] = nsdae_memory_reals(part, 1);
 }
@@ -41,7 +40,8 @@ void nsdae_event_memory_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, const nsdae_stepper *s,
                      nsdae_memory *memory)
 {
-  nsdae_memory_part part = {.real = memory->real, .whole = memory->whole};
+  nsdae_memory_part part = {
+      .real = memory->real, .whole = memory->whole, .slots = (size_t)s->system->dims.k};
   lay(b, &p->roots->phase->modes, s, &part);
   nsdae_contacts_remember(&p->impacts.problem, b->basis[0], NULL);
   nsdae_contacts_remember(&p->acceleration.problem, b->basis[1], NULL);

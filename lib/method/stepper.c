@@ -81,10 +81,22 @@ void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_resul
   state->terms->evals = s->middle.evals = result->end.evals = &result->counters.evals;
 }
 
+int *nsdae_stepper_lay_basis(const nsdae_stepper *s, nsdae_memory_part *part)
+{
+  int *basis = nsdae_memory_slot_wholes(part, (size_t)s->contacts.rows_most);
+  nsdae_memory_wholes(part, 3 * (size_t)s->contacts.slides.count);
+  return basis;
+}
+
+void nsdae_stepper_lay_cones(const nsdae_stepper *s, nsdae_memory_part *part)
+{
+  nsdae_memory_slot_reals(part, s->contacts.cones.most > 0 ? 1 + (size_t)s->system->dims.nt : 0);
+}
+
 void nsdae_stepper_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
-  nsdae_memory_reals(part, nsdae_contacts_warm_size(&s->contacts));
-  nsdae_memory_wholes(part, nsdae_contacts_memory_size(&s->contacts));
+  nsdae_stepper_lay_cones(s, part);
+  nsdae_stepper_lay_basis(s, part);
 }
 
 void nsdae_step_end(const nsdae_step *step)

@@ -63,6 +63,9 @@ void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae
 
 /* The memory of a method that keeps the warm start of its contacts alone. */
 void nsdae_stepper_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
+/* Its parts: impulses of cones, then the basis, which another problem may have, too. */
+void nsdae_stepper_lay_cones(const nsdae_stepper *stepper, nsdae_memory_part *part);
+int *nsdae_stepper_lay_basis(const nsdae_stepper *stepper, nsdae_memory_part *part);
 
 /* The frame of such a method's advance; the end reads impulse and contacts into the result. */
 static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state,

@@ -10,11 +10,13 @@
 #include "sim_impl.h"
 #include "system_impl.h"
 
-static void layout_sim(void *object, nsdae_arena *arena)
+void nsdae_sim_layout(void *object, nsdae_arena *arena)
 {
   nsdae_sim *sim = object;
-  nsdae_stepper_layout(&sim->stepper, arena);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) nsdae_point_layout(&sim->point[i], arena);
+  nsdae_units_layout(&sim->projection, arena);
+  nsdae_arena_zeros(arena);
+  nsdae_stepper_layout(&sim->stepper, arena);
   nsdae_projector_layout(&sim->projection, arena);
   size_t size = nsdae_callback_guard_size(&sim->model),
          start = nsdae_initial_size(&sim->model.dims), watch = 2 * (size_t)sim->model.dims.nv;
@@ -110,6 +112,30 @@ static int first_room(nsdae_sim *sim)
   return nsdae_sim_make_room(sim, &contacts, &rows);
 }
 
+void nsdae_sim_measure(nsdae_sim *sim)
+{
+  nsdae_stepper_prepare(&sim->stepper);
+  sim->projection.rows_most = nsdae_projected_rows(sim);
+  for (int i = 0; i < 3; i++) {
+    nsdae_memory *memory = &sim->point[i].result.memory;
+    nsdae_memory_part part = {.slots = (size_t)sim->model.dims.k};
+    sim->method->lay(&sim->stepper, &part);
+    memory->reals = part.reals;
+    memory->wholes = part.wholes;
+  }
+}
+
+int nsdae_sim_make_method(nsdae_sim *sim)
+{
+  int status = nsdae_cones_open(&sim->stepper.contacts.cones);
+  if (status < 0)
+    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
+                           "out of memory for a simulation of this size");
+  if (sim->method->create) return sim->method->create(&sim->stepper, &sim->own);
+  sim->own = &sim->stepper;
+  return NSDAE_OK;
+}
+
 /* Everything that has a size, and the method. */
 static int build(nsdae_sim *sim)
 {
@@ -121,30 +147,18 @@ static int build(nsdae_sim *sim)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
                            "out of memory, or of threads of the system, for threads = %d",
                            sim->options.threads);
-  nsdae_stepper_prepare(stepper);
   sim->method = nsdae_stepping_of(sim->options.method);
   sim->projection.tools = stepper;
-  sim->projection.rows_most = nsdae_projected_rows(sim);
   sim->now = &sim->point[0];
   sim->next = &sim->point[1];
   sim->aside = sim->method->settle ? &sim->point[2] : NULL;
-  for (int i = 0; i < 3; i++) {
-    nsdae_result *r = &sim->point[i].result;
-    nsdae_stepper_prepare_terms(stepper, &r->end);
-    nsdae_memory_part part = {.slots = (size_t)sim->model.dims.k};
-    sim->method->lay(stepper, &part);
-    r->memory.reals = part.reals;
-    r->memory.wholes = part.wholes;
-  }
-  if (nsdae_arena_build(&sim->arena, layout_sim, sim) < 0 ||
-      nsdae_cones_open(&stepper->contacts.cones) < 0)
+  nsdae_sim_measure(sim);
+  for (int i = 0; i < 3; i++) nsdae_stepper_prepare_terms(stepper, &sim->point[i].result.end);
+  if (nsdae_arena_build(&sim->arena, nsdae_sim_layout, sim) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
                            "out of memory for a simulation of this size");
   int status = first_room(sim);
-  if (status < 0) return status;
-  if (sim->method->create) return sim->method->create(stepper, &sim->own);
-  sim->own = stepper;
-  return NSDAE_OK;
+  return status < 0 ? status : nsdae_sim_make_method(sim);
 }
 
 int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options, nsdae_sim **sim,

@@ -136,6 +136,12 @@ struct nsdae_sim {
   nsdae_lists lists;
 };
 
+/* What a size of the model leads to: sizes of what has one, then its arrays (of a simulation), then
+ * what the method works with: own, to be destroyed if it fails. */
+void nsdae_sim_measure(nsdae_sim *sim);
+void nsdae_sim_layout(void *sim, nsdae_arena *arena);
+int nsdae_sim_make_method(nsdae_sim *sim);
+
 /* More room in every list, as the one that was full calls for. NSDAE_OK, NSDAE_E_MEMORY, and
  * NSDAE_E_ARGUMENT where contacts_max is met: everything is as before. */
 int nsdae_sim_grow(nsdae_sim *sim);

@@ -464,9 +464,11 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
     return status;
   }
   nsdae_sim_commit(sim);
-  const nsdae_units units = sim->projection.units;
-  sim->projection.units = sim->projection.other;
-  sim->projection.other = units;
+  nsdae_units *units = &sim->projection.units, *other = &sim->projection.other;
+  size_t nq = (size_t)sim->system->dims.nq;
+  units->count = other->count;
+  memcpy(units->of, other->of, nq * sizeof *units->of);
+  memcpy(units->length, other->length, nq * sizeof *units->length);
   sim->stage.started = sim->stage.told = 1;
   sim->stage.failed = 0;
   sim->stage.warning.status = sim->stage.start.status = NSDAE_OK;

@@ -22,15 +22,20 @@ static long moved(const nsdae_system *s)
   return sum;
 }
 
+void nsdae_units_layout(nsdae_projector *p, nsdae_arena *arena)
+{
+  int nq = p->tools->system->dims.nq;
+  nsdae_units *const units[] = {&p->units, &p->other};
+  for (int i = 0; i < 2; i++) {
+    units[i]->of = NSDAE_ARENA_INTS(arena, nq);
+    units[i]->length = NSDAE_ARENA_DOUBLES(arena, nq);
+  }
+}
+
 void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->tools->system->dims;
   nsdae_least_layout(&p->least, p->tools->system, p->rows_most, p->tools->options->rank_tol, arena);
-  nsdae_units *const units[] = {&p->units, &p->other};
-  for (int i = 0; i < 2; i++) {
-    units[i]->of = NSDAE_ARENA_INTS(arena, d->nq);
-    units[i]->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  }
   p->total = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);

@@ -39,7 +39,8 @@ typedef struct nsdae_projector {
   int contacts_alone;       /* they decide where it ends; constraints get as near as they can */
 } nsdae_projector;
 
-/* tools and rows_most are set before. */
+/* tools and rows_most are set before; the first takes the arrays of the groups. */
+void nsdae_units_layout(nsdae_projector *projection, nsdae_arena *arena);
 void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
 
 /* Looks for the groups at (t, q) and keeps their lengths. NSDAE_OK, or what the kinematics returns.

@@ -42,7 +42,8 @@ static int breaks_away(const nsdae_event_roots *roots, const double *y, int i)
   for (int j = 0; j < d->k; j++) {
     const nsdae_event_root *root = nsdae_event_root_of(roots, NSDAE_ROOT_TANGENT, j);
     if (m->contact[j] != NSDAE_MODE_STICK) continue;
-    for (int l = 0; l < d->nt; l++) shared |= m->related[d->k + j * d->nt + l];
+    for (int l = 0; l < d->nt; l++)
+      shared |= nsdae_event_is_related(roots->phase, d->k + j * d->nt + l);
     double most =
         roots->phase->setting->system->contact[j].mu * y[roots->phase->setting->at.normal + j];
     all &= root->found ||
@@ -173,7 +174,7 @@ static int bring_velocities(nsdae_event_instant *p, double *y)
   const nsdae_terms *T = phase->setting->here;
   double fast = nsdae_event_velocity_size(phase->setting), drift = 0;
   for (int i = 0; i < T->system->dims.k; i++)
-    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && !phase->modes.related[i])
+    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && !nsdae_event_is_related(phase, i))
       drift = fmax(drift, fabs(nsdae_terms_normal_rate(T, i, T->v)));
   int status = drift > fast && drift <= SUSPECT * fast
                    ? nsdae_event_project_velocities(&p->projection, NULL, y)
@@ -259,7 +260,7 @@ static deviation deviation_at(const nsdae_event_phase *phase)
   for (int i = 0; i < d->m; i++)
     is.velocity = fmax(is.velocity, fabs(nsdae_terms_constraint_rate(T, i, T->v)) / fast);
   for (int i = 0; i < d->k; i++) {
-    if (phase->modes.contact[i] == NSDAE_MODE_OPEN || phase->modes.related[i]) continue;
+    if (phase->modes.contact[i] == NSDAE_MODE_OPEN || nsdae_event_is_related(phase, i)) continue;
     double gap = fabs(T->gap[i]) / far, rate = fabs(nsdae_terms_normal_rate(T, i, T->v)) / fast;
     int has_normal = nsdae_rows_largest(&T->system->blocks, &T->by.normal, i) > 0;
     is.gap = fmax(is.gap, gap);

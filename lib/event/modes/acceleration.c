@@ -14,7 +14,6 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   nsdae_contacts_layout(&p->problem, d, arena);
   nsdae_sharing_layout(&p->sharing, d, arena);
   p->law = nsdae_arena_take(arena, k, sizeof *p->law);
-  p->resting = nsdae_arena_take(arena, k, sizeof *p->resting);
   nsdae_impulses_layout(&p->solution, d, arena);
   p->sense = NSDAE_ARENA_INTS(arena, d->f);
   p->a = NSDAE_ARENA_DOUBLES(arena, d->nv);
@@ -30,7 +29,6 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   p->problem.slides.sense = p->sense;
 }
 
-/* A polygon is put around the friction cone, so that a contact that would leave it does slide. */
 void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
 {
   const nsdae_event_setting *s = p->phase->setting;
@@ -39,10 +37,16 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
   p->problem.given = p->law;
   p->problem.cones.most = d->nt == 2 ? d->k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol, edges);
-  double around = d->nt == 2 ? cos(acos(-1) / edges) : 1;
-  for (int i = 0; p->law && i < d->k; i++)
-    p->law[i] = p->resting[i] =
-        nsdae_law_make(d->nt, s->system->contact[i].mu / around, edges, p->problem.lcp.edge);
+  p->around = d->nt == 2 ? cos(acos(-1) / edges) : 1;
+}
+
+/* Of contact i that does not slide: a polygon is put around the friction cone, so that a contact
+ * that would leave it does slide. */
+static nsdae_law resting(const nsdae_event_acceleration *p, int i)
+{
+  const nsdae_contacts *c = &p->problem;
+  return nsdae_law_make(c->system->dims.nt, c->system->contact[i].mu / p->around, c->edges,
+                        c->lcp.edge);
 }
 
 /* Fills the direction of sliding of contact i; 0 where it has none. At a slip that was found at
@@ -88,7 +92,7 @@ void nsdae_event_set_laws(nsdae_event_acceleration *p, int impacted, double size
     p->is.moving[i] = slides(p, i, impacted, size);
     p->law[i] = p->is.moving[i]
                     ? nsdae_law_sliding(nt, s->contact[i].mu, p->phase->modes.direction + i * nt)
-                    : p->resting[i];
+                    : resting(p, i);
   }
   for (int j = 0; j < s->dims.f; j++) p->sense[j] = slide_sense(p, j, impacted, size);
 }

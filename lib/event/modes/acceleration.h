@@ -25,7 +25,8 @@ typedef struct nsdae_event_acceleration {
   nsdae_event_findings is;
   nsdae_contacts problem;
   nsdae_impulses solution;
-  nsdae_law *law, *resting;  /* k: of the problem; of contacts that do not slide */
+  nsdae_law *law;            /* k: of the problem */
+  double around;             /* of the cone of friction, in parts of that of its polygon */
   int *sense;                /* f: slides with a known direction in it */
   double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
   double *force, *xi;        /* columns: for cones */

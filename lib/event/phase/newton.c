@@ -23,7 +23,10 @@ static double following(const nsdae_event_phase *p, const nsdae_event_row *row, 
   const double *force = y + p->setting->at.normal;
   int k = s->dims.k, nt = s->dims.nt, all = k * (1 + nt), i = row->force;
   double r = force[i], d[2];
-  if (row->kind == NSDAE_ROW_RELATED) return r - nsdae_dot(all, p->modes.relation + i * all, force);
+  for (int a = 0; row->kind == NSDAE_ROW_RELATED && a < p->rows.count; a++)
+    if (p->rows.row[a].force < all)
+      r -= nsdae_event_relation(p, i, p->rows.row[a].force) * force[p->rows.row[a].force];
+  if (row->kind == NSDAE_ROW_RELATED) return r;
   if (row->kind == NSDAE_ROW_SLIDE_RUBS)
     return r + nsdae_event_joint_friction(p, i - all) *
                    y[p->setting->at.lambda + s->frictional_joint[i - all].constraint];

@@ -42,7 +42,7 @@ static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
                                                                          : NSDAE_ROW_SLIDE_RUBS;
   if (m->contact[i] == NSDAE_MODE_OPEN) return NSDAE_ROW_NONE;
   if (force < d->k || m->contact[i] == NSDAE_MODE_STICK)
-    return m->related[force] ? NSDAE_ROW_RELATED : NSDAE_ROW_CLOSED;
+    return nsdae_event_is_related(p, force) ? NSDAE_ROW_RELATED : NSDAE_ROW_CLOSED;
   return p->setting->system->contact[i].mu > 0 ? NSDAE_ROW_RUBS : NSDAE_ROW_NONE;
 }
 
@@ -162,7 +162,7 @@ static void add_row(const nsdae_event_phase *p, nsdae_border *b, const nsdae_eve
   *nsdae_border_entry(b, a, a) = 1;
   for (int c = 0; c < p->rows.count && row->kind == NSDAE_ROW_RELATED; c++)
     if (p->rows.row[c].force < all)
-      *nsdae_border_entry(b, a, c) -= p->modes.relation[row->force * all + p->rows.row[c].force];
+      *nsdae_border_entry(b, a, c) -= nsdae_event_relation(p, row->force, p->rows.row[c].force);
   if (row->kind == NSDAE_ROW_RUBS) add_sliding(p, b, a, y, cj);
   if (row->kind != NSDAE_ROW_SLIDE_RUBS) return;
   b->row[a].multiplier = s->frictional_joint[row->index].constraint;

@@ -26,6 +26,7 @@
 
 #include "event_context.h"
 #include "newton_kkt.h"
+#include "sharing.h"
 
 /* The state between two events. */
 typedef struct nsdae_event_modes {
@@ -38,8 +39,8 @@ typedef struct nsdae_event_modes {
   double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */
   int *redundant;     /* constraints that depend on others */
   double *basis;      /* of redundant ones: Z, see nsdae_kkt_basis */
-  int *related;       /* k + k nt: a relation stands in place of the row of this force */
-  double *relation;   /* k + k nt squared, by rows: r of those that are */
+  int *related;       /* k (1 + nt), see sharing.h: a relation stands in place of the row */
+  double *relation;   /* squared: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
   double none;        /* accelerations up to this are none, where the modes were chosen */
   double *blur;       /* k: 1, or more: the factor on the tolerances of friction */
@@ -83,6 +84,27 @@ typedef struct nsdae_event_phase {
 } nsdae_event_phase;
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
+
+/* Where sharing.h has the force of a contact. */
+static inline int nsdae_event_place_of(const nsdae_dims *d, int force)
+{
+  int j = force - d->k;
+  return j < 0 ? force * (1 + d->nt) : j / d->nt * (1 + d->nt) + 1 + j % d->nt;
+}
+
+/* Whether the force has a relation in place of its row; of contact i, F_N. */
+static inline int nsdae_event_is_related(const nsdae_event_phase *p, int force)
+{
+  return p->modes.related[nsdae_event_place_of(&p->setting->system->dims, force)];
+}
+
+/* Its r_l of another. */
+static inline double nsdae_event_relation(const nsdae_event_phase *p, int force, int l)
+{
+  const nsdae_dims *d = &p->setting->system->dims;
+  return p->modes.relation[nsdae_relation_at(d->nt, nsdae_event_place_of(d, force),
+                                             nsdae_event_place_of(d, l))];
+}
 
 /* Brings `terms` and the rows to what the modes need. */
 void nsdae_event_begin_phase(nsdae_event_phase *phase);

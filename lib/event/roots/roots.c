@@ -237,7 +237,7 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
   int i = root->index;
   if (root->kind == NSDAE_ROOT_NORMAL) return 0;
   if (root->kind == NSDAE_ROOT_HELD)
-    return p->modes.contact[i] == NSDAE_MODE_OPEN || !p->modes.related[i];
+    return p->modes.contact[i] == NSDAE_MODE_OPEN || !nsdae_event_is_related(p, i);
   if (root->kind == NSDAE_ROOT_JAM)
     return !has_row(p, NSDAE_ROW_RUBS) && !has_row(p, NSDAE_ROW_RELATED);
   if (root->kind == NSDAE_ROOT_TANGENT)
@@ -386,7 +386,7 @@ int nsdae_event_unbounded(const nsdae_event_roots *r, double part)
   const nsdae_event_phase *p = r->phase;
   int worst = -1;
   for (int i = 0; i < p->setting->system->dims.k; i++) {
-    if (!contact_rubs(p, i) || p->modes.related[i]) continue;
+    if (!contact_rubs(p, i) || nsdae_event_is_related(p, i)) continue;
     double alone = nsdae_event_force_that_gives(p, i, 1); /* 1 / G */
     double left = fabs(nsdae_event_yield(p, i)) * alone;
     if (!(left <= part)) continue;
