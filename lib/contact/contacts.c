@@ -22,6 +22,12 @@ void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_err
   nsdae_contacts_laws(c, polygon_edges);
 }
 
+/* Of contact i at any time: a slot may get one with friction. */
+static double friction_most(const nsdae_system *s, int i)
+{
+  return s->tracked && s->dims.nt > 0 ? 1 : s->contact[i].mu;
+}
+
 void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
 {
   const nsdae_system *s = c->system;
@@ -34,7 +40,7 @@ void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
   c->cones.most = c->cones.most > 0 ? s->dims.k : 0;
   for (int j = 0; j < s->dims.f; j++) c->slides.count += s->frictional_joint[j].mu > 0;
   for (int i = 0; i < s->dims.k; i++) {
-    nsdae_law law = nsdae_law_make(s->dims.nt, s->contact[i].mu, polygon_edges, NULL);
+    nsdae_law law = nsdae_law_make(s->dims.nt, friction_most(s, i), polygon_edges, NULL);
     if (law.rows > c->rows_most) c->rows_most = law.rows;
     if (law.kind == NSDAE_CONE) c->cones.most = s->dims.k;
   }
@@ -46,7 +52,7 @@ long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
   long rows = 0;
   for (int j = 0; j < s->dims.f; j++) rows += s->frictional_joint[j].mu > 0 ? 3 : 0;
   for (int i = 0; i < s->dims.k; i++)
-    rows += nsdae_law_rows(s->dims.nt, s->contact[i].mu, polygon_edges);
+    rows += nsdae_law_rows(s->dims.nt, friction_most(s, i), polygon_edges);
   return rows;
 }
 

@@ -44,6 +44,7 @@ typedef struct nsdae_kkt {
   int dependent;     /* the first row that does not count */
   int pivot;         /* of M that failed, from 1 */
   int is_sparse;     /* by the layout */
+  int typical;       /* one more than the rows that there are mostly; 0: m */
   int *each;         /* 0, 1, ...: sparse lists of all blocks and rows */
   nsdae_dense_kkt dense;
   nsdae_sparse_kkt sparse;

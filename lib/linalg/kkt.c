@@ -14,7 +14,8 @@ enum { SPARSE_FROM = 80 };
 
 static int prefers_sparse(const nsdae_kkt *kkt)
 {
-  return kkt->blocks->count > 1 && kkt->n + kkt->m >= SPARSE_FROM;
+  int rows = kkt->typical > 0 ? kkt->typical - 1 : kkt->m;
+  return kkt->blocks->count > 1 && kkt->n + rows >= SPARSE_FROM;
 }
 
 void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)

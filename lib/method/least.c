@@ -18,8 +18,9 @@ void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, do
   p->kkt.n = (int)n;
   p->kkt.blocks = blocks;
   p->kkt.rank_tol = rank_tol;
+  p->kkt.typical = system->tracked ? 1 + system->dims.m : 0; /* not by the room for contacts */
   nsdae_kkt_layout(&p->kkt, arena);
-  p->grows = system->call.constraint_rows && most * n > DENSE;
+  p->grows = system->tracked || (system->call.constraint_rows && most * n > DENSE);
   if (p->grows) {
     p->J.stride = 1;
     p->J.first = NSDAE_ARENA_INTS(arena, most + 1L);

@@ -35,6 +35,7 @@ typedef struct nsdae_stepping {
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
   int by_list; /* goes with contact lists */
+  int tracks;  /* the same, as contacts in slots: see tracked.h */
   int closes;  /* starts with nsdae_step_close, which clears the impulses */
 } nsdae_stepping;
 

@@ -10,6 +10,7 @@ void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
   if (from->reals > 0) memcpy(to->real, from->real, from->reals * sizeof *from->real);
   if (from->wholes > 0) memcpy(to->whole, from->whole, from->wholes * sizeof *from->whole);
   to->stamp = from->stamp;
+  to->slots = from->slots;
 }
 
 static size_t length_of(const nsdae_memory_part *part, nsdae_memory_length length)
@@ -53,11 +54,22 @@ void nsdae_count_rank(nsdae_counters *c, int rank, double kept, double left)
   c->rank_discarded = nsdae_larger(c->rank_discarded, left);
 }
 
+/* Of tracked contacts they are as many as there are slots. */
+static void lay_out_closed(nsdae_closed *closed, int k, nsdae_arena *arena)
+{
+  closed->id = nsdae_arena_take(arena, k, sizeof *closed->id);
+  closed->block = NSDAE_ARENA_INTS(arena, 2L * k);
+  closed->gap = NSDAE_ARENA_DOUBLES(arena, k);
+  closed->fresh = NSDAE_ARENA_INTS(arena, k);
+  closed->basis = NSDAE_ARENA_INTS(arena, (long)NSDAE_CLOSED_BASIS * k);
+}
+
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &r->end.system->dims;
   nsdae_terms_layout(&r->end, arena);
   r->closed.nt = dims->nt;
+  if (r->end.system->tracked) lay_out_closed(&r->closed, dims->k, arena);
   if (!r->end.system->by_list) nsdae_impulses_layout(&r->impulses, dims, arena);
   r->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
   int listed = r->end.system->by_list;
@@ -78,10 +90,8 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
 {
   const nsdae_dims *dims = &r->end.system->dims;
   for (int i = 0; i < dims->m; i++) r->multiplier[i] = 0;
-  if (r->end.system->by_list)
-    r->closed.count = 0;
-  else if (!impulses_follow)
-    nsdae_impulses_clear(&r->impulses, dims);
+  r->closed.count = 0;
+  if (!r->end.system->by_list && !impulses_follow) nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
   r->work = r->lifted = r->gain = r->turnover = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
@@ -104,7 +114,9 @@ void nsdae_result_rate(nsdae_result *r, const nsdae_terms *T, const double *v)
 int nsdae_result_room(const nsdae_result *r)
 {
   const nsdae_dims *d = &r->end.system->dims;
-  return r->impacts + d->k <= r->impacts_max && r->changes + d->k + d->f <= r->changes_max;
+  int k = nsdae_system_contacts(r->end.system), spare = d->k - k;
+  return r->impacts + k <= r->impacts_max - 2 * spare &&
+         r->changes + k + d->f <= r->changes_max - 2 * spare;
 }
 
 nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double before)

@@ -20,6 +20,7 @@ typedef struct nsdae_memory {
   int *whole;
   long stamp; /* of the method, which never gives one twice; 0: all zero, after an init; -1: set
                  from a block, of which it is no part */
+  int slots;  /* of tracked contacts: up to the last that is used */
 } nsdae_memory;
 
 /* Arrays in it, taken in turn, of the contacts slot by slot: a method's function that takes them

@@ -19,7 +19,7 @@ static double settled(const nsdae_system *system, double tol)
   const nsdae_dims *d = &system->dims;
   int differs =
       (d->m > 0 && !(nsdae_system_has_jacobian(system) && system->call.constraint_bias)) ||
-      (d->k > 0 && (!system->call.gap_normal || !system->call.contact_bias));
+      (d->k > 0 && !system->tracked && (!system->call.gap_normal || !system->call.contact_bias));
   return differs ? fmax(tol, 1e-9) : tol;
 }
 

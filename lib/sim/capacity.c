@@ -1,6 +1,10 @@
 /* Room in the lists of contacts and of rows of Phi_q and W_S^T: it grows between steps, by half as
  * much again as was called for, in every list at once. */
+#include <string.h>
+
+#include "dynamic_array.h"
 #include "errors.h"
+#include "listed.h"
 #include "sim_impl.h"
 
 static nsdae_room larger(const nsdae_room *a, const nsdae_room *b)
@@ -52,10 +56,103 @@ int nsdae_sim_grow(nsdae_sim *sim)
                            "or check the callback contacts",
                            contacts.entries, nsdae_terms_time(&sim->now->result.end),
                            sim->options.contacts_max);
+  if (sim->model.tracked && nsdae_room_enough(&sim->lists.contacts, &contacts) &&
+      nsdae_room_enough(&sim->lists.rows, &rows)) /* no slot is left */
+    return nsdae_sim_make_slots(sim, sim->model.dims.k + sim->model.dims.k / 2);
   contacts = half_more(&sim->lists.contacts, &contacts);
   rows = half_more(&sim->lists.rows, &rows);
   if (contacts.entries > most) contacts.entries = most;
   int status = nsdae_sim_make_room(sim, &contacts, &rows);
   if (status == NSDAE_OK) sim->lists.growths++;
   return status;
+}
+
+/* ---- slots of tracked contacts: the model's k */
+
+/* Of all arrays by contact, which the arena has, the lengths. */
+static void change_slots(void *object, int back)
+{
+  nsdae_sim *sim = object;
+  sim->model.dims.k = back ? sim->lists.slots_before : sim->lists.slots;
+  nsdae_sim_measure(sim);
+}
+
+void nsdae_sim_carry_memory(const nsdae_sim *sim, const nsdae_memory *from, int from_slots,
+                            nsdae_memory *to, int slots)
+{
+  nsdae_memory_part old = {.real = from->real, .whole = from->whole, .slots = (size_t)from_slots};
+  nsdae_memory_part part = {
+      .real = to->real, .whole = to->whole, .slots = (size_t)slots, .from = &old};
+  memset(to->real, 0, to->reals * sizeof *to->real);
+  memset(to->whole, 0, to->wholes * sizeof *to->whole);
+  sim->method->lay(&sim->stepper, &part);
+}
+
+/* What is not slot by slot in one array; what points to the method's own. */
+static void carry(nsdae_sim *sim, nsdae_result *to, const nsdae_result *was)
+{
+  const nsdae_dims *d = &sim->model.dims;
+  int before = sim->lists.slots_before;
+  nsdae_sim_carry_memory(sim, &was->memory, before, &to->memory, d->k);
+  if (to->memory.stamp > 0) to->memory.stamp = -1;
+  nsdae_impulses_carry(&to->impulses, d, before, &was->impulses);
+  to->problem = NULL;
+  nsdae_terms_forget_slots(&to->end);
+}
+
+static int no_memory_for_slots(nsdae_sim *sim, int k)
+{
+  return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
+                         "out of memory for %d contacts of the list near the motion", k);
+}
+
+/* The contact problem of all that are tracked is one, and has its limit. */
+static int check_slots(nsdae_sim *sim, int k)
+{
+  int edges = nsdae_law_edges_to_start(sim->options.polygon);
+  int each = nsdae_law_rows(sim->model.dims.nt, 1, edges),
+      most = nsdae_contacts_rows_limit() / each;
+  if (k <= most) return NSDAE_OK;
+  return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "method",
+                         "method = %s has %d contacts near the motion at t = %.17g, and at most "
+                         "%d: use method = implicit",
+                         sim->method->name, k, nsdae_terms_time(&sim->now->result.end), most);
+}
+
+int nsdae_sim_make_slots(nsdae_sim *sim, int k)
+{
+  const nsdae_array table[] = {NSDAE_ARRAY(sim->model.contact, 1), NSDAE_ARRAY(sim->tracked.id, 1),
+                               NSDAE_ARRAY(sim->tracked.used, 1),
+                               NSDAE_ARRAY(sim->tracked.block, 2)};
+  int before = sim->model.dims.k, status = check_slots(sim, k);
+  if (status < 0) return status;
+  if (nsdae_arrays_grow(table, 4, (size_t)k + 1) < 0) return no_memory_for_slots(sim, k);
+  size_t more = (size_t)(k - before);
+  memset(sim->tracked.used + before, 0, more * sizeof *sim->tracked.used);
+  memset(sim->model.contact + before, 0, more * sizeof *sim->model.contact);
+  sim->lists.slots_before = before;
+  sim->lists.slots = k;
+  if (!sim->arena.base) { /* at first */
+    sim->model.dims.k = k;
+    return NSDAE_OK;
+  }
+  nsdae_arena old;
+  /* ---- the arrays, then the method */
+  const nsdae_result was[] = {sim->point[0].result, sim->point[1].result, sim->point[2].result};
+  void *own = sim->own;
+  if (nsdae_arena_resize(&sim->arena, nsdae_sim_layout, change_slots, sim, &old) < 0)
+    return no_memory_for_slots(sim, k);
+  for (int i = 0; i < (sim->aside ? 3 : 2); i++) carry(sim, &sim->point[i].result, &was[i]);
+  nsdae_terms_forget(&sim->stepper.middle);
+  status = nsdae_sim_make_method(sim);
+  if (status < 0) {
+    sim->method->destroy(sim->own);
+    nsdae_arena_restore(&sim->arena, nsdae_sim_layout, change_slots, sim, &old);
+    nsdae_cones_open(&sim->stepper.contacts.cones); /* it has room for fewer */
+  } else {
+    sim->method->destroy(own);
+  }
+  if (status < 0) sim->own = own;
+  nsdae_arena_release(&old);
+  return status < 0 ? status : nsdae_sim_make_room(sim, &sim->lists.contacts, &sim->lists.rows);
 }

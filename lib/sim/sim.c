@@ -63,7 +63,8 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
   nsdae_sim_options_default(&defaults);
   if (!system->by_list) return NSDAE_OK;
   if (!options) options = &defaults;
-  if (!nsdae_stepping_of(options->method)->by_list)
+  const nsdae_stepping *method = nsdae_stepping_of(options->method);
+  if (!method->by_list && !method->tracks)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
                            "method = %s does not support contact lists: use implicit, "
                            "implicit-printed or moreau",
@@ -82,6 +83,9 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
                          "projection does not support contact lists: set projection = none");
 }
 
+/* At first, of a method that tracks the contacts of a list. */
+enum { SLOTS = 8 };
+
 /* The system with coefficients of its own, in blocks of their own: their number sizes the arena. */
 static int copy_system(nsdae_sim *sim)
 {
@@ -89,6 +93,11 @@ static int copy_system(nsdae_sim *sim)
   size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
   memcpy(&sim->model, from, sizeof *from);
   sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
+  if (from->by_list && sim->method->tracks) {
+    sim->model.by_list = 0;
+    sim->model.tracked = &sim->tracked;
+    if (nsdae_sim_make_slots(sim, SLOTS) < 0) return NSDAE_E_MEMORY;
+  }
   sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
   if (!sim->model.contact || !sim->model.frictional_joint) return NSDAE_E_MEMORY;
   if (k > 0) memcpy(sim->model.contact, from->contact, k * sizeof *from->contact);
@@ -147,7 +156,6 @@ static int build(nsdae_sim *sim)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
                            "out of memory, or of threads of the system, for threads = %d",
                            sim->options.threads);
-  sim->method = nsdae_stepping_of(sim->options.method);
   sim->projection.tools = stepper;
   sim->now = &sim->point[0];
   sim->next = &sim->point[1];
@@ -183,6 +191,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
     made->options = *options;
   else
     nsdae_sim_options_default(&made->options);
+  made->method = nsdae_stepping_of(made->options.method);
   nsdae_refusal_forget(made);
   nsdae_error_clear(&made->error);
   if (copy_system(made) < 0) return no_memory_for_sim(made, error);
@@ -210,6 +219,9 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->model.contact);
   free((*sim)->model.frictional_joint);
+  free((*sim)->tracked.id);
+  free((*sim)->tracked.used);
+  free((*sim)->tracked.block);
   nsdae_system_let_go((*sim)->system);
   nsdae_sim_leave(*sim, NSDAE_MOVE);
   free(*sim);
@@ -250,7 +262,7 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   nsdae_result_clear(r);
   memset(r->memory.real, 0, r->memory.reals * sizeof *r->memory.real);
   memset(r->memory.whole, 0, r->memory.wholes * sizeof *r->memory.whole);
-  r->memory.stamp = 0;
+  r->memory.stamp = r->memory.slots = 0;
   nsdae_stepper_count(&sim->stepper, &state, r);
   nsdae_terms_at(&r->end, 0, q0, v0);
   int status = nsdae_point_start(sim, sim->next);

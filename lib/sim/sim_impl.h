@@ -109,15 +109,18 @@ typedef struct nsdae_stage {
   nsdae_error warning; /* of the last step, reported when it is done */
 } nsdae_stage;
 
-/* Room in every list. */
+/* Room in every list; slots of tracked contacts, and how many there were before they grew. */
 typedef struct nsdae_lists {
   nsdae_room contacts, rows;
   int growths;
+  int slots, slots_before;
 } nsdae_lists;
 
 struct nsdae_sim {
   const nsdae_system *system; /* held while the simulation lives */
-  nsdae_system model;         /* a copy with user and coefficients of its own */
+  nsdae_system model;         /* a copy with user and coefficients of its own; of tracked contacts
+                                 they are numbered: k is the number of slots */
+  nsdae_tracked tracked;      /* which they are */
   nsdae_sim_options options;
   nsdae_guard guard;
   nsdae_error error;
@@ -145,6 +148,12 @@ int nsdae_sim_make_method(nsdae_sim *sim);
 /* More room in every list, as the one that was full calls for. NSDAE_OK, NSDAE_E_MEMORY, and
  * NSDAE_E_ARGUMENT where contacts_max is met: everything is as before. */
 int nsdae_sim_grow(nsdae_sim *sim);
+/* k slots, more than there are: everything by contact has room for them. NSDAE_OK, NSDAE_E_MEMORY,
+ * NSDAE_E_ARGUMENT where the method has a limit: as before. */
+int nsdae_sim_make_slots(nsdae_sim *sim, int k);
+/* The memory of a method, of so many slots, into one of another number of them. */
+void nsdae_sim_carry_memory(const nsdae_sim *sim, const nsdae_memory *from, int from_slots,
+                            nsdae_memory *to, int slots);
 /* Room for at least as much. */
 int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows);
 
@@ -187,6 +196,9 @@ int nsdae_point_finite(const nsdae_point *point);
 /* NSDAE_WARN_IMPACTS with the pair of closed contacts that would hit most often, one after the
  * other, in the step that was done and has its work; or NSDAE_OK. */
 int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point);
+
+/* The result and record of a step by slots as a contact list has them; place [k]: room. Last. */
+void nsdae_point_list(nsdae_point *point, int *place);
 
 /* The record of a point whose result and accounts were set; have: terms to evaluate besides. */
 int nsdae_point_show(nsdae_point *point, unsigned have);

@@ -8,8 +8,9 @@
  *             for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
  *             (contact list: of the closed contacts, with their ids, blocks and gaps)
- *   memory    what the method keeps: its numbers, its integers
- *   units     groups of coordinates of constant length, their lengths (where nv < nq)
+ *   memory    what the method keeps: its numbers, its integers (tracked contacts: of the slots up
+ * to the last that is used, so that it does not depend on the room) units     groups of coordinates
+ * of constant length, their lengths (where nv < nq)
  *
  * One function visits all of it, to measure, to write, to read and to compare, so that the layout
  * is written once. Nothing of a block is believed before its checksum, sizes and settings are
@@ -22,6 +23,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "listed.h"
 #include "sim_impl.h"
 #include "vector.h"
 
@@ -32,10 +34,12 @@ typedef struct head {
   uint64_t reals, wholes;
   int32_t dims[6], method;
   int32_t closed; /* contacts of the list */
+  int32_t slots;  /* whose memory is there: those that are used */
+  int32_t none;
 } head;
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 4 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 5 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */
@@ -117,12 +121,33 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
   visit_doubles(c, r->impulses.tangential, k * closed->nt);
 }
 
+/* ---- memory of slots */
+
+static int slots_of(const nsdae_sim *sim, const nsdae_point *p)
+{
+  return sim->model.tracked ? p->result.memory.slots : sim->model.dims.k;
+}
+
+/* Of this number of slots, in the arrays of a point that is not in use. */
+static nsdae_memory memory_for(const nsdae_sim *sim, int slots)
+{
+  nsdae_memory m = sim->next->result.memory;
+  nsdae_memory_part part = {.slots = (size_t)slots};
+  sim->method->lay(&sim->stepper, &part);
+  if (sim->aside) m = sim->aside->result.memory;
+  m.reals = part.reals;
+  m.wholes = part.wholes;
+  return m;
+}
+
 /* have: which terms the next step finds there. */
 static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, unsigned *have)
 {
   nsdae_result *r = &p->result;
   nsdae_accounts *a = &p->accounts;
-  const nsdae_dims *d = &r->end.system->dims;
+  nsdae_dims dims = r->end.system->dims, *d = &dims;
+  int listed = r->end.system->by_list || r->end.system->tracked;
+  if (listed) d->k = 0;
   _Static_assert(sizeof *a ==
                      2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
                  "an account that the state does not keep");
@@ -147,7 +172,7 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   visit_doubles(c, r->impulses.frictional_joint_impulse, d->f);
   visit_ints(c, r->impulses.mode, d->k);
   visit_ints(c, r->impulses.frictional_joint_mode, d->f);
-  if (r->end.system->by_list) visit_closed(c, r, *have);
+  if (listed) visit_closed(c, r, *have);
   visit(c, r->memory.real, r->memory.reals * sizeof(double));
   visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
 }
@@ -216,10 +241,10 @@ static int check_settings(nsdae_sim *sim, cursor *c)
   return NSDAE_OK;
 }
 
-static head make_head(const nsdae_sim *sim, size_t size)
+static head make_head(const nsdae_sim *sim, size_t size, int slots)
 {
   const nsdae_dims *d = &sim->system->dims;
-  const nsdae_memory *m = &sim->now->result.memory;
+  const nsdae_memory memory = memory_for(sim, slots), *m = &memory;
   head h = {.byte_order = BYTE_ORDER_MARK,
             .version = BLOCK_VERSION,
             .size = size,
@@ -227,7 +252,8 @@ static head make_head(const nsdae_sim *sim, size_t size)
             .wholes = m->wholes,
             .dims = {d->nq, d->nv, d->m, d->k, d->nt, d->f},
             .method = sim->options.method,
-            .closed = nsdae_sim_shown(sim)->result.closed.count};
+            .closed = nsdae_sim_shown(sim)->result.closed.count,
+            .slots = slots};
   memcpy(h.magic, MAGIC, sizeof h.magic);
   return h;
 }
@@ -247,8 +273,8 @@ static uint64_t checksum_of(const char *block, size_t size)
   return checksum(block, at) ^ checksum(block + after, size - after);
 }
 
-/* With this number of listed contacts. */
-static size_t state_bytes(const nsdae_sim *sim, int closed)
+/* With this number of listed contacts and of slots. */
+static size_t state_bytes(const nsdae_sim *sim, int closed, int slots)
 {
   nsdae_point measured = *sim->now;
   cursor c = {0};
@@ -256,6 +282,7 @@ static size_t state_bytes(const nsdae_sim *sim, int closed)
   double epoch = 0, t = 0;
   c.at = sizeof(head);
   measured.result.closed.count = closed;
+  measured.result.memory = memory_for(sim, slots);
   visit_settings(&c, sim);
   visit_point(&c, &measured, &epoch, &t, &have);
   visit_units(&c, &sim->system->dims, &(nsdae_units){0});
@@ -265,7 +292,8 @@ static size_t state_bytes(const nsdae_sim *sim, int closed)
 static int state_size(const nsdae_sim *sim, size_t *size)
 {
   if (!size) return NSDAE_E_ARGUMENT;
-  *size = state_bytes(sim, nsdae_sim_shown(sim)->result.closed.count);
+  const nsdae_point *shown = nsdae_sim_shown(sim);
+  *size = state_bytes(sim, shown->result.closed.count, slots_of(sim, shown));
   return NSDAE_OK;
 }
 
@@ -274,9 +302,10 @@ int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
   NSDAE_SIM_GUARDED(sim, NSDAE_READ, state_size(sim, size));
 }
 
-static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed)
+static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed,
+                      int slots)
 {
-  size_t needed = state_bytes(sim, closed);
+  size_t needed = state_bytes(sim, closed, slots);
   if (!block)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "block", "block is NULL");
   if (size == needed) return NSDAE_OK;
@@ -292,15 +321,21 @@ static int get_state(nsdae_sim *sim, void *block, size_t size)
   if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim_get_state", "",
                            "the simulation has no state: call nsdae_sim_init first");
-  int closed = nsdae_sim_shown(sim)->result.closed.count;
-  int status = check_size(sim, "nsdae_sim_get_state", block, size, closed);
-  if (status < 0) return status;
   nsdae_point shown = *nsdae_sim_shown(sim); /* what is visited is not changed */
+  int slots = slots_of(sim, &shown);
+  int status =
+      check_size(sim, "nsdae_sim_get_state", block, size, shown.result.closed.count, slots);
+  if (status < 0) return status;
+  if (sim->model.tracked) {
+    nsdae_memory packed = memory_for(sim, slots);
+    nsdae_sim_carry_memory(sim, &shown.result.memory, sim->model.dims.k, &packed, slots);
+    shown.result.memory = packed;
+  }
   if (!(shown.result.end.have & NSDAE_TERM_CONTACTS))
     shown.result.end.by.reach = 0; /* of no list */
   double epoch = sim->model.epoch, t = shown.result.end.t;
   unsigned have = shown.result.end.have;
-  head h = make_head(sim, size);
+  head h = make_head(sim, size, slots);
   cursor c = {.to = block};
   visit(&c, &h, sizeof h);
   visit_settings(&c, sim);
@@ -342,7 +377,7 @@ static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
 /* What the block says of itself. */
 static int check_head(nsdae_sim *sim, const char *block, size_t size)
 {
-  head h, ours = make_head(sim, size);
+  head h, ours = make_head(sim, size, 0);
   if (size < sizeof h) return refuse_state(sim, "size", "the block is shorter than its header");
   memcpy(&h, block, sizeof h);
   if (memcmp(h.magic, MAGIC, sizeof h.magic) != 0)
@@ -354,13 +389,15 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
     return refuse_state(sim, "block", "the state is of another version of this library");
   int status = check_dims(sim, &h, &ours);
   if (status < 0) return status;
-  if (h.closed < 0 || h.closed > sim->options.contacts_max ||
-      (h.closed > 0 && !sim->system->by_list))
+  int most = sim->options.contacts_max, tracked = sim->model.tracked != NULL;
+  if (h.closed < 0 || h.closed > most || (h.closed > 0 && !sim->system->by_list) || h.slots < 0 ||
+      (tracked ? h.slots > most || h.closed > h.slots : h.slots != sim->model.dims.k))
     return refuse_state(sim, "block",
                         "the state has an invalid number of contacts in the contact list");
+  ours = make_head(sim, size, h.slots);
   if (h.size != size || h.reals != ours.reals || h.wholes != ours.wholes ||
-      size != state_bytes(sim, h.closed))
-    return check_size(sim, "nsdae_sim_set_state", block, size, h.closed) < 0
+      size != state_bytes(sim, h.closed, h.slots))
+    return check_size(sim, "nsdae_sim_set_state", block, size, h.closed, h.slots) < 0
                ? NSDAE_E_ARGUMENT
                : refuse_state(sim, "size", "the state is of a system of other sizes");
   if (h.checksum != checksum_of(block, size))
@@ -431,14 +468,24 @@ static int read_block(nsdae_sim *sim, const void *block)
   memcpy(&h, block, sizeof h);
   nsdae_result_clear(r);
   r->closed.count = h.closed;
-  int status = check_settings(sim, &c);
+  int status = check_settings(sim, &c), k = sim->model.dims.k;
+  nsdae_memory all = r->memory;
+  if (sim->model.tracked) r->memory = memory_for(sim, h.slots);
   visit_point(&c, p, &sim->model.epoch, &r->end.t, &have);
+  if (sim->model.tracked) {
+    nsdae_sim_carry_memory(sim, &r->memory, h.slots, &all, k);
+    r->memory = all;
+    r->memory.slots = h.slots;
+    memset(sim->tracked.used, 0, (size_t)k * sizeof *sim->tracked.used); /* until it goes on */
+  }
   visit_units(&c, &sim->system->dims, &sim->projection.other);
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   nsdae_terms_forget(&r->end);
   if (status == NSDAE_OK) status = check_values(sim);
   nsdae_stepper_count(&sim->stepper, &state, r);
-  return status < 0 ? status : nsdae_point_show(p, have);
+  if (status == NSDAE_OK) status = nsdae_point_show(p, have);
+  if (sim->model.tracked) nsdae_terms_forget_slots(&r->end);
+  return status;
 }
 
 static int set_state(nsdae_sim *sim, const void *block, size_t size)
@@ -452,9 +499,10 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   head h;
   memcpy(&h, block, sizeof h);
   const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
-  status = (size_t)h.closed > sim->lists.contacts.entries
-               ? nsdae_sim_make_room(sim, &contacts, &rows)
-               : NSDAE_OK;
+  if ((size_t)h.closed > sim->lists.contacts.entries)
+    status = nsdae_sim_make_room(sim, &contacts, &rows);
+  if (status == NSDAE_OK && h.slots > sim->model.dims.k)
+    status = nsdae_sim_make_slots(sim, h.slots);
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
   if (status == NSDAE_OK && sim->method->start)

@@ -61,7 +61,7 @@ static int advance_method(nsdae_sim *sim, double t1, double length)
 
 int nsdae_projected_rows(const nsdae_sim *sim)
 {
-  const nsdae_dims *d = &sim->system->dims;
+  const nsdae_dims *d = &sim->model.dims;
   if (sim->options.method == NSDAE_METHOD_EVENT) return d->m + d->k; /* its start */
   if (sim->options.projection == NSDAE_PROJECTION_NONE) return 0;
   return d->m + (sim->options.projection >= NSDAE_PROJECTION_CONTACTS ? d->k : 0);
@@ -155,6 +155,7 @@ static int prepare_step(nsdae_sim *sim, double t1)
   }
   sim->stage.warning = status > 0 ? sim->error : sim->stage.start; /* observers clear the first */
   if (status == NSDAE_OK) sim->stage.start.status = NSDAE_OK;
+  if (sim->model.tracked) nsdae_point_list(sim->next, sim->projection.closed);
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->stage.asked = t1;
   sim->observers.turn = sim->observers.stop = 0;

@@ -113,6 +113,13 @@ int nsdae_system_open(nsdae_system *system, const char *setter);
 /* How many there are of a kind (enum nsdae_name_kind); 0 of one that is none. */
 int nsdae_system_count(const nsdae_system *system, int kind);
 
+/* Contacts that there can be now: k, but of slots those up to the last one that is used. */
+static inline int nsdae_system_contacts(const nsdae_system *system)
+{
+  const nsdae_tracked *tracked = system->tracked;
+  return tracked ? nsdae_tracked_count(tracked, system->dims.k) : system->dims.k;
+}
+
 /* 'contact 3', or 'contact 3 "stop"' where it has a name, with the words of the system's maker in
  * brackets; in text, which is returned. Of an island in the numbers of the whole; contacts by their
  * ids. */

@@ -17,6 +17,13 @@ typedef struct nsdae_tracked {
   int wanted;   /* slots that the last update took, or would have taken */
 } nsdae_tracked;
 
+/* Slots up to the last one that is used. */
+static inline int nsdae_tracked_count(const nsdae_tracked *tracked, int k)
+{
+  while (k > 0 && !tracked->used[k - 1]) k--;
+  return k;
+}
+
 /* The slot of an id among k; -1: none. The search starts at `likely`. */
 static inline int nsdae_tracked_find(const nsdae_tracked *tracked, int k, long id, int likely)
 {

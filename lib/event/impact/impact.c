@@ -311,7 +311,7 @@ int nsdae_event_collide(nsdae_event_impacts *p, double *y)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   int count = 0, most = s->options->events_max < IMPACTS_MAX ? s->options->events_max : IMPACTS_MAX;
-  while (approaching(p) && count <= most + s->system->dims.k) {
+  while (approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
     p->together = count >= most;
     if (p->together) find_touching(p);
     int status = impact(p, y);

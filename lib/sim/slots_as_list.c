@@ -1,0 +1,74 @@
+/* What a step by slots did, as a contact list has it: of the contacts that were closed in it, that
+ * overlap at its end, or that had an impulse, an impact or a change of mode, in the order of the
+ * slots. Impulses, impacts, changes and certificate then have places in this list. */
+#include <string.h>
+
+#include "sim_impl.h"
+
+static int takes_part(const nsdae_result *r, int i)
+{
+  const nsdae_impulses *p = &r->impulses;
+  int nt = r->end.system->dims.nt;
+  int any = p->mode[i] != NSDAE_MODE_OPEN || p->normal[i] != 0 || r->end.gap[i] < 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++) any |= p->tangential[j] != 0;
+  for (int j = 0; j < r->impacts; j++) any |= r->impact[j].contact == i;
+  for (int j = 0; j < r->changes; j++) any |= r->change[j].contact == i;
+  return any;
+}
+
+/* Entry `from` becomes entry `to`, which does not come after it. */
+static void move(nsdae_point *p, int from, int to)
+{
+  nsdae_impulses *r = &p->result.impulses;
+  double *const one[] = {r->before, r->after, r->normal, p->normal_force};
+  double *const along[] = {r->before_t, r->after_t, r->tangential, p->tangential_force};
+  size_t nt = (size_t)p->result.end.system->dims.nt;
+  for (int i = 0; i < 4; i++) {
+    one[i][to] = one[i][from];
+    memmove(along[i] + (size_t)to * nt, along[i] + (size_t)from * nt, nt * sizeof **along);
+  }
+  r->mode[to] = r->mode[from];
+  r->impact[to] = r->impact[from];
+}
+
+static void rename_contact(int *contact, const int *place)
+{
+  if (*contact >= 0) *contact = place[*contact];
+}
+
+/* Of this step, and in the statistics if they are of this step. */
+static void rename_worst(nsdae_certificate *c, nsdae_certificate *most, const int *place)
+{
+  int *const now[] = {&c->pull_contact, &c->cone_contact, &c->penetration_contact,
+                      &c->complementarity_contact},
+             *const ever[] = {&most->pull_contact, &most->cone_contact, &most->penetration_contact,
+                              &most->complementarity_contact};
+  const double values[][2] = {{c->pull, most->pull},
+                              {c->cone_excess, most->cone_excess},
+                              {c->penetration, most->penetration},
+                              {c->complementarity, most->complementarity}};
+  for (int i = 0; i < 4; i++) {
+    if (*now[i] == *ever[i] && values[i][0] == values[i][1]) rename_contact(ever[i], place);
+    rename_contact(now[i], place);
+  }
+}
+
+void nsdae_point_list(nsdae_point *p, int *place)
+{
+  nsdae_result *r = &p->result;
+  const nsdae_tracked *tracked = r->end.system->tracked;
+  nsdae_closed *closed = &r->closed;
+  int k = r->end.system->dims.k, count = 0;
+  for (int i = 0; i < k; i++) place[i] = takes_part(r, i) ? count++ : -1;
+  for (int i = 0; i < k; i++) {
+    if (place[i] < 0) continue;
+    closed->id[place[i]] = tracked->id[i];
+    closed->gap[place[i]] = r->end.gap[i];
+    memcpy(closed->block + 2 * place[i], tracked->block + 2 * i, 2 * sizeof *closed->block);
+    move(p, i, place[i]);
+  }
+  for (int j = 0; j < r->impacts; j++) rename_contact(&r->impact[j].contact, place);
+  for (int j = 0; j < r->changes; j++) rename_contact(&r->change[j].contact, place);
+  rename_worst(&p->record.certificate, &p->accounts.stats.certificate, place);
+  closed->count = p->record.contacts.count = count;
+}
