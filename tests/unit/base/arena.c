@@ -100,12 +100,79 @@ static void test_empty(void **state)
   nsdae_arena_release(&arena); /* twice is harmless */
 }
 
+/* Longer and shorter arrays begin with what they had; what comes after the call is zeros. */
+typedef struct sized {
+  long count, other;
+  double *kept[3], *scratch;
+  int *whole;
+} sized;
+
+static void layout_sized(void *object, nsdae_arena *arena)
+{
+  sized *s = object;
+  for (int i = 0; i < 3; i++) s->kept[i] = NSDAE_ARENA_DOUBLES(arena, (i + 1) * s->count);
+  s->whole = NSDAE_ARENA_INTS(arena, s->count);
+  nsdae_arena_zeros(arena);
+  s->scratch = NSDAE_ARENA_DOUBLES(arena, s->count);
+}
+
+static void change_sized(void *object, int back)
+{
+  sized *s = object;
+  (void)back;
+  long count = s->count;
+  s->count = s->other;
+  s->other = count;
+}
+
+static void fill_sized(sized *s)
+{
+  for (int i = 0; i < 3; i++)
+    for (long j = 0; j < (i + 1) * s->count; j++) s->kept[i][j] = (double)(i + 10 * j + 1);
+  for (long j = 0; j < s->count; j++) s->scratch[j] = s->whole[j] = (int)j + 1;
+}
+
+static void check_sized(const sized *s, long had, int scratch)
+{
+  for (int i = 0; i < 3; i++)
+    for (long j = 0; j < (i + 1) * s->count; j++)
+      assert_true(s->kept[i][j] == (j < (i + 1) * had ? (double)(i + 10 * j + 1) : 0));
+  for (long j = 0; j < s->count; j++) assert_int_equal(s->whole[j], j < had ? (int)j + 1 : 0);
+  for (long j = 0; j < s->count; j++) assert_true(s->scratch[j] == (scratch ? (double)j + 1 : 0));
+}
+
+static void test_resized(void **state)
+{
+  static const long to[] = {5, 6, 0, 100, 3};
+  (void)state;
+  for (int i = 0; i < 5; i++) {
+    sized s = {.count = 5, .other = to[i]};
+    nsdae_arena arena, old;
+    assert_int_equal(nsdae_arena_build(&arena, layout_sized, &s), NSDAE_OK);
+    fill_sized(&s);
+    assert_int_equal(nsdae_arena_resize(&arena, layout_sized, change_sized, &s, &old), NSDAE_OK);
+    assert_int_equal(s.count, to[i]);
+    check_sized(&s, 5, 0);
+    nsdae_arena_restore(&arena, layout_sized, change_sized, &s, &old);
+    assert_int_equal(s.count, 5);
+    check_sized(&s, 5, 1);
+    s.other = -1; /* has no length */
+    assert_int_equal(nsdae_arena_resize(&arena, layout_sized, change_sized, &s, &old),
+                     NSDAE_E_MEMORY);
+    assert_null(old.base);
+    assert_int_equal(s.count, 5);
+    check_sized(&s, 5, 1);
+    nsdae_arena_release(&arena);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_aligned_and_zeroed),
       cmocka_unit_test(test_measured_is_used),
       cmocka_unit_test(test_apart),
+      cmocka_unit_test(test_resized),
       cmocka_unit_test(test_overflow),
       cmocka_unit_test(test_empty),
   };
