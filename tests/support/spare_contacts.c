@@ -21,6 +21,11 @@ int spare_contacts_place(const spare_contacts *spare, int contact)
   return spare->first + (1 + spare->between) * contact;
 }
 
+int spare_contacts_round(const spare_contacts *spare)
+{
+  return !spare->of->call.gap_normal && !spare->of->call.contact_acceleration;
+}
+
 /* Columns of `each` contact's, from where the system's own are to their places. */
 static void spread(const double *from, int rows, int each, double *to, int ld)
 {

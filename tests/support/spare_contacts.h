@@ -15,6 +15,10 @@ typedef struct spare_contacts {
 
 int spare_contacts_place(const spare_contacts *spare, int contact);
 
+/* Whether event differences gaps twice: of one far away that is its rounding over s^2, by which s
+ * is chosen. */
+int spare_contacts_round(const spare_contacts *spare);
+
 /* The system with spare places; both must outlive it. NULL without memory, or beyond SPARE_MOST. */
 nsdae_system *spare_contacts_make(const spare_contacts *spare);
 
