@@ -151,7 +151,7 @@ int nsdae_sim_grow(nsdae_sim *sim);
 /* k slots, more than there are: everything by contact has room for them. NSDAE_OK, NSDAE_E_MEMORY,
  * NSDAE_E_ARGUMENT where the method has a limit: as before. */
 int nsdae_sim_make_slots(nsdae_sim *sim, int k);
-/* The memory of a method, of so many slots, into one of another number of them. */
+/* The memory of a method into one of another number of slots. */
 void nsdae_sim_carry_memory(const nsdae_sim *sim, const nsdae_memory *from, int from_slots,
                             nsdae_memory *to, int slots);
 /* Room for at least as much. */
