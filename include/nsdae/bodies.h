@@ -188,8 +188,8 @@ typedef struct nsdae_user_rows {
   nsdae_constraint_rows_fn constraint_rows; /* Phi_q by blocks, in place of constraint_jacobian;
                                                user row 0 is row dims.m - m of the system, the
                                                user block is the last */
-  nsdae_contacts_fn contacts;               /* contact list: additional contacts; their ids are <
-                                               0 */
+  nsdae_contacts_fn contacts;               /* additional contacts; their ids are < 0. The system
+                                               has a contact list: see nsdae_bodies_set_pair */
   nsdae_potential_fn potential;             /* adds to the potential of the bodies */
   void *user;                               /* last argument of each callback */
 } nsdae_user_rows;
@@ -219,17 +219,21 @@ NSDAE_API int nsdae_bodies_add_solid(nsdae_bodies *bodies, int body, const nsdae
 /* Adds the contacts between two solids of different bodies. Returns the number of the first one;
  * the others follow it. There is one contact for each corner (or centre) of one solid against the
  * other, and in space one for each pair of edges. mu >= 0; e_n and e_t in 0 .. 1 as in
- * nsdae_system_set_contact. */
+ * nsdae_system_set_contact. The contacts are fixed, with these numbers. In a system with a contact
+ * list (nsdae_bodies_set_pair) they are entries of the list, with these numbers as ids. */
 NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int solid1, double mu,
                                        double e_n, double e_t);
 
 /* Enables contact between all solids of two materials that belong to different bodies. The last
- * call for a pair of materials applies. The system then uses a contact list:
+ * call for a pair of materials applies; two solids of nsdae_bodies_add_contact keep the contacts
+ * and coefficients of that call. The system then has a contact list:
  *
  * - A broad phase finds the close pairs in every step. Its time is proportional to the number of
  *  solids if they are of similar size.
- * - nsdae_bodies_add_contact is not available, and slots have no friction.
- * - The methods are implicit, implicit-printed and moreau.
+ * - The methods are implicit, implicit-printed and moreau; slots have no friction.
+ * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
+ *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
+ *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12, else 0).
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,

@@ -27,6 +27,10 @@ typedef struct nsdae_maker {
                  nsdae_reason *reason);
 } nsdae_maker;
 
+/* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled
+ * without it. */
+int nsdae_contact_list_reads_omega(const nsdae_contact_list *list);
+
 void nsdae_system_set_maker(nsdae_system *system, const nsdae_maker *maker);
 
 #endif

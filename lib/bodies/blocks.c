@@ -3,6 +3,8 @@
 #include <stdlib.h>
 
 #include "broad_phase.h"
+#include "maker.h"
+#include "separating_axis.h"
 
 static int mass_blocks(double t, const double *q, double *M, void *user)
 {
@@ -18,73 +20,36 @@ static int mass_blocks(double t, const double *q, double *M, void *user)
 
 /* Pairs on their way into the list. */
 typedef struct listing {
-  const nsdae_bodies *bodies;
-  const nsdae_broad *broad;
+  nsdae_broad *broad;
   nsdae_contact_list *list;
   double reach;
-  long id; /* of the pair's first feature */
-  const nsdae_bodies_pair *pair;
+  int omega; /* is asked for */
+  long id;   /* of the pair's first feature */
+  nsdae_bodies_pair law;
 } listing;
 
 static nsdae_couple couple_of(const listing *l, int i, int j)
 {
-  const nsdae_solid_of *s = l->bodies->solid.at;
+  const nsdae_solid_of *s = l->broad->b->solid.at;
   return (nsdae_couple){
       {s + i, s + j},
       {nsdae_broad_pose(l->broad, s[i].body), nsdae_broad_pose(l->broad, s[j].body)}};
 }
 
-/* What a unit impulse along n and along t, n turned to the left, does to a body: +-d, and arm x +-d
- * about its centre. Directions push body 1 and hold body 0. */
-static void set_planar(const nsdae_still *still, const nsdae_couple *two, nsdae_contact *c)
-{
-  for (int i = 0; i < 2; i++) {
-    double sign = i ? 1 : -1, x = sign * still->normal[0], y = sign * still->normal[1];
-    const double *at = still->at[i], *r = two->pose[i]->r, arm[2] = {at[0] - r[0], at[1] - r[1]};
-    double *n = c->direction[i][0], *t = c->direction[i][1];
-    if (c->block[i] == NSDAE_GROUND) continue;
-    n[0] = x, n[1] = y, n[2] = arm[0] * y - arm[1] * x;
-    t[0] = -y, t[1] = x, t[2] = arm[0] * x + arm[1] * y;
-  }
-}
-
-/* The same in space, the moment in the body's own axes. */
-static void set_spatial(const nsdae_still *still, const nsdae_couple *two, nsdae_contact *c)
-{
-  double d[3][3], arm[3], moment[3];
-  /* d_0 = n, d_1 along e x n (see nsdae_tangent_axis), d_2 = n x d_1. */
-  double e[3] = {0, 0, 0};
-  e[nsdae_tangent_axis(still->normal[2])] = 1;
-  for (int i = 0; i < 3; i++) d[0][i] = still->normal[i];
-  nsdae_cross3(e, still->normal, d[1]);
-  double length = sqrt(nsdae_dot3(d[1], d[1]));
-  for (int i = 0; i < 3; i++) d[1][i] /= length;
-  nsdae_cross3(still->normal, d[1], d[2]);
-  for (int i = 0; i < 2; i++) {
-    double sign = i ? 1 : -1;
-    if (c->block[i] == NSDAE_GROUND) continue;
-    for (int j = 0; j < 3; j++) arm[j] = sign * (still->at[i][j] - two->pose[i]->r[j]);
-    for (int k = 0; k < 3; k++) {
-      for (int j = 0; j < 3; j++) c->direction[i][k][j] = sign * d[k][j];
-      nsdae_cross3(arm, d[k], moment);
-      nsdae_turn_back(two->pose[i]->R, moment, c->direction[i][k] + 3);
-    }
-  }
-}
-
+/* touch: with rates; NULL: no omega. */
 static int add_contact(const listing *l, int number, const nsdae_couple *two,
-                       const nsdae_still *still)
+                       const nsdae_still *still, const nsdae_touch *touch)
 {
+  int dimension = l->broad->b->dimension;
+  if (still->far || still->gap > l->reach) return 0;
   nsdae_contact c = {.id = l->id + number,
-                     .block = {two->solid[0]->body, two->solid[1]->body},
                      .gap = still->gap,
-                     .mu = l->pair->mu,
-                     .e_n = l->pair->e_n,
-                     .e_t = l->pair->e_t};
-  if (l->bodies->dimension == 2)
-    set_planar(still, two, &c);
-  else
-    set_spatial(still, two, &c);
+                     .mu = l->law.mu,
+                     .e_n = l->law.e_n,
+                     .e_t = l->law.e_t,
+                     .omega_given = touch != NULL};
+  nsdae_bodies_contact_rows(dimension, two, still, dimension, &c);
+  if (touch) nsdae_bodies_contact_omega(dimension, two, touch, c.omega);
   return nsdae_contact_add(l->list, &c);
 }
 
@@ -92,14 +57,13 @@ static int list_feature(void *to, const nsdae_feature *f)
 {
   const listing *l = to;
   const nsdae_couple two = couple_of(l, f->solid[0], f->solid[1]);
-  nsdae_still still;
-  if (!f->edges && two.solid[0]->points <= 1) {
-    still = nsdae_round_still(&two, f->part[1]);
-  } else {
-    nsdae_touch touch = nsdae_feature_touch(f, &two);
-    still = nsdae_still_of(&touch);
+  if (!l->omega && !f->edges && two.solid[0]->points <= 1) {
+    const nsdae_still still = nsdae_round_still(&two, f->part[1]);
+    return add_contact(l, f->number, &two, &still, NULL);
   }
-  return still.far || still.gap > l->reach ? 0 : add_contact(l, f->number, &two, &still);
+  const nsdae_touch touch = nsdae_feature_touch(f, &two);
+  const nsdae_still still = nsdae_still_of(&touch);
+  return add_contact(l, f->number, &two, &still, l->omega ? &touch : NULL);
 }
 
 /* Corners of the second solid against edges of the first, numbered from first on. */
@@ -110,17 +74,18 @@ static int list_corners(const listing *l, int first, const nsdae_couple *two,
   int status = 0;
   for (int i = 0; i < two->solid[1]->points && status >= 0; i++) {
     if (nsdae_height_above(met->by[0].above, two->solid[1]->point + 3 * i) > most) continue;
-    nsdae_still still = nsdae_polygon_still(two, i, met);
-    if (!still.far && still.gap <= l->reach) status = add_contact(l, first + i, two, &still);
+    const nsdae_still still = nsdae_polygon_still(two, i, met);
+    status = add_contact(l, first + i, two, &still, NULL);
   }
   return status;
 }
 
 /* Corners of the second solid against a plane; most of a body's are too high. */
-static int list_plane(const listing *l, const nsdae_couple *two)
+static int list_plane(const listing *l, int base, int other)
 {
-  const nsdae_solid_of *plane = two->solid[0], *solid = two->solid[1];
-  const nsdae_pose *from = two->pose[0], *to = two->pose[1];
+  const nsdae_couple two = couple_of(l, base, other);
+  const nsdae_solid_of *plane = two.solid[0], *solid = two.solid[1];
+  const nsdae_pose *from = two.pose[0], *to = two.pose[1];
   double n[3], x[3], above[3], height = 0;
   int status = 0;
   nsdae_turn(from->R, plane->R + 6, n);
@@ -134,31 +99,61 @@ static int list_plane(const listing *l, const nsdae_couple *two)
     nsdae_turn(to->R, p, x);
     for (int j = 0; j < 3; j++) x[j] += to->r[j];
     nsdae_still_place(&still, x, h, 0, solid->radius);
-    status = add_contact(l, i, two, &still);
+    status = add_contact(l, i, &two, &still, NULL);
   }
   return status;
 }
 
-static int list_pair(void *to, nsdae_broad *broad, int i, int j)
+/* Features of two solids of the plane with edges. Nothing if they are apart by more than the reach
+ * along a normal of either. */
+static int list_polygons(const listing *l, const nsdae_couple *two)
+{
+  const nsdae_couple other = {{two->solid[1], two->solid[0]}, {two->pose[1], two->pose[0]}};
+  double enough = l->reach + two->solid[0]->radius + two->solid[1]->radius;
+  const nsdae_meeting met = nsdae_find_meeting(two, enough);
+  if (met.by[0].value > enough || met.by[1].value > enough) return 0;
+  const nsdae_meeting turned = {{met.by[1], met.by[0]}};
+  int status = list_corners(l, 0, two, &met);
+  return status < 0 ? status : list_corners(l, two->solid[1]->points, &other, &turned);
+}
+
+/* Features of two solids in the order of nsdae_pair_features; without omega the frequent ones by
+ * shorter formulas. */
+static int list_features(listing *l, int i, int j)
+{
+  const nsdae_couple two = couple_of(l, i, j);
+  if (!l->omega) {
+    if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1]))
+      return list_polygons(l, &two);
+    if (two.solid[0]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, i, j);
+    if (two.solid[1]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, j, i);
+  }
+  return nsdae_pair_features(l->broad->b->solid.at, i, j, two.pose, list_feature, l);
+}
+
+static int list_pair(void *to, nsdae_broad *p, int i, int j)
 {
   listing *l = to;
-  const nsdae_couple two = couple_of(l, i, j);
-  l->pair = broad->pair[two.solid[0]->material][two.solid[1]->material];
-  l->id = ((long)i * broad->solids + j) * broad->features;
-  const nsdae_couple other = {{two.solid[1], two.solid[0]}, {two.pose[1], two.pose[0]}};
-  if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1])) {
-    /* Of the plane, with features in the order of nsdae_pair_features. Nothing where they are apart
-     * by more than the reach along a normal of either. */
-    double enough = l->reach + two.solid[0]->radius + two.solid[1]->radius;
-    const nsdae_meeting met = nsdae_find_meeting(&two, enough);
-    if (met.by[0].value > enough || met.by[1].value > enough) return 0;
-    const nsdae_meeting turned = {{met.by[1], met.by[0]}};
-    int status = list_corners(l, 0, &two, &met);
-    return status < 0 ? status : list_corners(l, two.solid[1]->points, &other, &turned);
+  const nsdae_solid_of *s = p->b->solid.at;
+  if (p->names > 0 && nsdae_broad_is_named(p, i, j)) return 0;
+  l->law = *p->pair[s[i].material][s[j].material];
+  l->id = p->b->feature.count + nsdae_broad_pair(p->b, i, j) * p->features;
+  return list_features(l, i, j);
+}
+
+/* The contacts of nsdae_bodies_add_contact, as features i and behind. */
+static int list_named(listing *l)
+{
+  const nsdae_feature *f = l->broad->b->feature.at;
+  int status = 0;
+  for (int i = 0; i < l->broad->b->feature.count && status >= 0; i++) {
+    const int *solid = f[i].solid;
+    if (f[i].number > 0 || !nsdae_broad_near(l->broad, solid[0], solid[1], l->reach)) continue;
+    l->law = (nsdae_bodies_pair){.mu = f[i].mu, .e_n = f[i].e_n, .e_t = f[i].e_t};
+    l->id = i;
+    status = list_features(l, solid[0], solid[1]);
   }
-  if (two.solid[0]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, &two);
-  if (two.solid[1]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, &other);
-  return nsdae_pair_features(l->bodies->solid.at, i, j, two.pose, list_feature, l);
+  return status;
 }
 
 static int contacts(double t, const double *q, const double *v, double reach,
@@ -167,12 +162,68 @@ static int contacts(double t, const double *q, const double *v, double reach,
   nsdae_bodies *b = user;
   nsdae_broad *broad = nsdae_broad_take(b);
   if (!broad) return -1;
-  listing l = {.bodies = b, .broad = broad, .list = list, .reach = reach};
-  int status = nsdae_broad_pairs(broad, b, q, reach, list_pair, &l);
+  listing l = {
+      .broad = broad, .list = list, .reach = reach, .omega = nsdae_contact_list_reads_omega(list)};
+  nsdae_broad_place(broad, q, l.omega ? v : NULL);
+  int status = list_named(&l);
+  if (status >= 0) status = nsdae_broad_pairs(broad, reach, list_pair, &l);
   nsdae_broad_give_back(b, broad);
   if (status < 0) return -1;
   return b->own.contacts ? b->own.contacts(t, q, v, reach, list, b->own.user) : 0;
 }
+
+/* ---- bound of the rates of gaps
+ *
+ *   g' = n . (x_1' - x_0'),  |g'| <= sum_i |v_i| + |w_i| |x - r_i|
+ *
+ * for any point x on the line of n through the contact: a rounding counts for nothing. x is in the
+ * core of a solid, or beside it by NSDAE_BESIDE of both sizes; for a plane it is in the other. */
+
+/* Largest |x - r| of a solid's body. */
+static double largest_arm(const nsdae_bodies *b, const nsdae_solid_of *s, const double *q)
+{
+  if (s->shape != NSDAE_SHAPE_PLANE) {
+    double core = s->hollow ? 0 : s->size - s->radius;
+    return sqrt(nsdae_dot3(s->origin, s->origin)) + core;
+  }
+  const nsdae_pose plane = nsdae_bodies_pose(b, s->body, q, NULL);
+  double most = 0;
+  for (int i = 0; i < b->solid.count; i++) {
+    const nsdae_solid_of *other = nsdae_solid_at(b, i);
+    double x[3];
+    if (other->body == s->body || other->shape == NSDAE_SHAPE_PLANE) continue;
+    nsdae_bodies_locate(b, q, other->body, other->origin, x);
+    for (int j = 0; j < 3; j++) x[j] -= plane.r[j];
+    most = fmax(most, sqrt(nsdae_dot3(x, x)) + other->size);
+  }
+  return most;
+}
+
+/* The sum over the two fastest bodies. */
+static int contact_speed(double t, const double *q, const double *v, double *speed, void *user)
+{
+  const nsdae_bodies *b = user;
+  int nv = nsdae_body_nv(b), d = b->dimension, fastest = NSDAE_GROUND;
+  double size = 0, first = 0, second = 0;
+  (void)t;
+  for (int i = 0; i < b->solid.count; i++)
+    if (!nsdae_solid_at(b, i)->hollow) size = fmax(size, nsdae_solid_at(b, i)->size);
+  for (int i = 0; i < b->solid.count; i++) {
+    const nsdae_solid_of *s = nsdae_solid_at(b, i);
+    if (s->body == NSDAE_GROUND) continue;
+    const double *u = v + nv * s->body;
+    double linear = 0, angular = 0;
+    for (int j = 0; j < nv; j++) *(j < d ? &linear : &angular) += u[j] * u[j];
+    double arm = angular > 0 ? largest_arm(b, s, q) + 2 * NSDAE_BESIDE * size : 0;
+    double this = sqrt(linear) + sqrt(angular) * arm;
+    if (s->body != fastest) second = fmax(second, fmin(first, this));
+    if (this > first) first = this, fastest = s->body;
+  }
+  *speed = first + second;
+  return 0;
+}
+
+/* ---- setters */
 
 int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
 {
@@ -192,6 +243,8 @@ int nsdae_bodies_set_blocks(const nsdae_bodies *b, nsdae_system *system)
 int nsdae_bodies_set_contact_list(nsdae_bodies *b, nsdae_system *system)
 {
   int status = nsdae_system_set_contacts(system, contacts);
+  if (status == NSDAE_OK && !b->own.contacts)
+    status = nsdae_system_set_contact_speed(system, contact_speed);
   nsdae_broad *broad = status == NSDAE_OK ? nsdae_broad_take(b) : NULL;
   if (status == NSDAE_OK && !broad) status = NSDAE_E_MEMORY;
   if (broad) nsdae_broad_give_back(b, broad); /* the first simulation allocates none */

@@ -275,12 +275,12 @@ int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
 {
   if (!b || !dims) return NSDAE_E_ARGUMENT;
   const nsdae_dims *own = &b->own.dims;
-  int k = b->feature.count + own->k;
+  int k = nsdae_bodies_fixed(b) + own->k;
   *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b) + own->nq,
                        .nv = b->body.count * nsdae_body_nv(b) + own->nv,
                        .m = b->element.count + own->m,
                        .k = k,
-                       .nt = k + b->pair.count > 0 ? b->dimension - 1 : 0,
+                       .nt = nsdae_bodies_has_list(b) || k > 0 ? b->dimension - 1 : 0,
                        .f = b->frictional_joint.count + own->f};
   return NSDAE_OK;
 }
@@ -315,15 +315,11 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (b->body.count + b->own.dims.nq == 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "body",
                            "there is no body: call nsdae_bodies_add first");
-  const char *what = b->feature.count > 0            ? "contacts of nsdae_bodies_add_contact"
-                     : b->frictional_joint.count > 0 ? "friction of a slot"
-                     : b->own.dims.k + b->own.dims.f > 0
-                         ? "fixed contacts or frictional joints in user rows"
-                         : NULL;
-  if (b->pair.count > 0 && what)
-    return nsdae_error_set(
-        &b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
-        "with nsdae_bodies_set_pair the system has a contact list, and supports no %s", what);
+  if (nsdae_bodies_has_list(b) && b->own.dims.k > 0)
+    return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
+                           "the system has a contact list: the user rows have %d fixed contacts; "
+                           "list them with the callback contacts of nsdae_bodies_set_user_rows",
+                           b->own.dims.k);
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;

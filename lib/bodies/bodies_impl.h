@@ -57,15 +57,15 @@ struct nsdae_bodies {
   int made;          /* the system was */
   nsdae_error error; /* of the first call that failed */
   double gravity[3];
-  nsdae_list body;             /* nsdae_rigid_body */
-  nsdae_list element;          /* nsdae_primitive: the constraints */
-  nsdae_list frictional_joint; /* nsdae_bodies_frictional_joint */
-  nsdae_list solid;            /* nsdae_solid_of */
-  nsdae_list feature;          /* nsdae_feature: the contacts */
-  nsdae_list spring;           /* nsdae_bodies_spring */
-  nsdae_list torsion;          /* nsdae_bodies_torsion */
-  nsdae_list load;             /* nsdae_load */
-  nsdae_list pair;             /* nsdae_bodies_pair: contacts are by list where there is any */
+  nsdae_list body;                            /* nsdae_rigid_body */
+  nsdae_list element;                         /* nsdae_primitive: the constraints */
+  nsdae_list frictional_joint;                /* nsdae_bodies_frictional_joint */
+  nsdae_list solid;                           /* nsdae_solid_of */
+  nsdae_list feature;                         /* nsdae_feature: the contacts */
+  nsdae_list spring;                          /* nsdae_bodies_spring */
+  nsdae_list torsion;                         /* nsdae_bodies_torsion */
+  nsdae_list load;                            /* nsdae_load */
+  nsdae_list pair;                            /* nsdae_bodies_pair */
   _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
   int joints;                                 /* added so far */
   nsdae_user_rows own;                        /* beside the bodies; nv filled in */
@@ -100,6 +100,18 @@ static inline const nsdae_feature *nsdae_feature_at(const nsdae_bodies *b, int i
 static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, int i)
 {
   return (const nsdae_bodies_spring *)b->spring.at + i;
+}
+
+/* Whether the system has a contact list, which then has all contacts; else they are fixed. */
+static inline int nsdae_bodies_has_list(const nsdae_bodies *b)
+{
+  return b->pair.count > 0 || b->own.contacts;
+}
+
+/* Fixed contacts of nsdae_bodies_add_contact. */
+static inline int nsdae_bodies_fixed(const nsdae_bodies *b)
+{
+  return nsdae_bodies_has_list(b) ? 0 : b->feature.count;
 }
 
 /* Coordinates and velocities of a body. */
@@ -188,7 +200,7 @@ int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_primitive *elem
                          const double *q, const double *v, nsdae_places *places,
                          nsdae_primitive_value *value);
 
-/* Sets every callback and coefficient; those of constraints, frictional joints and contacts. */
+/* Sets every callback and coefficient; those of constraints, frictional joints, contacts. */
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
@@ -196,8 +208,14 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* Blocks of bodies, and M. */
 int nsdae_bodies_set_blocks(const nsdae_bodies *bodies, nsdae_system *system);
-/* In place of contacts that are numbered. */
+/* In place of fixed contacts. */
 int nsdae_bodies_set_contact_list(nsdae_bodies *bodies, nsdae_system *system);
+
+/* Bodies and the first rows directions of a contact; its omega, from poses with velocities. */
+void nsdae_bodies_contact_rows(int dimension, const nsdae_couple *two, const nsdae_still *at,
+                               int rows, nsdae_contact *contact);
+void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const nsdae_touch *touch,
+                                double omega[3]);
 
 /* The features of two solids in order, each handed to add until that returns < 0. With the poses of
  * their bodies those edges are left out that face no other; NULL: all are there. */

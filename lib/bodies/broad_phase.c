@@ -33,42 +33,62 @@ long nsdae_broad_features(const nsdae_bodies *b)
 static void lay_out_broad(void *object, nsdae_arena *arena)
 {
   nsdae_broad *p = object;
-  p->pose = nsdae_arena_take(arena, p->bodies + 1L, sizeof *p->pose);
-  p->radius = NSDAE_ARENA_DOUBLES(arena, p->solids);
-  p->centre = NSDAE_ARENA_DOUBLES(arena, 3L * p->solids);
-  p->cell = NSDAE_ARENA_INTS(arena, 3L * p->solids);
-  p->next = NSDAE_ARENA_INTS(arena, p->solids);
-  p->large = NSDAE_ARENA_INTS(arena, p->solids);
+  long solids = p->b->solid.count;
+  p->pose = nsdae_arena_take(arena, p->b->body.count + 1L, sizeof *p->pose);
+  p->radius = NSDAE_ARENA_DOUBLES(arena, solids);
+  p->centre = NSDAE_ARENA_DOUBLES(arena, 3 * solids);
+  p->cell = NSDAE_ARENA_INTS(arena, 3 * solids);
+  p->next = NSDAE_ARENA_INTS(arena, solids);
+  p->large = NSDAE_ARENA_INTS(arena, solids);
+  p->named = NSDAE_ARENA_DOUBLES(arena, p->names);
   p->head = NSDAE_ARENA_INTS(arena, p->buckets);
+}
+
+/* The radii, and which of them are large. */
+static void measure(nsdae_broad *p)
+{
+  const nsdae_solid_of *s = p->b->solid.at;
+  int count = p->b->solid.count, finite = 0;
+  /* those of what is finite in order in centre, which has room for them */
+  for (int i = 0; i < count; i++) {
+    p->radius[i] = is_endless(&s[i]) ? INFINITY : s[i].size;
+    if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
+  }
+  qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);
+  double most = finite > 0 ? ordinary * p->centre[finite / 2] : 0;
+  for (int i = 0; i < count; i++) {
+    if (p->radius[i] <= most)
+      p->usual = fmax(p->usual, p->radius[i]);
+    else
+      p->large[p->larges++] = i;
+  }
+}
+
+static void name_pairs(nsdae_broad *p)
+{
+  const nsdae_feature *f = p->b->feature.at;
+  p->names = 0;
+  for (int i = 0; i < p->b->feature.count; i++)
+    if (f[i].number == 0)
+      p->named[p->names++] = (double)nsdae_broad_pair(p->b, f[i].solid[0], f[i].solid[1]);
+  qsort(p->named, (size_t)p->names, sizeof *p->named, by_value);
 }
 
 static nsdae_broad *make(const nsdae_bodies *b)
 {
   nsdae_broad *p = calloc(1, sizeof *p);
   if (!p) return NULL;
-  p->bodies = b->body.count;
-  p->solids = b->solid.count;
-  for (p->buckets = 1; p->buckets < 2 * p->solids;) p->buckets *= 2;
+  p->b = b;
+  for (int i = 0; i < b->feature.count; i++) p->names += nsdae_feature_at(b, i)->number == 0;
+  for (p->buckets = 1; p->buckets < 2 * b->solid.count;) p->buckets *= 2;
   if (nsdae_arena_build(&p->arena, lay_out_broad, p) < 0) {
     free(p);
     return NULL;
   }
-  p->pose[p->bodies] = nsdae_pose_ground();
-  /* The radii with those of what is finite first in order in centre, which is room for them. */
-  int finite = 0;
-  for (int i = 0; i < p->solids; i++) {
-    p->radius[i] = is_endless(nsdae_solid_at(b, i)) ? INFINITY : nsdae_solid_at(b, i)->size;
-    if (isfinite(p->radius[i])) p->centre[finite++] = p->radius[i];
-  }
-  qsort(p->centre, (size_t)finite, sizeof *p->centre, by_value);
-  double most = finite > 0 ? ordinary * p->centre[finite / 2] : 0;
-  for (int i = 0; i < p->solids; i++) {
-    if (p->radius[i] <= most)
-      p->usual = fmax(p->usual, p->radius[i]);
-    else
-      p->large[p->larges++] = i;
-  }
+  p->pose[b->body.count] = nsdae_pose_ground();
   p->features = nsdae_broad_features(b);
+  measure(p);
+  name_pairs(p);
   for (int i = 0; i < b->pair.count; i++) {
     const nsdae_bodies_pair *pair = (const nsdae_bodies_pair *)b->pair.at + i;
     p->pair[pair->material[0]][pair->material[1]] = pair;
@@ -105,9 +125,8 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
 
 /* ---- large solids */
 
-static int may_touch(const nsdae_broad *p, const nsdae_bodies *b, int i, int j)
+static inline int may_touch(const nsdae_broad *p, const nsdae_solid_of *s, int i, int j)
 {
-  const nsdae_solid_of *s = b->solid.at;
   return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL;
 }
 
@@ -129,19 +148,29 @@ static int is_near_base(const nsdae_broad *p, const nsdae_solid_of *base, int nu
   return nsdae_dot3(n, d) <= p->radius[other] + reach;
 }
 
-/* A large solid with every other one; of two large ones that which comes first. */
-static int visit_large(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
-                       nsdae_broad_fn visit, void *to)
+int nsdae_broad_is_named(const nsdae_broad *p, int i, int j)
 {
-  const nsdae_solid_of *s = b->solid.at;
+  const double pair = (double)nsdae_broad_pair(p->b, i, j);
+  return bsearch(&pair, p->named, (size_t)p->names, sizeof *p->named, by_value) != NULL;
+}
+
+int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
+{
+  const nsdae_solid_of *s = p->b->solid.at;
+  return is_endless(&s[i])   ? is_near_base(p, &s[i], i, j, reach)
+         : is_endless(&s[j]) ? is_near_base(p, &s[j], j, i, reach)
+                             : are_near(p, i, j, reach);
+}
+
+/* A large solid with every other one; of two large ones that which comes first. */
+static int visit_large(nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
+{
+  const nsdae_solid_of *s = p->b->solid.at;
   int status = 0;
-  for (int j = 0; j < p->solids && status >= 0; j++) {
-    int both = p->radius[j] > p->usual, endless = is_endless(&s[i]);
-    if (!may_touch(p, b, i, j) || (both && j < i) || (endless && is_endless(&s[j]))) continue;
-    int near = endless             ? is_near_base(p, &s[i], i, j, reach)
-               : is_endless(&s[j]) ? is_near_base(p, &s[j], j, i, reach)
-                                   : are_near(p, i, j, reach);
-    if (near) status = visit(to, p, i < j ? i : j, i < j ? j : i);
+  for (int j = 0; j < p->b->solid.count && status >= 0; j++) {
+    int both = p->radius[j] > p->usual, endless = is_endless(&s[i]) && is_endless(&s[j]);
+    if (!may_touch(p, s, i, j) || (both && j < i) || endless) continue;
+    if (nsdae_broad_near(p, i, j, reach)) status = visit(to, p, i < j ? i : j, i < j ? j : i);
   }
   return status;
 }
@@ -156,14 +185,15 @@ static int bucket_of(const nsdae_broad *p, const int *cell)
 }
 
 /* Solid i with those from j on in the bucket of a cell. */
-static int visit_cell(nsdae_broad *p, const nsdae_bodies *b, int i, int j, const int *cell,
-                      double reach, nsdae_broad_fn visit, void *to)
+static int visit_cell(nsdae_broad *p, int i, int j, const int *cell, double reach,
+                      nsdae_broad_fn visit, void *to)
 {
+  const nsdae_solid_of *s = p->b->solid.at;
   int status = 0;
   for (; j >= 0 && status >= 0; j = p->next[j]) {
     const int *other = p->cell + 3 * j;
     if (other[0] != cell[0] || other[1] != cell[1] || other[2] != cell[2]) continue;
-    if (may_touch(p, b, i, j) && are_near(p, i, j, reach))
+    if (may_touch(p, s, i, j) && are_near(p, i, j, reach))
       status = visit(to, p, i < j ? i : j, i < j ? j : i);
   }
   return status;
@@ -171,41 +201,46 @@ static int visit_cell(nsdae_broad *p, const nsdae_bodies *b, int i, int j, const
 
 /* With those put before it into its own cell, and with all of the neighbours on one side: the other
  * side's look at it. */
-static int visit_usual(nsdae_broad *p, const nsdae_bodies *b, int i, double reach,
-                       nsdae_broad_fn visit, void *to)
+static int visit_usual(nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
 {
-  const int *cell = p->cell + 3 * i, all = b->dimension == 2 ? 9 : 27;
-  int status = visit_cell(p, b, i, p->next[i], cell, reach, visit, to);
+  const int *cell = p->cell + 3 * i, all = p->b->dimension == 2 ? 9 : 27;
+  int status = visit_cell(p, i, p->next[i], cell, reach, visit, to);
   for (int n = all / 2 + 1; n < all && status >= 0; n++) {
     const int beside[3] = {cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1,
                            all == 9 ? cell[2] : cell[2] + n / 9 - 1};
-    status = visit_cell(p, b, i, p->head[bucket_of(p, beside)], beside, reach, visit, to);
+    status = visit_cell(p, i, p->head[bucket_of(p, beside)], beside, reach, visit, to);
   }
   return status;
 }
 
 /* ---- all pairs */
 
-int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, double reach,
-                      nsdae_broad_fn visit, void *to)
+void nsdae_broad_place(nsdae_broad *p, const double *q, const double *v)
 {
-  int status = 0;
-  /* Poses, and where the solids are. */
-  int nq = nsdae_body_nq(b);
-  for (int i = 0; i < p->bodies; i++) nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
-  for (int i = 0; i < p->solids; i++) {
+  const nsdae_bodies *b = p->b;
+  int nq = nsdae_body_nq(b), nv = nsdae_body_nv(b);
+  for (int i = 0; i < b->body.count; i++) {
+    nsdae_pose_place(b->dimension, q + i * nq, &p->pose[i]);
+    if (v) nsdae_pose_move(b->dimension, v + i * nv, &p->pose[i]);
+  }
+  for (int i = 0; i < b->solid.count; i++) {
     const nsdae_solid_of *s = nsdae_solid_at(b, i);
     const nsdae_pose *pose = nsdae_broad_pose(p, s->body);
     nsdae_turn(pose->R, s->origin, p->centre + 3 * i);
     for (int j = 0; j < 3; j++) p->centre[3 * i + j] += pose->r[j];
   }
+}
+
+int nsdae_broad_pairs(nsdae_broad *p, double reach, nsdae_broad_fn visit, void *to)
+{
+  int status = 0, solids = p->b->solid.count;
   for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
   for (int i = 0; i < p->larges && status >= 0; i++)
-    status = visit_large(p, b, p->large[i], reach, visit, to);
+    status = visit_large(p, p->large[i], reach, visit, to);
   double width = 2 * p->usual + reach;
   if (!(width > 0)) width = 1; /* points alone */
   /* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
-  for (int i = 0; i < p->solids; i++) {
+  for (int i = 0; i < solids; i++) {
     int *cell = p->cell + 3 * i;
     if (p->radius[i] > p->usual) continue;
     for (int l = 0; l < 3; l++) {
@@ -216,7 +251,7 @@ int nsdae_broad_pairs(nsdae_broad *p, const nsdae_bodies *b, const double *q, do
     p->next[i] = *head;
     *head = i;
   }
-  for (int i = 0; i < p->solids && status >= 0; i++)
-    if (p->radius[i] <= p->usual) status = visit_usual(p, b, i, reach, visit, to);
+  for (int i = 0; i < solids && status >= 0; i++)
+    if (p->radius[i] <= p->usual) status = visit_usual(p, i, reach, visit, to);
   return status;
 }

@@ -9,7 +9,7 @@
 
 struct nsdae_broad {
   nsdae_arena arena;
-  int bodies, solids;
+  const nsdae_bodies *b;
   nsdae_pose *pose; /* of every body, and of the ground behind them */
   double *radius;   /* of each solid about its frame's origin; NSDAE_BROAD_ENDLESS */
   double *centre;   /* solids x 3: where it is */
@@ -19,7 +19,9 @@ struct nsdae_broad {
   double usual;     /* largest radius of ordinary size */
   int *large;       /* those above it, and what is endless */
   int larges;
-  long features; /* of any pair at most: ids count so */
+  long features; /* of any pair of solids at most */
+  double *named; /* pairs of solids of nsdae_bodies_add_contact, by nsdae_broad_pair, in order */
+  int names;
   const nsdae_bodies_pair *pair[NSDAE_MATERIALS][NSDAE_MATERIALS];
 };
 
@@ -28,19 +30,33 @@ nsdae_broad *nsdae_broad_take(nsdae_bodies *bodies);
 void nsdae_broad_give_back(nsdae_bodies *bodies, nsdae_broad *broad);
 void nsdae_broad_release(nsdae_broad *broad);
 
-/* Poses of all bodies, and from them every pair of solids of materials that touch whose gap may be
- * at most reach, handed to visit until it returns < 0, with i < j. */
-typedef int (*nsdae_broad_fn)(void *to, nsdae_broad *broad, int i, int j);
-int nsdae_broad_pairs(nsdae_broad *broad, const nsdae_bodies *bodies, const double *q, double reach,
-                      nsdae_broad_fn visit, void *to);
+/* Poses of all bodies (v NULL: at rest) and places of all solids. */
+void nsdae_broad_place(nsdae_broad *broad, const double *q, const double *v);
 
-/* The most features of a pair: ids of contacts count so. */
+/* Whether the gap of two solids, placed, may be at most reach. */
+int nsdae_broad_near(const nsdae_broad *broad, int i, int j, double reach);
+
+/* Whether nsdae_bodies_add_contact named two solids. */
+int nsdae_broad_is_named(const nsdae_broad *broad, int i, int j);
+
+/* Every pair of solids, placed, of materials that touch whose gap may be at most reach, handed to
+ * visit until it returns < 0, with i < j. */
+typedef int (*nsdae_broad_fn)(void *to, nsdae_broad *broad, int i, int j);
+int nsdae_broad_pairs(nsdae_broad *broad, double reach, nsdae_broad_fn visit, void *to);
+
+/* Ids of contacts: feature i of nsdae_bodies_add_contact has i; behind them feature i of
+ * solids j < k has feature.count + nsdae_broad_pair * nsdae_broad_features + i. */
 long nsdae_broad_features(const nsdae_bodies *bodies);
+
+static inline long nsdae_broad_pair(const nsdae_bodies *b, int i, int j)
+{
+  return i < j ? (long)i * b->solid.count + j : (long)j * b->solid.count + i;
+}
 
 /* The pose of the body of a solid. */
 static inline const nsdae_pose *nsdae_broad_pose(const nsdae_broad *broad, int body)
 {
-  return &broad->pose[body == NSDAE_GROUND ? broad->bodies : body];
+  return &broad->pose[body == NSDAE_GROUND ? broad->b->body.count : body];
 }
 
 #endif

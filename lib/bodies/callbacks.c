@@ -99,7 +99,8 @@ int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
   if (status == NSDAE_OK && (b->dimension == 3 || b->own.kinematics))
     status = nsdae_system_set_kinematics(system, kinematics);
   if (status == NSDAE_OK) status = nsdae_bodies_set_constraints(b, system);
-  if (status == NSDAE_OK && b->pair.count == 0) status = nsdae_bodies_set_contacts(b, system);
-  if (status == NSDAE_OK && b->pair.count > 0) status = nsdae_bodies_set_contact_list(b, system);
+  if (status == NSDAE_OK) status = nsdae_bodies_set_contacts(b, system);
+  if (status == NSDAE_OK && nsdae_bodies_has_list(b))
+    status = nsdae_bodies_set_contact_list(b, system);
   return status < 0 ? status : nsdae_bodies_set_sizes(b, system);
 }

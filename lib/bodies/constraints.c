@@ -23,24 +23,30 @@ static int constraint(double t, const double *q, double *phi, void *user)
   return own->constraint ? own->constraint(t, q, phi + b->element.count, own->user) : 0;
 }
 
-/* Rows over the blocks of their bodies. */
+/* The row of an element over the blocks of its bodies. */
+static int add_row(const nsdae_bodies *b, const nsdae_primitive *e, int row, double t,
+                   const double *q, nsdae_places *at, nsdae_row_list *rows)
+{
+  nsdae_primitive_value value;
+  int code = nsdae_bodies_element(b, e, t, q, NULL, at, &value);
+  for (int j = 0; j < 2 && code == 0; j++) {
+    double part[6];
+    if (e->body[j] == NSDAE_GROUND) continue;
+    nsdae_bodies_part(b, &value.row, j, &at->pose[j], part);
+    code = nsdae_row_add(rows, row, e->body[j], part);
+  }
+  return code;
+}
+
 static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void *user)
 {
   const nsdae_bodies *b = user;
-  nsdae_primitive_value value;
   nsdae_places at = nsdae_nowhere;
-  for (int i = 0; i < b->element.count; i++) {
-    const nsdae_primitive *e = nsdae_element_at(b, i);
-    int code = nsdae_bodies_element(b, e, t, q, NULL, &at, &value);
-    for (int j = 0; j < 2 && code == 0; j++) {
-      double part[6];
-      if (e->body[j] == NSDAE_GROUND) continue;
-      nsdae_bodies_part(b, &value.row, j, &at.pose[j], part);
-      code = nsdae_row_add(rows, i, e->body[j], part);
-    }
-    if (code) return code;
-  }
-  return b->own.constraint_rows ? b->own.constraint_rows(t, q, rows, b->own.user) : 0;
+  int code = 0;
+  for (int i = 0; i < b->element.count && code == 0; i++)
+    code = add_row(b, nsdae_element_at(b, i), i, t, q, &at, rows);
+  if (code || !b->own.constraint_rows) return code;
+  return b->own.constraint_rows(t, q, rows, b->own.user);
 }
 
 /* Dense, with the dense rows of one's own. */
@@ -75,20 +81,32 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
   return own->constraint_bias ? own->constraint_bias(t, q, v, phi_t + m, omega + m, own->user) : 0;
 }
 
+/* A slot does not move with v = 0: w stays 0. */
+static int joint_friction_rows(double t, const double *q, nsdae_row_list *rows, double *w,
+                               void *user)
+{
+  const nsdae_bodies *b = user;
+  nsdae_places at = nsdae_nowhere;
+  int code = 0;
+  (void)w;
+  for (int i = 0; i < b->frictional_joint.count && code == 0; i++)
+    code = add_row(b, &nsdae_frictional_joint_at(b, i)->along, i, t, q, &at, rows);
+  return code;
+}
+
+/* Dense, with those of the user rows. */
 static int frictional_joint_tangent(double t, const double *q, double *W, int ldw, double *w,
                                     void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_user_rows *own = &b->own;
+  int f = b->frictional_joint.count;
   nsdae_primitive_value value;
   nsdae_places at = nsdae_nowhere;
-  for (int i = 0; i < b->frictional_joint.count; i++, W += ldw, w++) {
+  for (int i = 0; i < f; i++, W += ldw) {
     nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, NULL, &at, &value);
     nsdae_bodies_scatter(b, &at, &value.row, 1, W, 1);
   }
-  /* a slot does not move with v = 0: w stays 0 */
-  return own->frictional_joint_tangent ? own->frictional_joint_tangent(t, q, W, ldw, w, own->user)
-                                       : 0;
+  return b->own.frictional_joint_tangent(t, q, W, ldw, w + f, b->own.user);
 }
 
 /* What rows of one's own lack of a derivative is left to the system, for all rows. */
@@ -105,7 +123,9 @@ int nsdae_bodies_set_constraints(const nsdae_bodies *b, nsdae_system *system)
   if (m > 0 && status == NSDAE_OK && (none || own->constraint_bias))
     status = nsdae_system_set_constraint_bias(system, constraint_bias);
   if (f > 0 && status == NSDAE_OK)
-    status = nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent);
+    status = own->dims.f > 0
+                 ? nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent)
+                 : nsdae_system_set_joint_friction_rows(system, joint_friction_rows);
   for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
     const nsdae_bodies_frictional_joint *s = nsdae_frictional_joint_at(b, i);
     status = nsdae_system_set_frictional_joint(system, i, s->constraint, s->mu);

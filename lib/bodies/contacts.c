@@ -1,85 +1,161 @@
-/* Contacts as callbacks: each walks the features; contacts of one's own follow. */
+/* A contact of two bodies from where they touch: n from body 0 to body 1, points c_i of
+ * narrow_phase.h.
+ *
+ *   directions   u_0 = n;  planar u_1 = n turned to the left;
+ *                spatial u_1 = e x n / |e x n|, u_2 = n x u_1 (e: nsdae_tangent_axis)
+ *   row of u     a unit impulse: +-u on body i and its moment (c_i - r_i) x +-u, + for body 1
+ *   omega        n: g'';  u_1, u_2: (u . xi)', both with v' = 0
+ *
+ * The same functions fill entries of a contact list and the callbacks of fixed contacts. */
 #include "bodies_impl.h"
 
 /* ---- one contact */
 
-/* The contact of feature i. Of one that is far there are places and directions too, those between
- * the origins of the solids. */
+static inline void directions(int rows, const double *n, double u[3][3])
+{
+  const double planar[3] = {-n[1], n[0], 0};
+  double e[3] = {0, 0, 0};
+  for (int i = 0; i < 3; i++) u[0][i] = n[i], u[1][i] = planar[i];
+  if (rows < 3) return;
+  e[nsdae_tangent_axis(n[2])] = 1;
+  nsdae_cross3(e, n, u[1]);
+  double inverse = 1 / sqrt(nsdae_dot3(u[1], u[1]));
+  for (int i = 0; i < 3; i++) u[1][i] *= inverse;
+  nsdae_cross3(n, u[1], u[2]);
+}
+
+/* The part of body i of the row of u, from the arm c_i - r_i. */
+static inline void put_row(int dimension, const nsdae_pose *pose, const double *arm,
+                           const double *u, double sign, double *row)
+{
+  double moment[3];
+  for (int j = 0; j < dimension; j++) row[j] = sign * u[j];
+  if (dimension == 2) {
+    row[2] = arm[0] * row[1] - arm[1] * row[0];
+  } else {
+    nsdae_cross3(arm, row, moment);
+    nsdae_turn_back(pose->R, moment, row + 3);
+  }
+}
+
+void nsdae_bodies_contact_rows(int dimension, const nsdae_couple *two, const nsdae_still *at,
+                               int rows, nsdae_contact *c)
+{
+  double u[3][3], arm[3];
+  directions(rows, at->normal, u);
+  for (int i = 0; i < 2; i++) {
+    c->block[i] = two->solid[i]->body;
+    if (c->block[i] == NSDAE_GROUND) continue;
+    for (int j = 0; j < 3; j++) arm[j] = at->at[i][j] - two->pose[i]->r[j];
+    for (int d = 0; d < rows; d++)
+      put_row(dimension, two->pose[i], arm, u[d], i ? 1 : -1, c->direction[i][d]);
+  }
+}
+
+/* xi, and its rate with v' = 0: see narrow_phase.h. */
+static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_couple *two)
+{
+  nsdae_jet3 xi = {{{0, 0, 0}}};
+  for (int i = 0; i < 2; i++) {
+    const nsdae_pose *pose = two->pose[i];
+    double arm[3], wander[3], turning[3], rate[3], sign = i ? 1 : -1;
+    for (int j = 0; j < 3; j++) arm[j] = touch->at[i].at[j].x - pose->r[j];
+    nsdae_cross3(pose->w, arm, turning);
+    for (int j = 0; j < 3; j++) wander[j] = touch->at[i].at[j].d - pose->v[j];
+    nsdae_cross3(pose->w, wander, rate);
+    for (int j = 0; j < 3; j++) {
+      xi.at[j].x += sign * (pose->v[j] + turning[j]);
+      xi.at[j].d += sign * rate[j];
+    }
+  }
+  return xi;
+}
+
+/* u_1 and u_2 with their rates. */
+static void moving_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 u[2])
+{
+  double e[3] = {0, 0, 0};
+  if (dimension == 2) {
+    u[0] = (nsdae_jet3){{nsdae_jet_scale(-1, n.at[1]), n.at[0], nsdae_jet_of(0)}};
+    return;
+  }
+  e[nsdae_tangent_axis(n.at[2].x)] = 1;
+  u[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);
+  u[0] = nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(u[0])), u[0]);
+  u[1] = nsdae_jet3_cross(n, u[0]);
+}
+
+void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const nsdae_touch *touch,
+                                double omega[3])
+{
+  nsdae_jet3 u[2], xi = relative_velocity(touch, two);
+  moving_tangents(dimension, touch->normal, u);
+  omega[0] = touch->gap.dd;
+  for (int j = 0; j < dimension - 1; j++) omega[1 + j] = nsdae_jet3_dot(u[j], xi).d;
+}
+
+/* ---- fixed contacts, then those of the user rows */
+
+/* Feature i, of bodies whose poses are in at. If another feature is nearer its gap is constant, and
+ * its directions are those between the origins of the solids. */
 static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const double *v,
-                            nsdae_places *at)
+                            nsdae_places *at, nsdae_couple *two)
 {
   const nsdae_feature *f = nsdae_feature_at(b, i);
-  const nsdae_couple two = {{nsdae_solid_at(b, f->solid[0]), nsdae_solid_at(b, f->solid[1])},
-                            {&at->pose[0], &at->pose[1]}};
-  const int body[2] = {two.solid[0]->body, two.solid[1]->body};
+  *two = (nsdae_couple){{nsdae_solid_at(b, f->solid[0]), nsdae_solid_at(b, f->solid[1])},
+                        {&at->pose[0], &at->pose[1]}};
+  const int body[2] = {two->solid[0]->body, two->solid[1]->body};
   nsdae_jet length;
   nsdae_bodies_place(b, body, q, v, at);
-  nsdae_touch touch = nsdae_feature_touch(f, &two);
+  nsdae_touch touch = nsdae_feature_touch(f, two);
   if (!touch.far) return touch;
-  for (int j = 0; j < 2; j++) touch.at[j] = nsdae_pose_point(two.pose[j], two.solid[j]->origin);
+  for (int j = 0; j < 2; j++) touch.at[j] = nsdae_pose_point(two->pose[j], two->solid[j]->origin);
   touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
   return touch;
 }
-
-/* ---- gap, normal, tangents */
 
 static int gap(double t, const double *q, double *g, void *user)
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
   nsdae_places at = nsdae_nowhere;
-  for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &at).gap.x;
+  nsdae_couple two;
+  for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &at, &two).gap.x;
   return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
 }
 
-/* The column of n . xi for a direction of a contact. */
-static void put_column(const nsdae_bodies *b, const nsdae_touch *touch, const nsdae_places *at,
-                       nsdae_jet3 direction, double *column)
+/* Columns of W of all features, for directions from first to rows - 1. */
+static double *put_columns(const nsdae_bodies *b, const double *q, int first, int rows, double *W,
+                           int ldw)
 {
-  nsdae_velocity_row row = nsdae_relative_row(at->pose, touch->at[0], touch->at[1], direction);
-  nsdae_bodies_scatter(b, at, &row, 1, column, 1);
+  int nv = nsdae_body_nv(b);
+  nsdae_places at = nsdae_nowhere;
+  nsdae_couple two;
+  for (int i = 0; i < b->feature.count; i++) {
+    const nsdae_touch touch = touch_at(b, i, q, NULL, &at, &two);
+    const nsdae_still still = nsdae_still_of(&touch);
+    nsdae_contact c;
+    nsdae_bodies_contact_rows(b->dimension, &two, &still, rows, &c);
+    for (int d = first; d < rows; d++, W += ldw)
+      for (int s = 0; s < 2; s++)
+        for (int j = 0; j < nv && c.block[s] != NSDAE_GROUND && (d > 0 || !touch.far); j++)
+          W[c.block[s] * nv + j] += c.direction[s][d][j];
+  }
+  return W;
 }
 
 static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_user_rows *own = &b->own;
-  nsdae_places at = nsdae_nowhere;
-  for (int i = 0; i < b->feature.count; i++, W += ldw) {
-    nsdae_touch touch = touch_at(b, i, q, NULL, &at);
-    if (!touch.far) put_column(b, &touch, &at, touch.normal, W);
-  }
-  return own->gap_normal ? own->gap_normal(t, q, W, ldw, own->user) : 0;
-}
-
-/* t_1 (and in space t_2 = n x t_1) at right angles to n: in the plane n turned to the left, in
- * space along e x n: see nsdae_tangent_axis. */
-static void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 t[2])
-{
-  double e[3] = {0, 0, 0};
-  if (dimension == 2) {
-    t[0] = (nsdae_jet3){{nsdae_jet_scale(-1, n.at[1]), n.at[0], nsdae_jet_of(0)}};
-    return;
-  }
-  e[nsdae_tangent_axis(n.at[2].x)] = 1;
-  t[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);
-  t[0] = nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(t[0])), t[0]);
-  t[1] = nsdae_jet3_cross(n, t[0]);
+  W = put_columns(b, q, 0, 1, W, ldw);
+  return b->own.gap_normal ? b->own.gap_normal(t, q, W, ldw, b->own.user) : 0;
 }
 
 static int gap_tangent(double t, const double *q, double *W, int ldw, void *user)
 {
   const nsdae_bodies *b = user;
-  const nsdae_user_rows *own = &b->own;
-  int nt = b->dimension - 1;
-  nsdae_places at = nsdae_nowhere;
-  for (int i = 0; i < b->feature.count; i++) {
-    nsdae_touch touch = touch_at(b, i, q, NULL, &at);
-    nsdae_jet3 direction[2];
-    tangents(b->dimension, touch.normal, direction);
-    for (int j = 0; j < nt; j++, W += ldw) put_column(b, &touch, &at, direction[j], W);
-  }
-  return own->gap_tangent ? own->gap_tangent(t, q, W, ldw, own->user) : 0;
+  W = put_columns(b, q, 1, b->dimension, W, ldw);
+  return b->own.gap_tangent ? b->own.gap_tangent(t, q, W, ldw, b->own.user) : 0;
 }
 
 /* Solids move with their bodies alone: their part stays zero. */
@@ -91,45 +167,24 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
   return own->contact_bias ? own->contact_bias(t, q, w_n + k, w_t + k * nt, own->user) : 0;
 }
 
-/* ---- accelerations */
-
-/* xi, and its rate with v' = 0: see narrow_phase.h. */
-static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_pose pose[2])
-{
-  nsdae_jet3 xi = {{{0, 0, 0}}};
-  for (int i = 0; i < 2; i++) {
-    double arm[3], wander[3], turning[3], rate[3], sign = i ? 1 : -1;
-    for (int j = 0; j < 3; j++) arm[j] = touch->at[i].at[j].x - pose[i].r[j];
-    nsdae_cross3(pose[i].w, arm, turning);
-    for (int j = 0; j < 3; j++) wander[j] = touch->at[i].at[j].d - pose[i].v[j];
-    nsdae_cross3(pose[i].w, wander, rate);
-    for (int j = 0; j < 3; j++) {
-      xi.at[j].x += sign * (pose[i].v[j] + turning[j]);
-      xi.at[j].d += sign * rate[j];
-    }
-  }
-  return xi;
-}
-
-/* omega of the kit's contacts from the second rates of gaps and sliding velocities, then of the
- * user's. */
+/* Of contacts, and of frictional joints the second rates of their coordinates. */
 static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
                                 double *omega_t, double *omega_s, void *user)
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
-  int k = b->feature.count, f = b->frictional_joint.count, nt = b->dimension - 1;
+  int k = nsdae_bodies_fixed(b), f = b->frictional_joint.count, nt = b->dimension - 1;
   nsdae_primitive_value value;
   nsdae_places at = nsdae_nowhere;
+  nsdae_couple two;
+  double omega[3];
   for (int i = 0; i < k; i++) {
-    nsdae_touch touch = touch_at(b, i, q, v, &at);
-    nsdae_jet3 direction[2];
-    omega_n[i] = touch.gap.dd;
-    tangents(b->dimension, touch.normal, direction);
-    nsdae_jet3 xi = relative_velocity(&touch, at.pose);
-    for (int j = 0; j < nt; j++) omega_t[i * nt + j] = nsdae_jet3_dot(direction[j], xi).d;
+    const nsdae_touch touch = touch_at(b, i, q, v, &at, &two);
+    nsdae_bodies_contact_omega(b->dimension, &two, &touch, omega);
+    omega_n[i] = omega[0];
+    for (int j = 0; j < nt; j++) omega_t[i * nt + j] = omega[1 + j];
   }
-  for (int i = 0; i < f; i++) { /* of frictional joints: the second rates of their coordinates */
+  for (int i = 0; i < f; i++) {
     nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &at, &value);
     omega_s[i] = value.phi.dd;
   }
@@ -145,7 +200,7 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
 int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
 {
   const nsdae_user_rows *own = &b->own;
-  int k = b->feature.count + own->dims.k, none = own->dims.k == 0, status = NSDAE_OK;
+  int k = nsdae_bodies_fixed(b) + own->dims.k, none = own->dims.k == 0, status = NSDAE_OK;
   if (k > 0) status = nsdae_system_set_gap(system, gap);
   if (k > 0 && status == NSDAE_OK && (none || own->gap_normal))
     status = nsdae_system_set_gap_normal(system, gap_normal);
@@ -156,7 +211,7 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
   if (k + b->frictional_joint.count + own->dims.f > 0 && status == NSDAE_OK &&
       (none || own->contact_acceleration))
     status = nsdae_system_set_contact_acceleration(system, contact_acceleration);
-  for (int i = 0; i < b->feature.count && status == NSDAE_OK; i++) {
+  for (int i = 0; i < nsdae_bodies_fixed(b) && status == NSDAE_OK; i++) {
     const nsdae_feature *f = nsdae_feature_at(b, i);
     status = nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t);
   }

@@ -47,16 +47,15 @@ static void contact_words(const nsdae_bodies *b, const int solid[2], char *text,
 static int words(const void *of, int kind, long i, char *text, size_t size)
 {
   const nsdae_bodies *b = of;
-  if (kind == NSDAE_NAME_CONTACT && b->pair.count > 0) {
-    /* See the ids of blocks.c; others are one's own. */
-    long pair = i / nsdae_broad_features(b), solids = b->solid.count;
-    if (i < 0 || pair >= solids * solids) return 0;
-    const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
-    contact_words(b, solid, text, size);
+  if (kind == NSDAE_NAME_CONTACT && i >= 0 && i < b->feature.count) {
+    contact_words(b, nsdae_feature_at(b, (int)i)->solid, text, size);
     return 1;
   }
-  if (kind == NSDAE_NAME_CONTACT && i < b->feature.count) {
-    contact_words(b, nsdae_feature_at(b, (int)i)->solid, text, size);
+  if (kind == NSDAE_NAME_CONTACT && nsdae_bodies_has_list(b)) {
+    long pair = (i - b->feature.count) / nsdae_broad_features(b), solids = b->solid.count;
+    if (i < 0 || pair >= solids * solids) return 0; /* < 0: of the user rows */
+    const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
+    contact_words(b, solid, text, size);
     return 1;
   }
   const nsdae_primitive *e = NULL;
@@ -71,7 +70,7 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
 static int exact(const void *of, int kind, int i)
 {
   const nsdae_bodies *b = of;
-  if (kind == NSDAE_NAME_CONTACT) return i < b->feature.count;
+  if (kind == NSDAE_NAME_CONTACT) return i < nsdae_bodies_fixed(b);
   if (kind == NSDAE_NAME_FRICTIONAL_JOINT) return i < b->frictional_joint.count;
   return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !nsdae_element_at(b, i)->drive;
 }
@@ -178,7 +177,7 @@ static int explain(const void *of, const char *callback, double t, const double 
     for (int i = 0; i < b->load.count && !found; i++) found = explain_load(b, i, t, q, v, r);
   }
   if (strcmp(callback, "gap_normal") == 0)
-    for (int i = 0; i < b->feature.count && !found; i++) found = explain_contact(b, i, q, r);
+    for (int i = 0; i < nsdae_bodies_fixed(b) && !found; i++) found = explain_contact(b, i, q, r);
   return found;
 }
 

@@ -18,13 +18,20 @@ void nsdae_pose_place(int dimension, const double *q, nsdae_pose *pose)
   }
 }
 
+void nsdae_pose_move(int dimension, const double *v, nsdae_pose *pose)
+{
+  for (int i = 0; i < dimension; i++) pose->v[i] = v[i];
+  if (dimension == 2)
+    pose->w[2] = v[2];
+  else
+    nsdae_turn(pose->R, v + 3, pose->w);
+}
+
 nsdae_pose nsdae_pose_of(int dimension, const double *q, const double *v)
 {
   nsdae_pose pose = {.angle = 0};
   nsdae_pose_place(dimension, q, &pose);
-  for (int i = 0; v && i < dimension; i++) pose.v[i] = v[i];
-  if (v && dimension == 2) pose.w[2] = v[2];
-  if (v && dimension == 3) nsdae_turn(pose.R, v + 3, pose.w);
+  if (v) nsdae_pose_move(dimension, v, &pose);
   return pose;
 }
 

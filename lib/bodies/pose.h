@@ -14,8 +14,9 @@ typedef struct nsdae_pose {
 /* The ground's, and a body's from its part of q and v (v NULL: at rest). */
 nsdae_pose nsdae_pose_ground(void);
 nsdae_pose nsdae_pose_of(int dimension, const double *q, const double *v);
-/* Where it is alone, of one at rest. */
+/* Its place alone; its velocities, once it is placed. */
 void nsdae_pose_place(int dimension, const double *q, nsdae_pose *pose);
+void nsdae_pose_move(int dimension, const double *v, nsdae_pose *pose);
 
 /* A point s and a direction a of the body's own frame, with v' = 0:
  *   x'' = w x (w x (x - r)),   u' = w x u,   u'' = w x (w x u) */

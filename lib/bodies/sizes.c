@@ -41,14 +41,15 @@ static int set_size(nsdae_system *system, int kind, int i, double size)
 int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
 {
   int d = b->dimension, status = NSDAE_OK;
-  for (int body = 0; b->pair.count > 0 && body < b->body.count && status == NSDAE_OK; body++) {
+  for (int body = 0; nsdae_bodies_has_list(b) && body < b->body.count && status == NSDAE_OK;
+       body++) {
     double least = INFINITY;
     for (int i = 0; i < b->solid.count; i++)
       if (nsdae_solid_at(b, i)->body == body)
         least = fmin(least, width_of(nsdae_solid_at(b, i), d));
     status = set_size(system, NSDAE_NAME_CONTACT, body, least);
   }
-  for (int i = 0; b->pair.count == 0 && i < b->feature.count && status == NSDAE_OK; i++) {
+  for (int i = 0; i < nsdae_bodies_fixed(b) && status == NSDAE_OK; i++) {
     const int *solid = nsdae_feature_at(b, i)->solid;
     double first = width_of(nsdae_solid_at(b, solid[0]), d);
     double second = width_of(nsdae_solid_at(b, solid[1]), d);

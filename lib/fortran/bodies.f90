@@ -181,11 +181,12 @@ contains
     number = c_add_solid(at(bodies), body, to_c(solid))
   end function
 
-  ! Lets two solids touch: the number of the first of their contacts, from 0.
+  ! Lets two solids touch: the number of the first of their contacts, from 0. In a system with a
+  ! contact list the numbers are ids of the list.
   ! headers: wrappers nsdae_bodies_ add_contact
 
-  ! Lets every two solids of these materials touch that belong to different bodies: contacts are by
-  ! list from then on, and there can be many.
+  ! Lets every two solids of these materials touch that belong to different bodies: the system has a
+  ! contact list, and there can be many contacts.
   ! headers: wrappers nsdae_bodies_ set_pair
 
   integer(c_int) function nsdae_bodies_set_gravity(bodies, gravity) result(status)

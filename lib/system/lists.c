@@ -5,12 +5,18 @@
 
 #include "errors.h"
 #include "dynamic_array.h"
+#include "maker.h"
 
 void nsdae_contact_list_clear(nsdae_contact_list *list)
 {
   list->status = NSDAE_OK;
   list->count = 0;
   list->taken = (nsdae_room){0};
+}
+
+int nsdae_contact_list_reads_omega(const nsdae_contact_list *list)
+{
+  return !list->without_omega;
 }
 
 static int refuse_contact(nsdae_contact_list *list, const nsdae_contact *c, int status,

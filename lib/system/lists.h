@@ -20,7 +20,8 @@ typedef struct nsdae_room {
 struct nsdae_contact_list {
   const nsdae_blocks *blocks;
   nsdae_error *error;
-  int nt, status; /* the first refusal, with its record in error */
+  int nt, status;    /* the first refusal, with its record in error */
+  int without_omega; /* it is not read */
   int count;
   nsdae_room room, taken;
   long *id;

@@ -90,6 +90,7 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
   T->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
   if (s->tracked) nsdae_terms_forget_slots(T);
   list->error = T->error;
+  list->without_omega = !s->tracked;
   nsdae_contact_list_clear(list);
   int code = s->call.contacts
                  ? s->call.contacts(nsdae_terms_time(T), T->q, T->v, reach, list, s->user)

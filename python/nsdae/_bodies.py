@@ -306,7 +306,10 @@ class Bodies:
         return number
 
     def add_contact(self, solid0: int, solid1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> int:
-        """Adds the fixed contacts of two solids.
+        """Adds the contacts of two solids.
+
+        They are fixed contacts. In a system with a contact list (`set_pair`) they are entries of the list, and their
+        numbers are the ids.
 
         Parameters
         ----------
@@ -326,7 +329,7 @@ class Bodies:
         """Adds contacts between all solids of two materials on different bodies.
 
         The contacts are detected in every step and form a contact list (`Record.contacts`). Available with the methods
-        "implicit", "implicit-printed" and "moreau".
+        "implicit", "implicit-printed" and "moreau". Two solids of `add_contact` keep the coefficients of that call.
 
         Parameters
         ----------

@@ -343,13 +343,14 @@ static void check_system(int d, int index, int by_list)
   nsdae_bodies_destroy(&b);
 }
 
-/* Mechanisms of d dimensions; of them differences fail at no more than one in fifty. */
+/* Mechanisms of d dimensions; differences fail at no more than one of fifty, and of the contacts of
+ * lists at one of five hundred. */
 static void check_family(int d, int by_list)
 {
   int mechanisms = getenv("NSDAE_LONG") ? 5 * MECHANISMS : MECHANISMS;
   blunders = listed = 0;
   for (int i = 0; i < mechanisms; i++) check_system(d, i, by_list);
-  assert_true(blunders <= mechanisms / 50);
+  assert_true(blunders <= mechanisms / 50 + listed / 500);
   assert_true(!by_list || listed > mechanisms);
 }
 
