@@ -16,10 +16,10 @@ import numpy as np
 from PIL import Image
 
 from bodies import WHOLE, columns_of, count_of, read_motion, times_of
-from contacts import force_lines, has_list
+from contacts import force_lines
 from raster import Drawing
 from scene import scene
-from trajectory import Parser, Problem, heading, open_trajectory, replace, tell
+from trajectory import Parser, Problem, has_list, heading, open_trajectory, replace, tell
 
 FORMATS = (".gif", ".mp4", ".html")
 LONGEST = 8.0  # of a GIF by default [s]

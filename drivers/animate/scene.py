@@ -22,7 +22,7 @@ import numpy as np
 from bodies import at_records, boxes_of, colours_of, extent, is_fixed, is_spatial, is_thread
 from modes import MODE_COLOURS, MODES, strips
 from shapes import solids_of
-from trajectory import text
+from trajectory import has_list, text
 
 FIXED, GROUND, THREAD = "#a9aeb5", "#dfe2e6", "#6b7178"
 GRID, SHADOW = "#bcc1c8", "#a4aab2"
@@ -176,9 +176,9 @@ def at_frames(matrix, frames):
 
 def impacts(file, start, end):
     """[time, contact] of those in the times shown, the strongest of them where there are many."""
-    if "impact/time" not in file or "impact/contact" not in file:
-        return []  # by list: a contact has no strip
-    time, contact, impulse = (file[f"impact/{name}"][...] for name in ("time", "contact", "normal_impulse"))
+    if "impact/time" not in file or has_list(file):
+        return []  # a contact of a list has no strip
+    time, contact, impulse = (file[f"impact/{name}"][...] for name in ("time", "id", "normal_impulse"))
     shown = np.flatnonzero((time >= start) & (time <= end))
     shown = np.sort(shown[np.argsort(-impulse[shown], kind="stable")[:IMPACTS_MAX]])
     return [[float(time[i]), int(contact[i])] for i in shown]

@@ -13,10 +13,10 @@ import numpy as np
 
 import sweeps
 from bodies import COLOURS, WHOLE, bodies_of, colours_of, names_of, read_rows
-from contacts import contacts_of, has_list, step_length
+from contacts import contacts_of, step_length
 from formula import evaluate
-from modes import MODE_COLOURS, MODES, strips
-from trajectory import Parser, Problem, heading, names_of_rows, open_trajectory, reading, replace, tell, text
+from modes import MODE_COLOURS, MODES, has_strips, kinds_of, strips
+from trajectory import Parser, Problem, has_list, heading, names_of_rows, open_trajectory, reading, replace, tell, text
 
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
@@ -178,7 +178,7 @@ def impacts(file, *names):
 def modes(file, time):
     """Stick, slip and open as a strip for each contact; impacts are ticks in it."""
     shown = strips(file, time, np.unique(np.linspace(0, len(time) - 1, 2000).astype(int)))[:STRIPS_MAX]
-    when, which = impacts(file, "time", "contact")
+    when, which = impacts(file, "time", "id")
 
     def draw(axes):
         for row, strip in enumerate(shown):
@@ -202,13 +202,14 @@ def forces(file, time):
     impact are left out, because an impact elsewhere also causes impulses in closed contacts."""
     step, hit = steps(file, time), struck(file, time)
     lines = []
-    for group, name, symbol in (("contact", "normal_impulse", "normal"), ("contact", "tangential_impulse", "friction"),
-                                ("slide", "impulse", "friction")):
-        if f"{group}/{name}" not in file:
+    for kind, path, symbol in (("contact", "contacts/normal_impulse", "normal"),
+                               ("contact", "contacts/tangential_impulse", "friction"),
+                               ("frictional_joint", "frictional_joint/impulse", "friction")):
+        if path not in file or kind not in kinds_of(file):
             continue
-        impulse = file[f"{group}/{name}"][: len(time)]
+        impulse = file[path][: len(time)]
         rest = impulse.reshape(len(time), impulse.shape[1], -1)
-        for i, row in enumerate(names_of_rows(file, group, impulse.shape[1])):
+        for i, row in enumerate(names_of_rows(file, kind, impulse.shape[1])):
             for j in range(rest.shape[2]):
                 number = f" {j}" if rest.shape[2] > 1 else ""
                 lines.append((rest[:, i, j], f"{row}, {symbol}{number}", "-" if symbol == "normal" else "--"))
@@ -265,7 +266,7 @@ def impulses(file, time):
     if has_list(file):
         return listed_impulses(file, time)
     rubs = ["tangential_impulse"] if "impact/tangential_impulse" in file else []
-    when, which, normal, *tangential = impacts(file, "time", "contact", "normal_impulse", *rubs)
+    when, which, normal, *tangential = impacts(file, "time", "id", "normal_impulse", *rubs)
     names = names_of_rows(file, "contact", int(which.max()) + 1)
     tangential = tangential[0].reshape(len(when), -1) if rubs else np.zeros((len(when), 0))
 
@@ -340,8 +341,8 @@ PANELS = {
     "coordinates": (coordinates, always),
     "velocities": (velocities, always),
     "multipliers": (multipliers, lambda file: "multiplier" in file),
-    "modes": (modes, lambda file: "contact" in file or "slide" in file),
-    "forces": (forces, lambda file: "contact" in file or "slide" in file),
+    "modes": (modes, has_strips),
+    "forces": (forces, has_strips),
     "contacts": (listed, has_list),
     "impulses": (impulses, lambda file: len(file["impact/time"]) > 0),
     "energy": (energy, always),
@@ -375,9 +376,10 @@ def mark_impacts(axes, file):
 
 def records(file):
     """How many there are of everything: while a run writes along, some datasets are ahead."""
-    names = ["time", "q", "v", "multiplier"]
-    for group in ("contact", "slide", "energy", "certificate"):
-        names += [f"{group}/{name}" for name in file.get(group, {}) if name != group]
+    names = ["time", "q", "v", "multiplier", "frictional_joint/impulse", "frictional_joint/mode"]
+    names += [] if has_list(file) else [f"contacts/{name}" for name in ("gap", "normal_impulse", "tangential_impulse", "mode")]
+    for group in ("energy", "certificate"):
+        names += [f"{group}/{name}" for name in file.get(group, {})]
     length = {name: len(file[name]) for name in names if name in file}
     number = min(n for name, n in length.items() if grows(file[name]))
     for name, n in length.items():

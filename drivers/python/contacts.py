@@ -17,10 +17,6 @@ Contacts = namedtuple("Contacts", "id block gap normal tangential mode")
 Lines = namedtuple("Lines", "number ends")
 
 
-def has_list(file):
-    return "contacts" in file
-
-
 def rows_of(file, record):
     """Where a record's contacts are in the list."""
     first, count = int(file["contacts/first"][record]), int(file["contacts/count"][record])
@@ -30,11 +26,11 @@ def rows_of(file, record):
 
 
 def contacts_of(file, record):
-    rows, group = rows_of(file, record), file["contacts"]
-    count = rows.stop - rows.start
-    tangential = group["tangential_impulse"][rows] if "tangential_impulse" in group else np.zeros((count, 0))
-    return Contacts(group["id"][rows], group["block"][rows], group["gap"][rows], group["normal_impulse"][rows],
-                    tangential, group["mode"][rows])
+    rows = rows_of(file, record)
+    path = "contacts/tangential_impulse"
+    tangential = file[path][rows] if path in file else np.zeros((rows.stop - rows.start, 0))
+    columns = ("id", "block", "gap", "normal_impulse")
+    return Contacts(*(file[f"contacts/{name}"][rows] for name in columns), tangential, file["contacts/mode"][rows])
 
 
 class Origins:

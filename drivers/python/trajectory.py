@@ -12,15 +12,15 @@ import numpy as np
 
 from guard import Unsafe, open_guarded
 
-VERSION = 2  # of the format, the newest that is read here
+VERSION = 3  # of the format, the newest that is read here
 # ranks of the datasets of numbers that are read by rows and columns
 RANKS = {
-    "time": 1, "q": 2, "v": 2, "multiplier": 2, "contact/gap": 2, "contact/mode": 2, "contact/normal_impulse": 2,
-    "contact/tangential_impulse": 3, "slide/impulse": 2, "slide/mode": 2, "contacts/first": 1, "contacts/count": 1,
-    "contacts/id": 1, "contacts/block": 2, "contacts/gap": 1, "contacts/mode": 1, "contacts/normal_impulse": 1,
-    "contacts/tangential_impulse": 2, "impact/time": 1, "change/time": 1, "blocks/q": 1, "blocks/v": 1, "bodies/size": 2,
-    "bodies/points": 1, "bodies/point": 2, "shapes/size": 2, "shapes/points": 1, "shapes/point": 2,
+    "time": 1, "q": 2, "v": 2, "multiplier": 2, "frictional_joint/impulse": 2, "frictional_joint/mode": 2,
+    "contacts/first": 1, "contacts/count": 1, "contacts/block": 2, "impact/time": 1, "change/time": 1, "blocks/q": 1,
+    "blocks/v": 1, "bodies/size": 2, "bodies/points": 1, "bodies/point": 2, "shapes/size": 2, "shapes/points": 1,
+    "shapes/point": 2,
 }
+LIST_RANKS = {"gap": 1, "mode": 1, "normal_impulse": 1, "tangential_impulse": 2}  # fixed contacts: one more
 
 
 class Problem(Exception):
@@ -41,16 +41,55 @@ def reason(error):
     return os.strerror(int(number)) if number else str(error).split(" (")[-1].rstrip(")\"'")
 
 
-def check(file, path, needed):
+def has_list(file):
+    """Whether the contacts are of a contact list, not fixed."""
+    return "contacts/first" in file
+
+
+class Older:
+    """A file of version 1 (fixed contacts) or 2 (contact list) by the names of version 3. Version 1 has no ids: they are
+    the numbers of the contacts."""
+
+    JOINTS = {"frictional_joint/impulse": "slide/impulse", "frictional_joint/mode": "slide/mode",
+              "frictional_joint/frictional_joint": "slide/slide", "change/frictional_joint": "change/slide",
+              "change/id": "change/contact"}
+    FIXED = {"impact/id": "impact/contact", **{f"contacts/{name}": f"contact/{name}" for name in (
+        "contact", "gap", "normal_impulse", "tangential_impulse", "mode")}}
+
+    def __init__(self, file):
+        self.file, self.filename, self.attrs = file, file.filename, file.attrs
+        self.names = self.JOINTS if has_list(file) else {**self.JOINTS, **self.FIXED}
+
+    def has_numbers(self, name):
+        return name == "contacts/id" and "contact/gap" in self.file
+
+    def __contains__(self, name):
+        return self.names.get(name, name) in self.file or self.has_numbers(name)
+
+    def __getitem__(self, name):
+        return np.arange(self.file["contact/gap"].shape[1]) if self.has_numbers(name) else self.file[self.names.get(name, name)]
+
+    def get(self, name, default=None):
+        return self[name] if name in self else default
+
+
+def as_version_3(file, path):
+    """The trajectory by the names of version 3, whatever version wrote it."""
     if text(file.attrs.get("format", "")) != "nsdae-trajectory":
         raise Problem(f"'{path}' is not an nsdae trajectory")
     version = file.attrs.get("format_version", VERSION)
     if version > VERSION:
         raise Problem(f"'{path}' is of format version {version}; this program reads up to {VERSION}")
+    return file if version == VERSION else Older(file)
+
+
+def check(file, path, needed):
     for name in ("time", "q") + needed:
         if name not in file:
             raise Problem(f"'{path}' is damaged or was never complete: it has no /{name}")
-    for name, rank in RANKS.items():
+    more = 0 if has_list(file) else 1
+    contacts = {f"contacts/{name}": rank + more for name, rank in LIST_RANKS.items()}
+    for name, rank in {**RANKS, **contacts, "contacts/id": 1}.items():
         if name in file:
             check_rank(file[name], path, name, rank)
     if file["time"].shape[0] == 0:
@@ -60,7 +99,7 @@ def check(file, path, needed):
 
 
 def check_rank(dataset, path, name, rank):
-    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "iuf" or dataset.ndim != rank:
+    if not isinstance(dataset, (h5py.Dataset, np.ndarray)) or dataset.dtype.kind not in "iuf" or dataset.ndim != rank:
         raise Problem(f"'{path}' is damaged: /{name} must be a dataset of numbers of rank {rank}")
 
 
@@ -93,13 +132,14 @@ def reading(path):
 @contextlib.contextmanager
 def open_trajectory(path, *needed):
     """A trajectory, with /time, /q and the datasets needed."""
-    with reading(path) as file:
+    with reading(path) as any_version:
+        file = as_version_3(any_version, path)
         check(file, path, needed)
         yield file
 
 
-NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
-         "slide": "slide/slide"}
+NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contacts/contact",
+         "frictional_joint": "frictional_joint/frictional_joint"}
 
 
 def heading(file, path=""):

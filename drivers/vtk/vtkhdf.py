@@ -16,9 +16,9 @@ import h5py
 import numpy as np
 
 from bodies import columns_of, read_motion, times_of
-from contacts import Origins, contacts_of, has_list, step_length
+from contacts import Origins, contacts_of, step_length
 from shapes import placed, solids_of
-from trajectory import Parser, Problem, open_trajectory, replace, tell
+from trajectory import Parser, Problem, has_list, open_trajectory, replace, tell
 
 BLOCK = 1 << 20  # points in memory at a time
 MOST = 1 << 31  # bytes of a file's points

@@ -46,7 +46,7 @@ NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
  * live has no state. On an error the file is unchanged:
  *
  * - NSDAE_E_ARGUMENT: the text names the model, size, option or parameter that differs
- * - NSDAE_E_IO: the file cannot be read or has no complete state */
+ * - NSDAE_E_IO: the file cannot be read, has no complete state, or was made by version 0.2 */
 NSDAE_API int nsdae_trajectory_resume(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);

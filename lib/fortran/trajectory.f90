@@ -54,7 +54,7 @@ contains
   ! Resumes the file of an earlier run, which may have been killed at any time: sets sim to its
   ! newest state and adds an observer. sim and info must be those of the run that created the file,
   ! except t_end; every and compress are those of the file. NSDAE_E_ARGUMENT: the text names the
-  ! difference; NSDAE_E_IO: the file cannot be read or has no complete state.
+  ! difference; NSDAE_E_IO: the file cannot be read, has no complete state, or was made by version 0.2.
   integer(c_int) function nsdae_trajectory_resume(sim, path, info, trajectory, error) &
       result(status)
     type(nsdae_sim), intent(in) :: sim

@@ -19,21 +19,16 @@ TEXTS = {"format": "nsdae-trajectory", "library_version": _core.VERSION}
 
 WHICH = ", from 0; -1: the figure is 0"
 
+JOINT = "frictional_joint/frictional_joint"
 # dataset, attribute of Trajectory, unit, description, scales of its dimensions
 RECORDS = (
     ("q", "q", "of the model", "coordinates", ("time", "coordinate")),
     ("v", "v", "of the model", "velocities", ("time", "velocity")),
     ("multiplier", "multiplier", "of the model: force of each constraint",
      "mean bilateral force over the step that ends here", ("time", "constraint")),
-    ("contact/gap", "gap", "m", "normal gap; negative where bodies overlap", ("time", "contact/contact")),
-    ("contact/normal_impulse", "normal_impulse", "N s", "normal impulse of the step that ends here",
-     ("time", "contact/contact")),
-    ("contact/tangential_impulse", "tangential_impulse", "N s", "tangential impulse of the step that ends here",
-     ("time", "contact/contact", "tangent")),
-    ("contact/mode", "mode", "1", "0 open, 1 slip, 2 stick", ("time", "contact/contact")),
-    ("slide/impulse", "frictional_joint_impulse", "N s",
-     "friction impulse on each bilateral constraint with friction, of the step that ends here", ("time", "slide/slide")),
-    ("slide/mode", "frictional_joint_mode", "1", "0 frictionless, 1 slip, 2 stick", ("time", "slide/slide")),
+    ("frictional_joint/impulse", "frictional_joint_impulse", "N s",
+     "friction impulse on each bilateral constraint with friction, of the step that ends here", ("time", JOINT)),
+    ("frictional_joint/mode", "frictional_joint_mode", "1", "0 frictionless, 1 slip, 2 stick", ("time", JOINT)),
     ("energy/kinetic", "kinetic", "J", "v^T M v / 2", ("time",)),
     ("energy/potential", "potential", "J", "potential energy of the model", ("time",)),
     ("energy/dissipated", "dissipated", "J", "work taken by contact and friction impulses so far", ("time",)),
@@ -61,27 +56,28 @@ CERTIFICATE = (
     ("certificate/rate_constraint", "rate_constraint", "1", "constraint of max |dPhi/dt|" + WHICH, "constraint"),
 )
 IMPACTS = (
-    ("contact", "1", "contact, from 0"), ("normal_impulse", "N s", "normal impulse"),
+    ("id", "1", "id of the contact"), ("block", "1", "blocks of the contact; -1: the ground"),
+    ("normal_impulse", "N s", "normal impulse"),
     ("tangential_impulse", "N s", "tangential impulse"), ("velocity_before", "m/s", "normal velocity before"),
     ("velocity_after", "m/s", "normal velocity after"),
     ("peak_force", "N", "largest normal force of a continuous contact; 0 for a rigid one"),
     ("accumulation", "1", "1 where the entry stands for infinitely many impacts that end at its time in rest"),
 )
-LISTED = (("id", "1", "id of the contact"), ("block", "1", "blocks of the contact; -1: the ground"))
 CHANGES = (
-    ("contact", "1", "contact, from 0; -1: a frictional joint"), ("slide", "1", "frictional joint, from 0; -1: a contact"),
+    ("id", "1", "id of the contact; -1: a frictional joint"), ("block", "1", "blocks of the contact; -1: the ground"),
+    ("frictional_joint", "1", "frictional joint, from 0; -1: a contact"),
     ("mode_before", "1", "0 open, 1 slip, 2 stick"), ("mode_after", "1", "0 open, 1 slip, 2 stick"),
 )
+# field, unit, description, scale of its last dimension
 CONTACTS = (
-    ("block", "1", "the blocks that touch; -1: the ground", ("contacts/id", "side")),
-    ("gap", "m", "normal distance where the method looked last, negative where bodies overlap", ("contacts/id",)),
-    ("normal_impulse", "N s", "normal impulse of the step", ("contacts/id",)),
-    ("tangential_impulse", "N s", "tangential impulse of the step", ("contacts/id", "tangent")),
-    ("mode", "1", "0 open, 1 slip, 2 stick", ("contacts/id",)),
+    ("block", "1", "blocks of the contact; -1: the ground", ("side",)),
+    ("gap", "m", "normal distance, negative in overlap; of a contact list at the last evaluation", ()),
+    ("normal_impulse", "N s", "normal impulse of the step that ends here", ()),
+    ("tangential_impulse", "N s", "tangential impulse of the step that ends here", ("tangent",)),
+    ("mode", "1", "0 open, 1 slip, 2 stick", ()),
 )
-NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contact/contact",
-         "frictional_joint": "slide/slide"}
-FIELDS = {"slide": "frictional_joint"}  # datasets of events whose field has another name
+NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contacts/contact",
+         "frictional_joint": JOINT}
 
 
 @contextlib.contextmanager
@@ -141,11 +137,9 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
     time = f"{group}/time"
     _put(file, time, rows["time"], "s", said, (time,))
     for name, unit, description in table:
-        values = rows[FIELDS.get(name, name)]
-        if name == "tangential_impulse":
-            values = values[:, :nt]
-            if not nt:
-                continue
+        values = rows[name][:, :nt] if name == "tangential_impulse" else rows[name]
+        if name == "block" and "side" not in file or not all(values.shape[1:]):
+            continue
         made = _put(file, f"{group}/{name}", np.ascontiguousarray(values), unit, description, (time,))
         if values.ndim == 2:
             made.dims[1].attach_scale(file["side" if name == "block" else "tangent"])
@@ -175,19 +169,31 @@ def _read_certificate(file: Any, columns: dict[str, Any]) -> np.ndarray | None:
     return rows
 
 
-def _put_contacts(file: Any, trajectory: Trajectory, nt: int) -> None:
-    """Contact list: the rows of all records one after another."""
-    rows, count = trajectory.contacts, np.asarray(trajectory.contact_count, dtype="i4")
+def _put_list(file: Any, trajectory: Trajectory) -> None:
+    """Where the contacts of each record are in the list of all, and their ids."""
+    count = np.asarray(trajectory.contact_count, dtype="i4")
     _put(file, "contacts/first", np.cumsum(count, dtype="i8") - count, "1",
-         "row of the lists below at which the closed contacts of this record begin", ("time",))
-    _put(file, "contacts/count", count, "1", "how many they are: contacts that were closed in the step that ends here",
+         "row of the lists below at which the contacts of this record begin", ("time",))
+    _put(file, "contacts/count", count, "1", "number of these contacts, which were closed in the step that ends here",
          ("time",))
-    _put(file, "contacts/id", rows["id"], "1", "which contact, the same at all times", ("contacts/id",))
+    _put(file, "contacts/id", trajectory.contacts["id"], "1", "id of the contact, constant in time", ("contacts/id",))
     _put(file, "side", _text(["first", "second"]), "", "sides of a contact", ("side",))
-    for name, unit, description, scales in CONTACTS:
-        values = rows[name][:, :nt] if name == "tangential_impulse" else rows[name]
-        if all(values.shape[1:]):
-            _put(file, f"contacts/{name}", np.ascontiguousarray(values), unit, description, scales)
+
+
+def _put_contacts(file: Any, trajectory: Trajectory, listed: bool) -> None:
+    """A row is one contact of a list, or all fixed contacts of a record."""
+    rows = trajectory.contacts
+    if listed:
+        _put_list(file, trajectory)
+    elif rows.shape[1] > 0:
+        _put(file, "contacts/id", np.arange(rows.shape[1]), "1", "number of the contact", ("contacts/contact",))
+    else:
+        return
+    file["contacts"].attrs["fixed"] = np.int32(0 if listed else rows.shape[1])
+    for name, unit, description, last in CONTACTS:
+        scales = (("contacts/id",) if listed else ("time", "contacts/contact")) + last
+        if all(rows[name].shape[1:]) and (listed or name != "block"):
+            _put(file, f"contacts/{name}", np.ascontiguousarray(rows[name]), unit, description, scales)
 
 
 def _put_blocks(file: Any, blocks: np.ndarray) -> None:
@@ -271,14 +277,12 @@ def fill(trajectory: Trajectory, file: Any) -> None:
                        "created": now}.items():
         file.attrs[name] = text
     listed = trajectory.blocks is not None
-    file.attrs["format_version"] = np.int32(2 if listed else 1)
+    file.attrs["format_version"] = np.int32(3)
     _put_values(file, "options", trajectory.options)
     _put_values(file, "parameters", trajectory.parameters)
     _put(file, "time", trajectory.time, "s", "simulated time", ("time",))
     _put_names(trajectory, file)
     for path, name, unit, description, scales in RECORDS:
-        if listed and path.startswith("contact/"):
-            continue
         values = getattr(trajectory, name)
         if values is not None and all(values.shape[1:]):
             _put(file, path, values, unit, description, scales)
@@ -286,8 +290,8 @@ def fill(trajectory: Trajectory, file: Any) -> None:
     nt = trajectory.tangential_impulse.shape[-1]
     if listed:
         _put_blocks(file, trajectory.blocks)
-        _put_contacts(file, trajectory, nt)
-    _put_events(file, "impact", trajectory.impacts, LISTED + IMPACTS[1:] if listed else IMPACTS,
+    _put_contacts(file, trajectory, listed)
+    _put_events(file, "impact", trajectory.impacts, IMPACTS,
                 "time of the impact; with a time-stepping method the end of its step", nt)
     _put_events(file, "change", trajectory.changes, CHANGES, "instant of a change of mode", nt)
     number = {name: i for i, (name, _) in enumerate(trajectory.names["coordinate"])} if listed else {}
@@ -322,53 +326,51 @@ def _read_names(file: Any, counts: dict[str, int]) -> dict[str, list[tuple[str, 
     return names
 
 
+def _read_column(rows: np.ndarray, name: str, values: Any) -> None:
+    """Into a field; of tangential impulses there may be fewer than the field has."""
+    if name == "tangential_impulse":
+        rows[name][..., : values.shape[-1]] = values
+    else:
+        rows[name] = values
+
+
 def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
-    n = len(file[f"{group}/time"]) if f"{group}/time" in file else 0
-    rows = np.zeros(n, dtype=of)
-    if f"{group}/contact" not in file and "contact" in (of.names or ()):
-        rows["contact"] = -1  # a contact list: no index
-    if f"{group}/id" not in file:
-        rows["block"] = -1
-    dataset = {field: name for name, field in FIELDS.items()}
+    rows = np.zeros(len(file[f"{group}/time"]) if f"{group}/time" in file else 0, dtype=of)
+    rows["block"] = rows["id"] = -1
     for name in of.names or ():
-        path = f"{group}/{dataset.get(name, name)}"
-        if path in file:
-            values = file[path][:n]
-            if values.ndim == 2:
-                rows[name][:, : values.shape[1]] = values
-            else:
-                rows[name] = values
-    if f"{group}/id" not in file:
-        rows["id"] = rows["contact"]
+        if f"{group}/{name}" in file:
+            _read_column(rows, name, file[f"{group}/{name}"][: len(rows)])
+    rows["contact"] = -1 if "contacts/first" in file else rows["id"]  # contacts of a list have no number
     return rows
+
+
+def _read_list(file: Any, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """The number of contacts of each of the n records, and the blocks."""
+    first, count = file["contacts/first"][:n], file["contacts/count"][:n]
+    if (count < 0).any() or not np.array_equal(first, np.cumsum(count, dtype="i8") - count):
+        raise ValueError("its /contacts do not follow one another")
+    if count.sum() > len(file["contacts/id"]):
+        raise ValueError("it has records whose contacts are not in its list")
+    q, v = file["blocks/q"][...], file["blocks/v"][...]
+    ends = [[*q[1:], file["q"].shape[1]], [*v[1:], file["v"].shape[1]]]
+    return count, np.array(ends).T.astype("i4") - np.column_stack([q, v])
 
 
 def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
     """The contacts of the n records; the list of a killed run may be longer."""
-    if "contacts" not in file:
-        k = file["contact/gap"].shape[1] if "contact/gap" in file else 0
-        rows = np.zeros((n, k), dtype=of)
-        rows["id"], rows["block"] = np.arange(k), -1
-        for name in ("gap", "normal_impulse", "tangential_impulse", "mode"):
-            if f"contact/{name}" in file:
-                rows[name] = file[f"contact/{name}"][:n]
-        return {"contacts": rows, "contact_count": np.full(n, k, dtype="i4")}
-    first, count = file["contacts/first"][:n], file["contacts/count"][:n]
-    if (count < 0).any() or not np.array_equal(first, np.cumsum(count, dtype="i8") - count):
-        raise ValueError("its /contacts do not follow one another")
-    rows = np.zeros(int(count.sum()), dtype=of)
-    if len(rows) > len(file["contacts/id"]):
-        raise ValueError("it has records whose contacts are not in its list")
+    if "contacts/first" in file:
+        count, blocks = _read_list(file, n)
+        shape: tuple[int, ...] = (int(count.sum()),)
+    else:
+        k = file["contacts/gap"].shape[1] if "contacts/gap" in file else 0
+        shape, count, blocks = (n, k), np.full(n, k, dtype="i4"), None
+    rows = np.zeros(shape, dtype=of)
+    rows["block"] = -1
     for name in of.names or ():
         if f"contacts/{name}" in file:
-            values = file[f"contacts/{name}"][: len(rows)]
-            if values.ndim == 2:
-                rows[name][:, : values.shape[1]] = values
-            else:
-                rows[name] = values
-    q, v = file["blocks/q"][...], file["blocks/v"][...]
-    ends = [[*q[1:], file["q"].shape[1]], [*v[1:], file["v"].shape[1]]]
-    return {"contacts": rows, "contact_count": count, "blocks": np.array(ends).T.astype("i4") - np.column_stack([q, v])}
+            of_all = name == "id" and blocks is None  # fixed contacts: the same in all records
+            _read_column(rows, name, file[f"contacts/{name}"][: None if of_all else len(rows)])
+    return {"contacts": rows, "contact_count": count, "blocks": blocks}
 
 
 def _read_placed(file: Any, shape: Any) -> list[Any]:
@@ -421,15 +423,13 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     contacts = _read_contacts(file, n, contact_row(nt))
     for path, name, _, _, _ in RECORDS:
         kind = "i4" if name.endswith("mode") else "f8"
-        if path.startswith("contact/"):
-            continue
         columns[name] = file[path][:n] if path in file else np.zeros((n, 0), dtype=kind)
     if "energy/potential" not in file:
         columns["potential"] = None
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"),
                ("frictional_joint", "frictional_joint_impulse"))}
-    counts["contact"] = 0 if "contacts" in file else contacts["contacts"].shape[1]
+    counts["contact"] = contacts["contacts"].shape[1] if contacts["blocks"] is None else 0
     return {**columns, **contacts, "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
             "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),

@@ -339,7 +339,7 @@ def test_files_and_pictures(tmp_path):
                       shapes=[nsdae.Shape(f"ball{i}", "disc", (0.5,), (0, f"q{i}")) for i in range(N)])
     run.save(tmp_path / "run.h5")
     with h5py.File(tmp_path / "run.h5") as file:
-        assert file.attrs["format_version"] == 2 and "contact" not in file["impact"]
+        assert file.attrs["format_version"] == 3 and file["contacts"].attrs["fixed"] == 0
         assert np.array_equal(file["contacts/first"][:] + file["contacts/count"][:], np.cumsum(run.contact_count))
     back = nsdae.load(tmp_path / "run.h5")
     same(back, run)

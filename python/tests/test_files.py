@@ -1,5 +1,6 @@
 """Trajectories in files, pictures and animations; the programs' own files where they are built (NSDAE_BIN)."""
 
+import lzma
 import os
 import subprocess
 
@@ -89,7 +90,9 @@ def layout(path):
     found = {}
 
     def visit(name, item):
-        if isinstance(item, h5py.Dataset):
+        if isinstance(item, h5py.Group):
+            found[name] = dict(item.attrs)
+        else:
             scales = [[s.name for s in d.values()] for d in item.dims] if "DIMENSION_LIST" in item.attrs else []
             found[name] = (item.shape, item.dtype.kind, item.maxshape, scales, item.attrs["units"], item.is_scale)
 
@@ -113,6 +116,37 @@ def test_a_file_without_certificates(ball, tmp_path):
     again = tmp_path / "again.h5"
     run.save(again)
     assert layout(again) == layout(path)
+
+
+DATA = os.path.join(os.path.dirname(__file__), "..", "..", "tests", "data")
+
+
+@pytest.mark.parametrize("name", ["version_1_contacts", "version_1_frictional_joint", "version_2_list"])
+def test_files_of_older_versions(tmp_path, name):
+    """They are loaded, and saved in the format of today."""
+    old, new = tmp_path / "old.h5", tmp_path / "new.h5"
+    with lzma.open(os.path.join(DATA, f"{name}.h5.xz")) as packed:
+        old.write_bytes(packed.read())
+    run = nsdae.load(old)
+    run.save(new)
+    same(nsdae.load(new), run)
+    with h5py.File(old) as file, h5py.File(new) as saved:
+        assert saved.attrs["format_version"] == 3 and not {"contact", "slide"} & set(saved)
+        if name == "version_1_frictional_joint":
+            assert np.array_equal(run.frictional_joint_impulse, file["slide/impulse"]) and run.contacts.shape == (len(run), 0)
+            assert run.names["frictional_joint"] == [(file["slide/slide"].asstr()[0], "")]
+            return
+        listed = "contacts" in file
+        group = file["contacts" if listed else "contact"]
+        assert np.array_equal(run.gap, group["gap"]) and np.array_equal(run.mode, group["mode"])
+        assert np.array_equal(run.tangential_impulse, group["tangential_impulse"])
+        assert run.gap.size > 0 and len(run.impacts) > 0 and np.array_equal(run.impacts["time"], file["impact/time"])
+        assert np.array_equal(run.impacts["id"], file["impact/id" if listed else "impact/contact"])
+        assert np.array_equal(run.changes["id"], file["change/contact"])
+        if listed:
+            assert np.array_equal(run.contact_count, group["count"]) and np.array_equal(run.contacts["block"], group["block"])
+        else:
+            assert run.contacts["id"].tolist() == [[0, 1, 2]] * len(run) and len(run.changes) > 0
 
 
 @needs_programs

@@ -78,7 +78,7 @@ if [ "$hdf5" = ON ]; then
   both --quiet --output no/such/folder/x.h5
   "$bin/nsdae-pendulum" --quiet --output c.h5 || fail "C with a trajectory"
   "$bin/nsdae-pendulum-fortran" --quiet --output f.h5 || fail "Fortran with a trajectory"
-  for set in /time /q /v /multiplier /contact/gap /contact/normal_impulse /contact/mode \
+  for set in /time /q /v /multiplier /contacts/gap /contacts/normal_impulse /contacts/mode \
     /energy/kinetic /energy/potential /energy/dissipated /certificate/lcp_residual \
     /impact/time /impact/normal_impulse /impact/velocity_after /parameters/L /parameters/theta_0 \
     /bodies/size /bodies/points /bodies/point \

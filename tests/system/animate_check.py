@@ -312,17 +312,18 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
 def check_strips(a, f):
     """Every record's mode is that of the strip at its time."""
     shown = iter(a.scene["strips"])
-    for group in ("contact", "slide"):
-        if f"{group}/mode" not in f:
+    listed = "contacts/first" in f
+    for path in ("contacts/mode", "frictional_joint/mode"):
+        if path not in f or listed and path == "contacts/mode":
             continue
-        for mode in f[f"{group}/mode"][...].T:
+        for mode in f[path][...].T:
             spans = np.array(next(shown)["spans"])
             time = f["time"][1:]
             expect("strip", np.array_equal(spans[1:, 0], spans[:-1, 1]) and spans[-1, 1] == time[-1])
             if len(spans) < 1500:  # else thinned out
                 expect("modes", np.array_equal(spans[np.searchsorted(spans[:, 1], time), 2], mode[1:]))
     expect("strips", next(shown, None) is None)
-    if "impact/contact" not in f:  # contacts by list have no strips
+    if listed:  # contacts of a list have no strips
         expect("impacts by list", not a.scene["impacts"])
         return
     expect("impacts", [t for t, _ in a.scene["impacts"]] == list(f["impact/time"][...]) or len(f["impact/time"]) > 2000)

@@ -102,7 +102,7 @@ static void test_samples(void **state)
   int rows = read(file, "/time", ROWS, t), requested = 0;
   assert_int_equal(read(file, "/q", ROWS, q), rows);
   assert_int_equal(read(file, "/v", ROWS, v), rows);
-  assert_int_equal(read(file, "/contact/mode", ROWS, mode), rows);
+  assert_int_equal(read(file, "/contacts/mode", ROWS, mode), rows);
   for (int i = 0; i < rows; i++) {
     double height, velocity;
     requested += fabs(t[i] - requested * DT) < 1e-14;
@@ -145,8 +145,8 @@ static void test_change(void **state)
   double time[MOST], contact[MOST], frictional_joint[MOST], before[MOST], after[MOST];
   hid_t file = open_file();
   assert_int_equal(read(file, "/change/time", MOST, time), 1);
-  read(file, "/change/contact", MOST, contact);
-  read(file, "/change/slide", MOST, frictional_joint);
+  read(file, "/change/id", MOST, contact);
+  read(file, "/change/frictional_joint", MOST, frictional_joint);
   read(file, "/change/mode_before", MOST, before);
   read(file, "/change/mode_after", MOST, after);
   /* accumulation_time, 1e-5 s, is the most by which it is closed early */

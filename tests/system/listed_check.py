@@ -28,7 +28,7 @@ class Run:
             self.time, self.q, self.dt = f["time"][...], f["q"][...], f["options/dt"][()]
             self.list = {name: f[f"contacts/{name}"][...] for name in f["contacts"] if name != "side"}
             self.width = float(f["bodies/x"].asstr()[list(f["bodies/name"].asstr()).index("right wall")])
-            expect("version", f.attrs["format_version"] == 2)
+            expect("version", f.attrs["format_version"] == 3 and f["contacts"].attrs["fixed"] == 0)
             expect("a shape for each block", len(f["shapes/name"]) == len(f["blocks/q"]) == self.q.shape[1] // 3)
             expect("planes are bodies", list(f["bodies/name"].asstr()) == ["floor", "left wall", "right wall"])
         self.n, self.disks = len(self.time), self.q.shape[1] // 3

@@ -23,7 +23,7 @@ def motion():
 
 def make(path):
     with h5py.File(path, "w") as f:
-        f.attrs.update({"format": "nsdae-trajectory", "format_version": 2, "model": "balls", "method": "moreau", "status": "complete"})
+        f.attrs.update({"format": "nsdae-trajectory", "format_version": 3, "model": "balls", "method": "moreau", "status": "complete"})
         f["time"], f["q"] = 0.1 * np.arange(RECORDS), motion()
         f["options/dt"] = 0.1
         f["blocks/q"] = np.arange(0, 7 * BALLS, 7, dtype="i4")

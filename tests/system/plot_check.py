@@ -41,7 +41,7 @@ def incline():
     axes = axes_of("incline")
     with h5py.File("incline.h5") as f:
         p = {name: value[()] for name, value in f["parameters"].items()}
-        mode, time = f["contact/mode"][:, 0], f["time"][...]
+        mode, time = f["contacts/mode"][:, 0], f["time"][...]
     shown = lines(axes, "mean contact forces [N]")
     normal = shown["plane, normal"][1:, 1]  # it lies on the plane from the start
     expect("normal force", np.abs(normal - p["m"] * p["g"] * np.cos(p["slope"])).max() < 1e-9)

@@ -139,10 +139,10 @@ static const struct {
                 {"/q", 2, 3},
                 {"/v", 2, 3},
                 {"/multiplier", 2, 1},
-                {"/contact/gap", 2, 1},
-                {"/contact/normal_impulse", 2, 1},
-                {"/contact/tangential_impulse", 3, 1},
-                {"/contact/mode", 2, 1},
+                {"/contacts/gap", 2, 1},
+                {"/contacts/normal_impulse", 2, 1},
+                {"/contacts/tangential_impulse", 3, 1},
+                {"/contacts/mode", 2, 1},
                 {"/energy/kinetic", 1, 0},
                 {"/energy/potential", 1, 0},
                 {"/energy/dissipated", 1, 0},
@@ -161,19 +161,25 @@ static const struct {
                 {"/certificate/rate_constraint", 1, 0},
                 {"/energy/work", 1, 0},
                 {"/energy/unexplained", 1, 0}};
-static const char *const impact_names[] = {"/impact/time",           "/impact/contact",
+static const char *const impact_names[] = {"/impact/time",           "/impact/id",
                                            "/impact/normal_impulse", "/impact/velocity_before",
                                            "/impact/velocity_after", "/impact/tangential_impulse"};
 
-static void expect_scale(hid_t file, const char *name, const char *scale)
+/* Of the rows, dimension 0, or of the entries of a row. */
+static void expect_scale_of(hid_t file, const char *name, const char *scale, unsigned dimension)
 {
   hid_t set = H5Dopen2(file, name, H5P_DEFAULT), axis = H5Dopen2(file, scale, H5P_DEFAULT);
   if (strcmp(name, scale) == 0)
     assert_true(H5DSis_scale(set) > 0);
   else
-    assert_true(H5DSis_attached(set, axis, 0) > 0);
+    assert_true(H5DSis_attached(set, axis, dimension) > 0);
   H5Dclose(set);
   H5Dclose(axis);
+}
+
+static void expect_scale(hid_t file, const char *name, const char *scale)
+{
+  expect_scale_of(file, name, scale, 0);
 }
 
 static void expect_contract(hid_t file, hsize_t rows, hsize_t impacts)
@@ -183,7 +189,11 @@ static void expect_contract(hid_t file, hsize_t rows, hsize_t impacts)
     expect_text(file, contract[i].name, "units", NULL);
     expect_text(file, contract[i].name, "description", NULL);
     expect_scale(file, contract[i].name, "/time");
+    if (strncmp(contract[i].name, "/contacts/", 10) == 0)
+      expect_scale_of(file, contract[i].name, "/contacts/contact", 1);
   }
+  expect_shape(file, "/contacts/id", 1, 1, 0);
+  expect_scale(file, "/contacts/id", "/contacts/contact");
   for (size_t i = 0; i < 5; i++) {
     expect_shape(file, impact_names[i], 1, impacts, 0);
     expect_scale(file, impact_names[i], "/impact/time");
@@ -255,7 +265,7 @@ static void expect_root(hid_t file, const char *status)
   expect_text(file, "/", "method", "implicit");
   expect_created_now(file);
   assert_true(H5LTget_attribute_int(file, "/", "format_version", &version) >= 0);
-  assert_int_equal(version, 1);
+  assert_int_equal(version, 3);
   assert_true(H5LTread_dataset_double(file, "/options/dt", &dt) >= 0);
   assert_true(dt == 0.001);
   assert_true(H5LTread_dataset_double(file, "/parameters/speed", &speed) >= 0);

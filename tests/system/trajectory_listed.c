@@ -1,5 +1,5 @@
-/* Contacts by list in a trajectory: what observers saw is what is in the file, to the bit; each
- * record has its own; runs go on; files of numbered contacts stay as they were. */
+/* A contact list in a trajectory: the file has what observers saw, to the bit; each record has its
+ * own contacts; runs are resumed. The datasets of fixed contacts have the same names. */
 #include "check.h"
 
 #include <hdf5.h>
@@ -163,13 +163,13 @@ static void expect_seen(const seen *s)
   expect_values("/impact/block", whole, sizeof(int), s->impact_block, 2 * s->impacts);
 }
 
-static int version_of(const char *name)
+static int attribute(const char *name, const char *object, const char *attribute)
 {
-  int version = -1;
+  int value = -1;
   hid_t file = H5Fopen(name, H5F_ACC_RDONLY, H5P_DEFAULT);
-  assert_true(H5LTget_attribute_int(file, "/", "format_version", &version) >= 0);
+  assert_true(H5LTget_attribute_int(file, object, attribute, &value) >= 0);
   H5Fclose(file);
-  return version;
+  return value;
 }
 
 static int has(const char *name, const char *object)
@@ -194,9 +194,9 @@ static void test_as_seen(void **state)
     leave(&f, NSDAE_OK);
     assert_true(s.contacts > s.records * DISKS / 4 && s.impacts > DISKS);
     expect_seen(&s);
-    assert_int_equal(version_of(path), 2);
-    assert_false(has(path, "/contact"));
-    assert_false(has(path, "/impact/contact"));
+    assert_int_equal(attribute(path, "/", "format_version"), 3);
+    assert_int_equal(attribute(path, "/contacts", "fixed"), 0);
+    assert_false(has(path, "/contacts/contact"));
     release(&s);
   }
 }
@@ -333,8 +333,8 @@ static void test_dropped(void **state)
   expect_same(DATASETS - 1); /* the state counts the calls of the step that was dropped, too */
 }
 
-/* Systems with numbered contacts leave files of the first version, with nothing new in them. */
-static void test_numbered(void **state)
+/* A system with fixed contacts has the same datasets by contact, without a list. */
+static void test_fixed(void **state)
 {
   (void)state;
   bead b;
@@ -352,9 +352,15 @@ static void test_numbered(void **state)
   check_ok(nsdae_trajectory_close(&t, NSDAE_OK, NULL));
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
-  assert_int_equal(version_of(path), 1);
-  assert_true(has(path, "/contact") && has(path, "/impact/contact"));
-  assert_false(has(path, "/contacts") || has(path, "/impact/id") || has(path, "/shapes"));
+  assert_int_equal(attribute(path, "/", "format_version"), 3);
+  assert_int_equal(attribute(path, "/contacts", "fixed"), 1);
+  assert_true(has(path, "/contacts/contact") && has(path, "/impact/id") && has(path, "/change/id"));
+  assert_false(has(path, "/contacts/first") || has(path, "/contacts/block") ||
+               has(path, "/impact/block") || has(path, "/shapes"));
+  size_t n;
+  long *id = values_of(path, "/contacts/id", H5T_NATIVE_LONG, sizeof(long), &n);
+  assert_true(n == 1 && id[0] == 0);
+  free(id);
 }
 
 /* Where bodies of every form of place stand in /shapes: dimension, position, turn; 0: in /bodies.
@@ -421,9 +427,8 @@ static void test_places(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_as_seen),  cmocka_unit_test(test_parts),
-      cmocka_unit_test(test_killed),   cmocka_unit_test(test_dropped),
-      cmocka_unit_test(test_numbered), cmocka_unit_test(test_places),
+      cmocka_unit_test(test_as_seen), cmocka_unit_test(test_parts), cmocka_unit_test(test_killed),
+      cmocka_unit_test(test_dropped), cmocka_unit_test(test_fixed), cmocka_unit_test(test_places),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);

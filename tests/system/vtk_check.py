@@ -101,7 +101,7 @@ def pendulum(a, f, p):
     half = along(a, "rod", q, q[:, 2])
     close("length of the rod", np.abs(half), p["L"] / 2)
     tip = np.array([x[h > 0].mean(axis=0) for x, h in zip(a.body("rod"), half)])
-    close("gap at the tip", tip[:, 0] - q[:, 0] + p["L"] / 2 * np.sin(q[:, 2]), f["contact/gap"][:, 0])
+    close("gap at the tip", tip[:, 0] - q[:, 0] + p["L"] / 2 * np.sin(q[:, 2]), f["contacts/gap"][:, 0])
     close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
 
 
@@ -109,7 +109,7 @@ def clearance_hinge(a, f, p):
     q = f["q"][...]
     close("length of the rod", np.abs(along(a, "rod", q, q[:, 2])), p["l"] / 2)
     distance = np.linalg.norm(a.centre("shaft") - a.centre("hole"), axis=1)
-    close("gap", p["R"] - p["r"] - distance, f["contact/gap"][:, 0])
+    close("gap", p["R"] - p["r"] - distance, f["contacts/gap"][:, 0])
     close("radius", np.linalg.norm((a.body("shaft") - a.centre("shaft")[:, None])[..., :2], axis=2), p["r"])
     close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
 
@@ -165,7 +165,7 @@ def incline(a, f, p):
     close("way", np.linalg.norm(block - block[0], axis=1), np.linalg.norm(q - q[0], axis=1))
     top, bottom = a.body("plane")[0], a.body("block")
     normal = np.array([np.sin(p["slope"]) * np.cos(p["turn"]), np.sin(p["slope"]) * np.sin(p["turn"]), np.cos(p["slope"])])
-    close("gap", (bottom @ normal).min(axis=1) - (top @ normal).max(), f["contact/gap"][:, 0])
+    close("gap", (bottom @ normal).min(axis=1) - (top @ normal).max(), f["contacts/gap"][:, 0])
 
 
 def turned(e, x):
@@ -196,14 +196,14 @@ def rolling_ball(a, f, p):
 
 def bouncing_ball(a, f, p):
     ball, floor = a.body("ball"), a.body("floor")
-    close("gap", ball[..., 1].min(axis=1) - floor[..., 1].max(axis=1), f["contact/gap"][:, 0])
+    close("gap", ball[..., 1].min(axis=1) - floor[..., 1].max(axis=1), f["contacts/gap"][:, 0])
     U = p["m"] * p["g"] * a.centre("ball")[:, 1]
     close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0], U.max())
 
 
 def shaken_ball(a, f, p):
     ball, table = a.body("ball"), a.body("table")
-    close("gap", ball[..., 1].min(axis=1) - table[..., 1].max(axis=1), f["contact/gap"][:, 0])
+    close("gap", ball[..., 1].min(axis=1) - table[..., 1].max(axis=1), f["contacts/gap"][:, 0])
     U = p["m"] * p["g"] * a.centre("ball")[:, 1]
     close("potential", U - U[0], f["energy/potential"][...] - f["energy/potential"][0])
 
@@ -213,7 +213,7 @@ def falling_rod(a, f, p):
     half = along(a, "rod", q, q[:, 2] + np.pi / 2)
     close("length of the rod", np.abs(half), p["l"])
     ends = [np.array([x[s * h > 0].mean(axis=0) for x, h in zip(rod, half)]) for s in (-1, 1)]
-    close("gaps", np.column_stack([end[:, 1] for end in ends]), f["contact/gap"][...])
+    close("gaps", np.column_stack([end[:, 1] for end in ends]), f["contacts/gap"][...])
     close("floor", a.body("floor")[..., 1].max(), 0)
     close("potential", p["m"] * p["g"] * a.centre("rod")[:, 1], f["energy/potential"][...], p["m"] * p["g"])
 
@@ -227,12 +227,12 @@ def newtons_cradle(a, f, p):
         low = np.array([points[points[:, 1] < p["L"] / 2 + balls[i, k, 1] / 2].mean(axis=0) for k, points in enumerate(string)])
         close("end of a string", low, balls[i])
     between = np.diff(balls[..., 0], axis=0) - np.add(reach[1:], reach[:-1])
-    close("gaps", between.T, f["contact/gap"][...])
+    close("gaps", between.T, f["contacts/gap"][...])
     close("potential", p["m"] * p["g"] * balls[..., 1].sum(axis=0), f["energy/potential"][...])
 
 
 def woodpecker(a, f, p):
-    gap, wall = f["contact/gap"][...], a.body("sleeve, right")
+    gap, wall = f["contacts/gap"][...], a.body("sleeve, right")
     middle = (a.centre("sleeve, left") + a.centre("sleeve, right")) / 2
     out = a.body("bird")[0, :, :2] - [p["l_M"] + p["l_G"], a.centre("spring")[0, 1]]
     beak = np.argmax(np.linalg.norm(out, axis=1))

@@ -32,14 +32,17 @@ def look(engine, file):
         data = xarray.open_dataset(path, engine=engine, group=group)
         for name, variable in data.data_vars.items():
             assert variable.dims[0] == dims[0] and np.array_equal(variable.values, file[group][name][:]), name
-    if "contact" in file:
-        contact = xarray.open_dataset(path, engine=engine, group="contact")
+    fixed = "contacts" if "contacts/contact" in file else "contact"  # of version 1
+    if f"{fixed}/contact" in file:
+        contact = xarray.open_dataset(path, engine=engine, group=fixed)
         assert contact.gap.dims == ("time", "contact")
         first = contact.contact.values[0]
-        assert np.array_equal(contact.gap.sel(contact=first).values, file["contact/gap"][:, 0])
+        assert np.array_equal(contact.gap.sel(contact=first).values, file[f"{fixed}/gap"][:, 0])
         if "tangential_impulse" in contact:
             assert contact.tangential_impulse.dims == ("time", "contact", "tangent")
-    if "contacts" in file:  # by list: one row for each contact of each record
+        if "id" in contact:
+            assert contact.id.dims == ("contact",) and contact.id.values.tolist() == list(range(contact.sizes["contact"]))
+    if "contacts/first" in file:  # by list: one row for each contact of each record
         contacts = xarray.open_dataset(path, engine=engine, group="contacts")
         assert contacts.gap.dims == ("id",) and contacts.block.dims == ("id", "side"), contacts
         assert contacts["count"].dims == ("time",) and contacts.tangential_impulse.dims == ("id", "tangent")

@@ -17,12 +17,11 @@ static const struct axis {
                        "/velocity_unit"},
     [NSDAE_WIDTH_M] = {"/constraint", "constraint", "names of the constraints",
                        NSDAE_NAME_CONSTRAINT, "/constraint_unit"},
-    [NSDAE_WIDTH_K] = {"/contact/contact", "contact", "names of the contacts", NSDAE_NAME_CONTACT,
+    [NSDAE_WIDTH_K] = {"/contacts/contact", "contact", "names of the contacts", NSDAE_NAME_CONTACT,
                        NULL},
     [NSDAE_WIDTH_T] = {"/tangent", "tangent", "tangential directions of a contact", -1, NULL},
-    [NSDAE_WIDTH_F] = {"/slide/slide", "frictional_joint",
-                       "names of the bilateral constraints with friction",
-                       NSDAE_NAME_FRICTIONAL_JOINT, NULL},
+    [NSDAE_WIDTH_F] = {"/frictional_joint/frictional_joint", "frictional_joint",
+                       "names of the frictional joints", NSDAE_NAME_FRICTIONAL_JOINT, NULL},
     [NSDAE_WIDTH_PAIR] = {"/side", "side", "sides of a contact", -1, NULL},
 };
 

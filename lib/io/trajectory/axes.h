@@ -1,6 +1,6 @@
-/* The second dimensions of a trajectory: which coordinate, velocity, constraint, contact, tangent,
- * slide, side of a listed contact. Each is a dataset of the names, a dimension scale of HDF5, so
- * that tools select by name (in xarray q.sel(coordinate="theta")). */
+/* The second dimensions of a trajectory: which coordinate, velocity, constraint, fixed contact,
+ * tangent, frictional joint, side of a listed contact. Each is a dataset of the names, a dimension
+ * scale of HDF5, so that tools select by name (in xarray q.sel(coordinate="theta")). */
 #ifndef NSDAE_IO_AXES_H
 #define NSDAE_IO_AXES_H
 

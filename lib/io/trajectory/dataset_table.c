@@ -6,10 +6,11 @@
 
 enum { ROWS = 1024, CONTACTS = 16 * ROWS };
 
-#define FIELD(field)     offsetof(nsdae_row, field), 0, NSDAE_VALUE_REAL
-#define INT_FIELD(field) offsetof(nsdae_row, field), 0, NSDAE_VALUE_INT
-#define ROW(field)       offsetof(nsdae_row, field), 1, NSDAE_VALUE_REAL
-#define INT_ROW(field)   offsetof(nsdae_row, field), 1, NSDAE_VALUE_INT
+#define FIELD(field)      offsetof(nsdae_row, field), 0, NSDAE_VALUE_REAL
+#define INT_FIELD(field)  offsetof(nsdae_row, field), 0, NSDAE_VALUE_INT
+#define LONG_FIELD(field) offsetof(nsdae_row, field), 0, NSDAE_VALUE_LONG
+#define ROW(field)        offsetof(nsdae_row, field), 1, NSDAE_VALUE_REAL
+#define INT_ROW(field)    offsetof(nsdae_row, field), 1, NSDAE_VALUE_INT
 
 #define WHICH ", from 0; -1: the figure is 0"
 
@@ -19,20 +20,13 @@ static const nsdae_column record_columns[] = {
     {"/v", ROW(record.v), NSDAE_WIDTH_V, "of the model", "velocities"},
     {"/multiplier", ROW(record.multiplier), NSDAE_WIDTH_M, "of the model: force of each constraint",
      "mean bilateral force over the step that ends here"},
-    {"/contact/gap", ROW(record.gap), NSDAE_WIDTH_K, "m",
-     "normal distance, negative where bodies overlap"},
-    {"/contact/normal_impulse", ROW(record.normal_impulse), NSDAE_WIDTH_K, "N s",
-     "normal impulse of the step that ends here"},
-    {"/contact/tangential_impulse", ROW(record.tangential_impulse), NSDAE_WIDTH_KT, "N s",
-     "tangential impulse of the step that ends here"},
-    {"/contact/mode", INT_ROW(record.mode), NSDAE_WIDTH_K, "1", "0 open, 1 slip, 2 stick"},
-    {"/contacts/first", offsetof(nsdae_row, first), 0, NSDAE_VALUE_LONG, NSDAE_WIDTH_LISTED, "1",
-     "row of the lists below at which the closed contacts of this record begin"},
-    {"/contacts/count", INT_FIELD(record.contacts.count), NSDAE_WIDTH_LISTED, "1",
-     "how many they are: contacts that were closed in the step that ends here"},
-    {"/slide/impulse", ROW(record.frictional_joint_impulse), NSDAE_WIDTH_F, "N s",
+    {"/contacts/first", LONG_FIELD(first), NSDAE_WIDTH_LIST, "1",
+     "row of the lists below at which the contacts of this record begin"},
+    {"/contacts/count", INT_FIELD(record.contacts.count), NSDAE_WIDTH_LIST, "1",
+     "number of these contacts, which were closed in the step that ends here"},
+    {"/frictional_joint/impulse", ROW(record.frictional_joint_impulse), NSDAE_WIDTH_F, "N s",
      "friction impulse on each bilateral constraint with friction, of the step that ends here"},
-    {"/slide/mode", INT_ROW(record.frictional_joint_mode), NSDAE_WIDTH_F, "1",
+    {"/frictional_joint/mode", INT_ROW(record.frictional_joint_mode), NSDAE_WIDTH_F, "1",
      "0 frictionless, 1 slip, 2 stick"},
     {"/energy/kinetic", FIELD(record.kinetic), NSDAE_WIDTH_ONE, "J", "v^T M v / 2"},
     {"/energy/potential", FIELD(record.potential), NSDAE_WIDTH_POTENTIAL, "J",
@@ -75,9 +69,7 @@ static const nsdae_column record_columns[] = {
 static const nsdae_column impact_columns[] = {
     {"/impact/time", FIELD(impact.time), NSDAE_WIDTH_ONE, "s",
      "time of the impact; with a time-stepping method the end of its step"},
-    {"/impact/contact", INT_FIELD(impact.contact), NSDAE_WIDTH_NUMBERED, "1", "contact, from 0"},
-    {"/impact/id", offsetof(nsdae_row, impact.id), 0, NSDAE_VALUE_LONG, NSDAE_WIDTH_LISTED, "1",
-     "id of the contact"},
+    {"/impact/id", LONG_FIELD(impact.id), NSDAE_WIDTH_ONE, "1", "id of the contact"},
     {"/impact/block", INT_FIELD(impact.block), NSDAE_WIDTH_PAIR, "1",
      "blocks of the contact; -1: the ground"},
     {"/impact/normal_impulse", FIELD(impact.normal_impulse), NSDAE_WIDTH_ONE, "N s",
@@ -96,9 +88,11 @@ static const nsdae_column impact_columns[] = {
 
 static const nsdae_column change_columns[] = {
     {"/change/time", FIELD(change.time), NSDAE_WIDTH_ONE, "s", "instant of a change of mode"},
-    {"/change/contact", INT_FIELD(change.contact), NSDAE_WIDTH_ONE, "1",
-     "contact, from 0; -1: a frictional joint"},
-    {"/change/slide", INT_FIELD(change.frictional_joint), NSDAE_WIDTH_ONE, "1",
+    {"/change/id", LONG_FIELD(change.id), NSDAE_WIDTH_ONE, "1",
+     "id of the contact; -1: a frictional joint"},
+    {"/change/block", INT_FIELD(change.block), NSDAE_WIDTH_PAIR, "1",
+     "blocks of the contact; -1: the ground"},
+    {"/change/frictional_joint", INT_FIELD(change.frictional_joint), NSDAE_WIDTH_ONE, "1",
      "frictional joint, from 0; -1: a contact"},
     {"/change/mode_before", INT_FIELD(change.mode_before), NSDAE_WIDTH_ONE, "1",
      "0 open, 1 slip, 2 stick"},
@@ -107,27 +101,27 @@ static const nsdae_column change_columns[] = {
 };
 
 static const nsdae_column contact_columns[] = {
-    {"/contacts/id", offsetof(nsdae_row, record.contacts.id), 1, NSDAE_VALUE_LONG,
-     NSDAE_WIDTH_LISTED, "1", "which contact, the same at all times"},
+    {"/contacts/id", offsetof(nsdae_row, record.contacts.id), 1, NSDAE_VALUE_LONG, NSDAE_WIDTH_LIST,
+     "1", "id of the contact, constant in time"},
     {"/contacts/block", INT_ROW(record.contacts.block), NSDAE_WIDTH_PAIR, "1",
-     "the blocks that touch; -1: the ground"},
-    {"/contacts/gap", ROW(record.contacts.gap), NSDAE_WIDTH_LISTED, "m",
-     "normal distance where the method looked last, negative where bodies overlap"},
-    {"/contacts/normal_impulse", ROW(record.contacts.normal_impulse), NSDAE_WIDTH_LISTED, "N s",
-     "normal impulse of the step"},
-    {"/contacts/tangential_impulse", ROW(record.contacts.tangential_impulse), NSDAE_WIDTH_LISTED_T,
-     "N s", "tangential impulse of the step"},
-    {"/contacts/mode", INT_ROW(record.contacts.mode), NSDAE_WIDTH_LISTED, "1",
+     "blocks of the contact; -1: the ground"},
+    {"/contacts/gap", ROW(record.contacts.gap), NSDAE_WIDTH_ONE, "m",
+     "normal distance, negative in overlap; of a contact list at the last evaluation"},
+    {"/contacts/normal_impulse", ROW(record.contacts.normal_impulse), NSDAE_WIDTH_ONE, "N s",
+     "normal impulse of the step that ends here"},
+    {"/contacts/tangential_impulse", ROW(record.contacts.tangential_impulse), NSDAE_WIDTH_T, "N s",
+     "tangential impulse of the step that ends here"},
+    {"/contacts/mode", INT_ROW(record.contacts.mode), NSDAE_WIDTH_ONE, "1",
      "0 open, 1 slip, 2 stick"},
 };
 
 #define COLUMNS(column) column, (int)(sizeof(column) / sizeof *(column))
 
 const nsdae_table nsdae_tables[NSDAE_TABLES] = {
-    [NSDAE_RECORDS] = {COLUMNS(record_columns), "time", 1, 1, ROWS},
-    [NSDAE_IMPACTS] = {COLUMNS(impact_columns), "impact time", 1, 0, ROWS},
-    [NSDAE_CHANGES] = {COLUMNS(change_columns), "change time", 1, 0, ROWS},
-    [NSDAE_CONTACTS] = {COLUMNS(contact_columns), "id", 0, 1, CONTACTS},
+    [NSDAE_RECORDS] = {COLUMNS(record_columns), "time", 1, 1, 0},
+    [NSDAE_IMPACTS] = {COLUMNS(impact_columns), "impact time", 1, 0, 0},
+    [NSDAE_CHANGES] = {COLUMNS(change_columns), "change time", 1, 0, 0},
+    [NSDAE_CONTACTS] = {COLUMNS(contact_columns), "id", 0, 1, 1},
 };
 
 nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim)
@@ -141,21 +135,30 @@ nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim)
       .listed = listed};
 }
 
-int nsdae_width_shape(nsdae_width width, const nsdae_sizes *sizes, int shape[2], int axis[2])
+int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_sizes *sizes,
+                      int shape[2], int axis[2])
 {
   const int *length = sizes->axis, listed = sizes->listed;
-  const int one[] = {[NSDAE_WIDTH_LISTED_T] = listed * length[NSDAE_WIDTH_T],
-                     [NSDAE_WIDTH_ONE] = 1,
+  const int one[] = {[NSDAE_WIDTH_ONE] = 1,
                      [NSDAE_WIDTH_POTENTIAL] = sizes->potential,
-                     [NSDAE_WIDTH_NUMBERED] = !listed,
-                     [NSDAE_WIDTH_LISTED] = listed,
+                     [NSDAE_WIDTH_LIST] = listed,
                      [NSDAE_WIDTH_CONTACTS] = listed || length[NSDAE_WIDTH_K] > 0,
                      [NSDAE_WIDTH_CONSTRAINTS] = length[NSDAE_WIDTH_M] > 0};
-  axis[0] = width < NSDAE_AXES        ? (int)width
-            : width == NSDAE_WIDTH_KT ? NSDAE_WIDTH_K
-                                      : NSDAE_WIDTH_T;
-  axis[1] = NSDAE_WIDTH_T;
-  shape[0] = width < NSDAE_WIDTH_LISTED_T ? length[axis[0]] : one[width];
-  shape[1] = width == NSDAE_WIDTH_KT ? length[NSDAE_WIDTH_T] : 1;
-  return width > NSDAE_WIDTH_LISTED_T ? 0 : width == NSDAE_WIDTH_KT ? 2 : 1;
+  int rank = 0;
+  shape[0] = shape[1] = 1;
+  if (table->by_contact && !listed) axis[rank++] = NSDAE_WIDTH_K;
+  if (width < NSDAE_AXES) axis[rank++] = (int)width;
+  for (int i = 0; i < rank; i++) shape[i] = length[axis[i]];
+  if (width >= NSDAE_AXES) shape[1] *= one[width];
+  return rank;
+}
+
+int nsdae_table_chunk(const nsdae_table *table, const nsdae_sizes *sizes)
+{
+  return table->by_contact && sizes->listed ? CONTACTS : ROWS;
+}
+
+int nsdae_contact_rows(const nsdae_record *r)
+{
+  return r->gap ? r->contacts.count > 0 : r->contacts.count;
 }

@@ -9,17 +9,14 @@ typedef enum nsdae_width {
   NSDAE_WIDTH_Q,
   NSDAE_WIDTH_V,
   NSDAE_WIDTH_M,
-  NSDAE_WIDTH_K,
+  NSDAE_WIDTH_K, /* fixed contacts */
   NSDAE_WIDTH_T, /* nt, if there are contacts of either kind */
   NSDAE_WIDTH_F,
   NSDAE_WIDTH_PAIR, /* 2, of a contact list */
   NSDAE_AXES,
-  NSDAE_WIDTH_KT = NSDAE_AXES, /* k x nt */
-  NSDAE_WIDTH_LISTED_T,        /* nt, of a contact list */
-  NSDAE_WIDTH_ONE,             /* plain values */
+  NSDAE_WIDTH_ONE = NSDAE_AXES, /* plain values */
   NSDAE_WIDTH_POTENTIAL,
-  NSDAE_WIDTH_NUMBERED,   /* plain values of fixed contacts */
-  NSDAE_WIDTH_LISTED,     /* plain values of a contact list */
+  NSDAE_WIDTH_LIST,       /* plain values of a contact list */
   NSDAE_WIDTH_CONTACTS,   /* plain values, if there are contacts of either kind */
   NSDAE_WIDTH_CONSTRAINTS /* plain values, if there are constraints */
 } nsdae_width;
@@ -52,7 +49,7 @@ typedef struct nsdae_table {
   int counts; /* 1: the length of the first column is the number of rows, and grows last; 0: another
                  table says which rows there are */
   int packed; /* the option compress is for it; the others are short */
-  int chunk;  /* most rows of a chunk */
+  int by_contact; /* 1: a row is one contact of a list, or all fixed contacts of a record */
 } nsdae_table;
 
 /* What the columns are taken from. */
@@ -63,13 +60,17 @@ typedef struct nsdae_row {
   nsdae_change change;
 } nsdae_row;
 
-/* The tables of a file. Rows of contacts are those of record.contacts, which all its columns point
- * into. */
+/* The tables of a file. The columns of contacts point into record.contacts. */
 enum { NSDAE_RECORDS, NSDAE_IMPACTS, NSDAE_CHANGES, NSDAE_CONTACTS, NSDAE_TABLES };
 extern const nsdae_table nsdae_tables[NSDAE_TABLES];
 
 /* Shape of a row behind its first dimension: its rank (0, 1, 2), sizes, 0: there is none, and along
  * which axes it is. */
-int nsdae_width_shape(nsdae_width width, const nsdae_sizes *sizes, int shape[2], int axis[2]);
+int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_sizes *sizes,
+                      int shape[2], int axis[2]);
+/* Most rows of a chunk. */
+int nsdae_table_chunk(const nsdae_table *table, const nsdae_sizes *sizes);
+/* Rows of the table of contacts that a record has. */
+int nsdae_contact_rows(const nsdae_record *record);
 
 #endif

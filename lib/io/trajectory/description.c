@@ -8,25 +8,21 @@
 #include <string.h>
 #include <time.h>
 
-#include "dataset_table.h"
-
 /* ---- attributes, options, parameters */
 
-/* The oldest that has all that is in a file, so that older programs read what they can. */
-enum { FORMAT_NUMBERED = 1, FORMAT_LISTED = 2 };
+enum { FORMAT = 3 }; /* 1 and 2 were those of fixed contacts and contact lists in version 0.2 */
 
 /* Attributes of the root group, which identify the file. */
-static void write_root(nsdae_h5 *h5, const nsdae_sim *sim, const char *model, int method)
+static void write_root(nsdae_h5 *h5, const char *model, int method)
 {
   char created[32];
   struct tm date;
   time_t now = time(NULL);
-  nsdae_sizes sizes = nsdae_sizes_of(sim);
   strftime(created, sizeof created, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &date)); /* ISO 8601 */
   const char *const text[][2] = {{"format", "nsdae-trajectory"},        {"status", "running"},
                                  {"library_version", nsdae_version()},  {"model", model},
                                  {"method", nsdae_method_name(method)}, {"created", created}};
-  nsdae_h5_set_int(h5, h5->file, "format_version", sizes.listed ? FORMAT_LISTED : FORMAT_NUMBERED);
+  nsdae_h5_set_int(h5, h5->file, "format_version", FORMAT);
   for (size_t i = 0; i < sizeof text / sizeof *text; i++)
     nsdae_h5_set_text(h5, h5->file, text[i][0], text[i][1]);
 }
@@ -53,9 +49,21 @@ void nsdae_description_write(nsdae_h5 *h5, const nsdae_sim *sim, const nsdae_tra
 {
   nsdae_sim_options options;
   nsdae_sim_get_options(sim, &options);
-  write_root(h5, sim, info->model ? info->model : "", options.method);
+  write_root(h5, info->model ? info->model : "", options.method);
   write_params(h5, "/options", nsdae_sim_options_table(), &options);
   write_params(h5, "/parameters", info->parameters, info->parameters_base);
+}
+
+void nsdae_description_check(nsdae_h5 *h5)
+{
+  double version = nsdae_h5_get_real(h5, h5->file, "format_version");
+  if (h5->status < 0 || version == FORMAT) return;
+  nsdae_h5_refuse(h5, "resume",
+                  version > 0 && version < FORMAT
+                      ? "it was made by version 0.2 (format version %g), whose files can be read "
+                        "but not resumed: start the run again, with another file"
+                      : "its format version %g is not that of this library",
+                  version);
 }
 
 void nsdae_description_set_ended(nsdae_h5 *h5, int run_status)

@@ -9,6 +9,9 @@
 /* Writes it into a new file. */
 void nsdae_description_write(nsdae_h5 *h5, const nsdae_sim *sim, const nsdae_trajectory_info *info);
 
+/* Whether a run can continue in the file; NSDAE_E_IO: it has another format version. */
+void nsdae_description_check(nsdae_h5 *h5);
+
 /* The attribute status of the root, of a run that returned run_status. */
 void nsdae_description_set_ended(nsdae_h5 *h5, int run_status);
 

@@ -28,14 +28,14 @@ int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsda
   static const size_t size[] = {[NSDAE_VALUE_REAL] = sizeof(double),
                                 [NSDAE_VALUE_INT] = sizeof(int),
                                 [NSDAE_VALUE_LONG] = sizeof(long)};
-  size_t widest = 1, rows = (size_t)table->chunk;
+  size_t widest = 1, rows = (size_t)nsdae_table_chunk(table, sizes);
   *series = (nsdae_series){.table = table, .deflate = table->packed ? compress : 0};
   series->column = calloc((size_t)table->columns, sizeof *series->column);
   if (!series->column) return NSDAE_E_MEMORY;
   for (int i = 0; i < table->columns; i++) {
     nsdae_series_column *c = &series->column[series->columns];
     *c = (nsdae_series_column){.of = &table->column[i], .set = -1};
-    c->rank = nsdae_width_shape(c->of->width, sizes, c->shape, c->axis);
+    c->rank = nsdae_table_shape(table, c->of->width, sizes, c->shape, c->axis);
     c->bytes = size[c->of->value] * (size_t)c->shape[0] * (size_t)c->shape[1];
     if (c->bytes > widest) widest = c->bytes;
     if (c->bytes > 0) series->columns++;
@@ -59,7 +59,8 @@ void nsdae_series_release(nsdae_series *series)
 
 /* ---- creating and opening */
 
-void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES])
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES],
+                         hid_t rows)
 {
   for (int i = 0; i < series->columns; i++) {
     nsdae_series_column *c = &series->column[i];
@@ -71,10 +72,10 @@ void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NS
       layout.size[d + 1] = layout.most[d + 1] = layout.chunk[d + 1] = (hsize_t)c->shape[d];
     c->set =
         nsdae_h5_dataset(h5, c->of->path, value_type(c), &layout, c->of->units, c->of->description);
-    if (i == 0)
+    if (i == 0 && rows < 0)
       nsdae_h5_make_scale(h5, c->set, series->table->scale);
     else
-      nsdae_h5_attach_scale(h5, c->set, series->column[0].set, 0);
+      nsdae_h5_attach_scale(h5, c->set, rows < 0 ? series->column[0].set : rows, 0);
     for (int d = 0; d < c->rank; d++) nsdae_h5_attach_scale(h5, c->set, axes[c->axis[d]], d + 1);
   }
 }

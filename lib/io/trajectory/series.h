@@ -33,9 +33,10 @@ int nsdae_series_init(nsdae_series *series, const nsdae_table *table, const nsda
                       int compress);
 void nsdae_series_release(nsdae_series *series);
 
-/* Makes the datasets, the first of them the dimension scale of all; the others' second dimensions
- * are the axes. */
-void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES]);
+/* Makes the datasets. The scale of their rows is `rows`, or the first of them if rows < 0; those of
+ * the other dimensions are the axes. */
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES],
+                         hid_t rows);
 
 /* Opens the datasets of a file, which must have the table's shapes; the rows of the shortest. */
 hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5);

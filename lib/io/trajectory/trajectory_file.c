@@ -70,6 +70,26 @@ static void write_own_bodies(nsdae_trajectory *t)
     snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
 }
 
+/* The ids of fixed contacts, beside their names; which of the two kinds the group has. */
+static void write_contacts(nsdae_h5 *h5, int k, int listed, hid_t names)
+{
+  static const char id_path[] = "/contacts/id";
+  if (k == 0 && !listed) return;
+  if (k > 0) {
+    long *id = nsdae_h5_allocate(h5, (size_t)k, sizeof *id);
+    for (int i = 0; id && i < k; i++) id[i] = i;
+    nsdae_h5_vector(h5, id_path, H5T_NATIVE_LONG, (hsize_t)k, id, "1", "number of the contact");
+    free(id);
+    hid_t set = nsdae_h5_open_dataset(h5, id_path);
+    nsdae_h5_attach_scale(h5, set, names, 0);
+    if (set >= 0) H5Dclose(set);
+  }
+  hid_t group = h5->status < 0 ? -1 : H5Gopen2(h5->file, "/contacts", H5P_DEFAULT);
+  if (h5->status == NSDAE_OK) nsdae_h5_result(h5, group, "write to");
+  nsdae_h5_set_int(h5, group, "fixed", k);
+  if (group >= 0) H5Gclose(group);
+}
+
 /* Where the blocks of a large system begin, for whoever reads whose contacts they are. */
 static void write_blocks(nsdae_h5 *h5, const nsdae_system *system)
 {
@@ -93,7 +113,14 @@ static void make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (!t->live) make_restart(t, info);
   write_own_bodies(t);
   write_blocks(h5, nsdae_sim_get_system(t->sim));
-  for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_create(&t->rows.series[i], h5, axes);
+  const nsdae_sizes sizes = nsdae_sizes_of(t->sim);
+  nsdae_series *series = t->rows.series;
+  for (int i = 0; i < NSDAE_TABLES; i++) {
+    int of_records = nsdae_tables[i].by_contact && !sizes.listed;
+    nsdae_series_create(&series[i], h5, axes,
+                        of_records ? series[NSDAE_RECORDS].column[0].set : -1);
+  }
+  write_contacts(h5, sizes.axis[NSDAE_WIDTH_K], sizes.listed, axes[NSDAE_WIDTH_K]);
   nsdae_h5_flush(h5);
 }
 
@@ -146,6 +173,7 @@ static void open_again(nsdae_trajectory *t, const nsdae_trajectory_info *info)
     h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, "live",
                                  "a live file cannot be resumed");
   nsdae_h5_reopen(h5);
+  nsdae_description_check(h5);
   compare_run(t, info);
   for (int i = 0; i < NSDAE_TABLES; i++) rows[i] = nsdae_series_open(&t->rows.series[i], h5);
   nsdae_checkpoint_take(&t->checkpoint, h5, t->sim, rows, &mark);

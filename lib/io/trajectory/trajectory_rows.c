@@ -82,7 +82,7 @@ static void append_record(nsdae_trajectory *t, const nsdae_record *record)
 {
   const nsdae_row row = {.record = *record,
                          .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
-  append_rows(t, NSDAE_CONTACTS, &row, record->gap ? 0 : record->contacts.count);
+  append_rows(t, NSDAE_CONTACTS, &row, nsdae_contact_rows(record));
   append_rows(t, NSDAE_RECORDS, &row, 1);
 }
 
@@ -135,5 +135,5 @@ void nsdae_trajectory_append_last(nsdae_trajectory *t)
   if (nsdae_sim_get_record(t->sim, &last) != NSDAE_OK || last.step != t->rows.step) return;
   append_record(t, &last);
   t->rows.extra = 1;
-  t->rows.extra_contacts = last.gap ? 0 : last.contacts.count;
+  t->rows.extra_contacts = nsdae_contact_rows(&last);
 }
