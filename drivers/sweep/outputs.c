@@ -113,7 +113,7 @@ int keep_complete(sweep_keep *k, const nsdae_dims *d, nsdae_error *error)
   if (k->impacts) {
     int n = k->impacts;
     add(k, (keep_column){"impact/time", n, 0, "s", "times of the last impacts", NULL, 0});
-    add(k, (keep_column){"impact/contact", n, 0, "1", "their contacts, from 0", NULL, 0});
+    add(k, (keep_column){"impact/contact", n, 0, "1", "ids of their contacts", NULL, 0});
     add(k, (keep_column){"impact/normal_impulse", n, 0, "N s", "their normal impulses", NULL, 0});
     add(k, (keep_column){"impact/velocity_after", n, 0, "m/s", "normal velocities after them", NULL,
                          0});
@@ -141,7 +141,7 @@ static void take_impact(keeper *k, const nsdae_impact *p)
 {
   int n = k->keep->impacts;
   double *time = part(k, "impact/time");
-  const double value[] = {p->time, p->contact, p->normal_impulse, p->velocity_after};
+  const double value[] = {p->time, (double)p->id, p->normal_impulse, p->velocity_after};
   for (int i = 0; i < 4; i++) time[(long)i * n + k->hits % n] = value[i];
   k->hits++;
 }

@@ -259,6 +259,10 @@ contains
     call is_true(all(record%q == q0) .and. all(record%v == v0) .and. record%time == 0.5d0, 'state')
     call is_true(all(shape(record%tangential_impulse) == [1, 1]) .and. size(record%gap) == 1 &
                  .and. size(record%frictional_joint_mode) == 0 .and. size(record%impact) == 0, 'shapes')
+    call is_true(record%contacts%count == 1 .and. all(record%contacts%id == [0]) &
+                 .and. all(record%contacts%block == -1), 'the fixed contact')
+    call is_true(associated(record%contacts%gap, record%gap) &
+                 .and. associated(record%contacts%mode, record%mode), 'its arrays')
     call is_true(nsdae_sim_has_potential(sim), 'potential')
     call is_int(nsdae_sim_get_options(sim, options), NSDAE_OK, 'options')
     call is_true(options%dt == 0.005d0, 'dt')

@@ -199,6 +199,8 @@ program blocks
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_int(record%contacts%count, 2_c_int, 'contacts')
     call is_true(all(record%contacts%id == [7, 8]), 'ids')
+    call is_true(.not. (associated(record%gap) .or. associated(record%mode) &
+                        .or. associated(record%normal_force)), 'no fixed contacts')
     call is_true(all(record%contacts%block == reshape([0, -1, 1, 0], [2, 2])), 'blocks of contacts')
     call is_near(record%contacts%normal_impulse(1), 6 * G * DT, 1d-12, 'floor')
     call is_near(record%contacts%normal_impulse(2), 5 * G * DT, 1d-12, 'second ball')
