@@ -34,6 +34,10 @@ typedef struct nsdae_stepping {
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
+  /* Of tracked contacts: what the list has near the terms' point gets slots, which are empty, as far
+   * as a motion of a time h comes. */
+  int (*track)(void *own, nsdae_terms *at, double h);
+
   int by_list; /* goes with contact lists */
   int tracks;  /* the same, as contacts in slots: see tracked.h */
   int closes;  /* starts with nsdae_step_close, which clears the impulses */

@@ -156,3 +156,11 @@ int nsdae_sim_make_slots(nsdae_sim *sim, int k)
   nsdae_arena_release(&old);
   return status < 0 ? status : nsdae_sim_make_room(sim, &sim->lists.contacts, &sim->lists.rows);
 }
+
+int nsdae_sim_track(nsdae_sim *sim, nsdae_terms *at, double h)
+{
+  if (!sim->model.tracked) return NSDAE_OK;
+  memset(sim->tracked.used, 0, (size_t)sim->model.dims.k * sizeof *sim->tracked.used);
+  nsdae_terms_forget_slots(at);
+  return sim->method->track(sim->own, at, h);
+}

@@ -78,7 +78,7 @@ static double rounding_of_contacts(const nsdae_point *point)
   for (int a = 0; c && !T->system->by_list && a < c->active_count; a++) {
     size_t diagonal = (size_t)c->first_column[a] * (size_t)(c->columns + 1);
     double inertia = nsdae_larger(0, c->delassus.G[diagonal]); /* where nothing moves, rounding */
-    sum += fabs(r->normal_impulse[c->active[a]]) * sqrt(inertia);
+    sum += fabs(point->result.impulses.normal[c->active[a]]) * sqrt(inertia);
   }
   for (int i = 0; T->system->by_list && i < r->contacts.count; i++) {
     const int *block = r->contacts.block + 2 * (size_t)i;

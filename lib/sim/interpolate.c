@@ -34,7 +34,7 @@ static void copy(const nsdae_terms *at, double *q, double *v)
   memcpy(v, at->v, (size_t)at->system->dims.nv * sizeof *v);
 }
 
-static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double *q, double *v)
+static int integrate(nsdae_sim *sim, nsdae_result *before, double t, double *q, double *v)
 {
   nsdae_result *r = &sim->aside->result;
   const nsdae_state state = {.terms = &before->end, .memory = &before->memory};
@@ -49,6 +49,14 @@ static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double
     return by_parabola(sim, &before->end, &nsdae_sim_shown(sim)->result.end, t, q, v);
   copy(&r->end, q, v);
   return NSDAE_OK;
+}
+
+static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double *q, double *v)
+{
+  int status;
+  while ((status = integrate(sim, before, t, q, v)) == NSDAE_ARRAYS_GROW)
+    if ((status = nsdae_sim_grow(sim)) < 0) break;
+  return status;
 }
 
 static int interpolate(nsdae_sim *sim, double t, double *q, double *v)

@@ -26,6 +26,7 @@ static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const ns
   const nsdae_impulses *r = &result->impulses;
   double speed = 0, h = to->t - from->t;
   for (int i = 0; i < d->k; i++) {
+    if (!(to->gap[i] < NSDAE_FAR && from->gap[i] < NSDAE_FAR)) continue; /* a slot without it */
     w->change = nsdae_larger(w->change, fabs(to->gap[i] - from->gap[i]));
     if (w->apart > 0) w->apart = nsdae_larger(w->apart, to->gap[i]);
   }
@@ -147,7 +148,10 @@ static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsd
   double way = depth_of(sim, point), apart = point->accounts.watch.apart;
   excess e = {OF_OVERLAP, 0, 1, 0};
   for (int i = 0; i < s->dims.k; i++)
-    compare_excess(&e, i, -r->end.gap[i], size ? watch_quarter * size[i] : 0,
+    compare_excess(&e, i, -r->end.gap[i],
+                   !size        ? 0
+                   : s->tracked ? watch_quarter * size_of_pair(size, s->tracked->block + 2 * i)
+                                : watch_quarter * size[i],
                    apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
   for (int a = 0; a < r->closed.count; a++)
     compare_excess(&e, a, -r->closed.gap[a],

@@ -15,7 +15,7 @@ enum {
 static int fixed_contacts(const nsdae_point *p)
 {
   const nsdae_system *s = p->result.end.system;
-  return s->by_list ? 0 : s->dims.k;
+  return nsdae_system_is_listed(s) ? 0 : s->dims.k;
 }
 
 /* Where the arrays are: made anew when lists grew. */
@@ -23,7 +23,7 @@ void nsdae_point_show_arrays(nsdae_point *p)
 {
   const nsdae_result *r = &p->result;
   const nsdae_impulses *impulses = &r->impulses;
-  int listed = r->end.system->by_list;
+  int listed = nsdae_system_is_listed(r->end.system);
   nsdae_record *to = &p->record;
   nsdae_contact_set *contacts = &to->contacts;
   to->q = r->end.q;
@@ -101,7 +101,8 @@ static void fill_record(nsdae_point *p)
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
   record->lcp_residual = r->worst_residual;
-  record->contacts.count = r->end.system->by_list ? r->closed.count : fixed_contacts(p);
+  record->contacts.count =
+      nsdae_system_is_listed(r->end.system) ? r->closed.count : fixed_contacts(p);
   record->impacts = r->impacts;
   record->changes = r->changes;
 }
@@ -134,16 +135,27 @@ static void certify(nsdae_stats *stats, const nsdae_record *r)
   stats->energy_balance = r->kinetic + r->potential + r->dissipated - stats->energy_start;
 }
 
+/* Whether contact i had an impulse in the step before; one in a slot by its id. */
+static int had_impulse(const nsdae_result *last, int i)
+{
+  const nsdae_tracked *tracked = last->end.system->tracked;
+  int any = 0;
+  if (!tracked) return last->impulses.normal[i] != 0;
+  for (int a = 0; a < last->closed.count && !any; a++)
+    any = last->closed.id[a] == tracked->id[i] && last->impulses.normal[a] != 0;
+  return any;
+}
+
 /* A contact hits where it had no impulse in the step before (or the method says so) and closed
  * faster than the threshold. */
-static void find_impacts(const nsdae_impulses *before, nsdae_result *result, double slow)
+static void find_impacts(const nsdae_result *last, nsdae_result *result, double slow)
 {
   const nsdae_impulses *r = &result->impulses;
   const nsdae_dims *dims = &result->end.system->dims;
   const nsdae_closed *closed = &result->closed;
   int listed = result->end.system->by_list, count = listed ? closed->count : dims->k;
   for (int i = 0; i < count; i++) {
-    int idle = listed ? closed->fresh[i] : before->normal[i] == 0;
+    int idle = listed ? closed->fresh[i] : !had_impulse(last, i);
     int fresh = idle || r->impact[i];
     if (!(r->normal[i] > 0) || !fresh || !(r->before[i] < -slow)) continue;
     nsdae_impact *impact = &result->impact[result->impacts++];
@@ -223,7 +235,7 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
   nsdae_accounts *a = &point->accounts;
   int status = nsdae_terms_need(&r->end, RECORD_TERMS);
   if (status < 0) return status;
-  if (!r->located) find_impacts(&before->result.impulses, r, sim->options.impact_velocity);
+  if (!r->located) find_impacts(&before->result, r, sim->options.impact_velocity);
   *a = before->accounts;
   a->step++;
   a->dissipated -= r->work;

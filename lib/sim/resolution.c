@@ -122,7 +122,8 @@ static double apart(const nsdae_terms *start, const nsdae_sim_options *o)
 {
   double most = 0, start_tol = o->start_tol;
   if (o->method == NSDAE_METHOD_PENALTY) return 0;
-  for (int i = 0; i < start->system->dims.k; i++) most = fmax(most, start->gap[i]);
+  for (int i = 0; i < start->system->dims.k; i++)
+    if (start->gap[i] < NSDAE_FAR) most = fmax(most, start->gap[i]);
   return most > start_tol * (1 + nsdae_largest(start->system->dims.nq, start->q)) ? most : 0;
 }
 

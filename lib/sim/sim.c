@@ -265,7 +265,8 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   r->memory.stamp = r->memory.slots = 0;
   nsdae_stepper_count(&sim->stepper, &state, r);
   nsdae_terms_at(&r->end, 0, q0, v0);
-  int status = nsdae_point_start(sim, sim->next);
+  int status = nsdae_sim_track(sim, &r->end, sim->options.dt);
+  if (status == NSDAE_OK) status = nsdae_point_start(sim, sim->next);
   if (status == NSDAE_OK) status = nsdae_units_find(&sim->projection, t0, q0);
   if (status == NSDAE_OK) status = nsdae_start_resolved(sim, &r->end);
   if (status == NSDAE_OK) status = nsdae_initial_check(&sim->projection, &r->end, sim->probe);

@@ -17,18 +17,26 @@ static int takes_part(const nsdae_result *r, int i)
 }
 
 /* Entry `from` becomes entry `to`, which does not come after it. */
-static void move(nsdae_point *p, int from, int to)
+static void move(nsdae_impulses *r, size_t nt, int from, int to)
 {
-  nsdae_impulses *r = &p->result.impulses;
-  double *const one[] = {r->before, r->after, r->normal, p->normal_force};
-  double *const along[] = {r->before_t, r->after_t, r->tangential, p->tangential_force};
-  size_t nt = (size_t)p->result.end.system->dims.nt;
-  for (int i = 0; i < 4; i++) {
+  double *const one[] = {r->before, r->after, r->normal};
+  double *const along[] = {r->before_t, r->after_t, r->tangential};
+  for (int i = 0; i < 3; i++) {
     one[i][to] = one[i][from];
     memmove(along[i] + (size_t)to * nt, along[i] + (size_t)from * nt, nt * sizeof **along);
   }
   r->mode[to] = r->mode[from];
   r->impact[to] = r->impact[from];
+}
+
+/* The contact of an impact or a change gets its place, which says who it is. */
+static void rename_event(const nsdae_closed *closed, const int *place, int *contact, long *id,
+                         int *block)
+{
+  if (*contact < 0) return;
+  *contact = place[*contact];
+  *id = closed->id[*contact];
+  memcpy(block, closed->block + 2 * *contact, 2 * sizeof *block);
 }
 
 static void rename_contact(int *contact, const int *place)
@@ -65,10 +73,12 @@ void nsdae_point_list(nsdae_point *p, int *place)
     closed->id[place[i]] = tracked->id[i];
     closed->gap[place[i]] = r->end.gap[i];
     memcpy(closed->block + 2 * place[i], tracked->block + 2 * i, 2 * sizeof *closed->block);
-    move(p, i, place[i]);
+    move(&r->impulses, (size_t)closed->nt, i, place[i]);
   }
-  for (int j = 0; j < r->impacts; j++) rename_contact(&r->impact[j].contact, place);
-  for (int j = 0; j < r->changes; j++) rename_contact(&r->change[j].contact, place);
+  for (int j = 0; j < r->impacts; j++)
+    rename_event(closed, place, &r->impact[j].contact, &r->impact[j].id, r->impact[j].block);
+  for (int j = 0; j < r->changes; j++)
+    rename_event(closed, place, &r->change[j].contact, &r->change[j].id, r->change[j].block);
   rename_worst(&p->record.certificate, &p->accounts.stats.certificate, place);
   closed->count = p->record.contacts.count = count;
 }

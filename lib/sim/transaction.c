@@ -56,6 +56,8 @@ static int advance_method(nsdae_sim *sim, double t1, double length)
   result->counters.fallbacks = 1;
   nsdae_memory_copy(&result->memory, memory);
   result->memory.stamp = -1;
+  status = nsdae_sim_track(sim, state.terms, length);
+  if (status < 0) return status;
   return nsdae_stepping_implicit.advance(&sim->stepper, &state, t1, result);
 }
 
@@ -125,6 +127,25 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
+/* A step to t1 into next, whole but for who sees it. */
+static int try_step(nsdae_sim *sim, double t1, double length)
+{
+  nsdae_point *now = sim->now, *next = sim->next;
+  int status = advance_method(sim, t1, length);
+  int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
+  sim->stage.failed = problem && (next->result.problem || next->result.cones);
+  if (status == NSDAE_OK)
+    status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
+  if (next->result.end.t < t1) length = next->result.end.t - now->result.end.t; /* so far it came */
+  if (status == NSDAE_OK) status = nsdae_point_follow(sim, now, next, length);
+  if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, now, next);
+  if (status == NSDAE_OK) status = nsdae_monitors_step(sim, now, next);
+  if (status < 0 || !sim->model.tracked) return status;
+  nsdae_point_list(next, sim->projection.closed);
+  int finite = nsdae_point_finite(next);
+  return finite < 0 ? finite : status;
+}
+
 /* Fills next with a step to t1, or finds it there, waiting for an observer that failed. */
 static int prepare_step(nsdae_sim *sim, double t1)
 {
@@ -139,23 +160,14 @@ static int prepare_step(nsdae_sim *sim, double t1)
   double length = length_of(sim, t1);
   int status =
       nsdae_interrupted(&sim->stepper.interrupt, &sim->error, nsdae_system_time(&sim->model, t0));
-  while (status == NSDAE_OK && (status = advance_method(sim, t1, length)) == NSDAE_ARRAYS_GROW)
+  while (status == NSDAE_OK && (status = try_step(sim, t1, length)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim); /* and once more */
-  int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
-  sim->stage.failed = problem && (sim->next->result.problem || sim->next->result.cones);
-  if (status == NSDAE_OK)
-    status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
-  if (sim->next->result.end.t < t1) length = sim->next->result.end.t - t0; /* as far as it came */
-  if (status == NSDAE_OK) status = nsdae_point_follow(sim, sim->now, sim->next, length);
-  if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, sim->now, sim->next);
-  if (status == NSDAE_OK) status = nsdae_monitors_step(sim, sim->now, sim->next);
   if (status < 0) {
     sim->now->result.end.have = have; /* what a dropped step evaluated is not counted either */
     return status;
   }
   sim->stage.warning = status > 0 ? sim->error : sim->stage.start; /* observers clear the first */
   if (status == NSDAE_OK) sim->stage.start.status = NSDAE_OK;
-  if (sim->model.tracked) nsdae_point_list(sim->next, sim->projection.closed);
   sim->next->accounts.grid_count += sim->next->result.end.t >= t1;
   sim->stage.asked = t1;
   sim->observers.turn = sim->observers.stop = 0;
