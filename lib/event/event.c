@@ -337,6 +337,53 @@ static int go_through(event *e, double t)
   return status == NSDAE_OK && pole >= 0 ? jammed(e, t, pole, coefficient) : status;
 }
 
+/* Contacts that are new in their slots do not rattle. */
+static void clear_fresh(event *e)
+{
+  int *fresh = e->integrator.tracking.fresh;
+  for (int i = 0; e->setting.system->tracked && i < e->setting.system->dims.k; i++) {
+    if (fresh[i]) e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
+    fresh[i] = 0;
+  }
+}
+
+/* The table of contacts where a run begins: those within the way of a step. */
+static int begin_slots(event *e, const nsdae_terms *from)
+{
+  nsdae_tracking *tracking = &e->integrator.tracking;
+  if (!e->setting.system->tracked) return NSDAE_OK;
+  nsdae_terms_at(e->setting.here, from->t, from->q, from->v);
+  tracking->near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
+  int status = nsdae_tracking_begin(tracking, e->setting.here, e->integrator.smooth.steps.max_step);
+  clear_fresh(e);
+  return status;
+}
+
+static int track(void *own, nsdae_terms *at, double h)
+{
+  event *e = own;
+  nsdae_terms_at(e->setting.here, at->t, at->q, at->v);
+  e->integrator.tracking.near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
+  int status = nsdae_tracking_begin_anew(&e->integrator.tracking, at, h);
+  memset(e->integrator.tracking.fresh, 0, (size_t)at->system->dims.k * sizeof(int));
+  return status;
+}
+
+/* Where a dt begins: slots of what is open, and no more near, are free. */
+static int free_slots(event *e, const nsdae_state *state)
+{
+  nsdae_tracking *tracking = &e->integrator.tracking;
+  const nsdae_terms *from = state->terms;
+  int *keep = e->mode_before, k = e->setting.system->dims.k;
+  if (!e->setting.system->tracked) return NSDAE_OK;
+  for (int i = 0; i < k; i++)
+    keep[i] = e->phase.modes.contact[i] != NSDAE_MODE_OPEN ||
+              nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found;
+  nsdae_terms_at(e->setting.here, from->t, from->q, from->v);
+  tracking->near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
+  return nsdae_tracking_trim(tracking, e->setting.here, e->integrator.smooth.steps.max_step, keep);
+}
+
 /* From a state that this method did not lead to. */
 static int begin(event *e, const nsdae_terms *from)
 {
@@ -345,6 +392,8 @@ static int begin(event *e, const nsdae_terms *from)
   double *y = e->integrator.y;
   memset(memory->real, 0, memory->reals * sizeof *memory->real);
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
+  int status = begin_slots(e, from);
+  if (status < 0) return status;
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
   e->integrator.smooth.steps.h = 0;
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
@@ -352,7 +401,7 @@ static int begin(event *e, const nsdae_terms *from)
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   memcpy(y, from->q, (size_t)d->nq * sizeof *y);
   memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
-  int status = tune(e, from->t);
+  status = tune(e, from->t);
   return status < 0 ? status : restart(e, from->t);
 }
 
@@ -417,6 +466,14 @@ static int read_state(event *e, double t)
   return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
 }
 
+/* Whether a list had no room, or a contact no slot, since the step began. */
+static int lacks_room(const event *e)
+{
+  const nsdae_tracked *tracked = e->setting.system->tracked;
+  return tracked && (e->tools->differences.by_id.wanted.entries > 0 ||
+                     tracked->wanted > e->setting.system->dims.k);
+}
+
 static int integrate(event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
@@ -425,9 +482,10 @@ static int integrate(event *e)
       *e->base.tiny % KINK_STEPS == 0 && read_state(e, from) == NSDAE_OK && cross_kink(e, from))
     return change_modes(e, from);
   int status = step(e);
+  clear_fresh(e);
   ++*e->base.steps;
   *e->base.tiny += g->ahead - from < tiny;
-  if (status == NSDAE_OK) return NSDAE_OK;
+  if (status == NSDAE_OK || lacks_room(e)) return status;
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
   if (!g->smooth.is_stiff || goes_by_ida(e)) {
@@ -449,8 +507,11 @@ static int replay(event *e, const nsdae_terms *to)
   const nsdae_dims *d = &to->system->dims;
   int steps = *e->base.steps;
   nsdae_event_restore(&e->base, g);
+  g->again = 1;
   int status = nsdae_event_integrator_start(g, *e->base.t);
   for (int i = 0; i < steps && status == NSDAE_OK; i++) status = step(e);
+  g->again = 0;
+  if (lacks_room(e)) return NSDAE_ARRAYS_GROW;
   if (status < 0 && e->setting.error->status == NSDAE_E_CALLBACK) return NSDAE_E_CALLBACK;
   if (status < 0 || to->t > g->ahead) return 0;
   return read_state(e, to->t) == NSDAE_OK &&
@@ -555,7 +616,7 @@ static int run_to(event *e, double t_end)
 }
 
 /* What the step did beside its impulses. */
-static int read_results(event *e, const nsdae_terms *from)
+static int read_results(event *e, nsdae_terms *from)
 {
   nsdae_result *r = e->setting.result;
   const nsdae_event_modes *m = &e->phase.modes;
@@ -574,6 +635,9 @@ static int read_results(event *e, const nsdae_terms *from)
   if (e->integrator.smooth.is_stiff)
     status = nsdae_terms_need(e->setting.here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (e->integrator.smooth.is_stiff && status == NSDAE_OK) status = nsdae_event_factor(&e->setting);
+  if (e->setting.system->tracked) nsdae_terms_forget_slots(from); /* slots may have others now */
+  if (e->setting.system->tracked && status == NSDAE_OK)
+    status = nsdae_terms_need(from, NSDAE_TERM_GAP);
   return status < 0 ? status : nsdae_event_certify(&e->phase, from);
 }
 
@@ -591,18 +655,41 @@ static int start_run(void *own, const nsdae_terms *at)
   return e->integrator.smooth.ida ? nsdae_stepper_start(e->tools, &e->phase.newton, at) : NSDAE_OK;
 }
 
+/* The memory of the result is that of the method, from here on. */
+static void open_memory(event *e, nsdae_result *result)
+{
+  e->setting.result = result;
+  nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, &result->memory);
+  e->integrator.late = e->base.late;
+  e->tools->differences.by_id.wanted = (nsdae_room){0};
+  if (!e->setting.system->tracked) return;
+  nsdae_tracking_load(&e->integrator.tracking);
+  e->setting.system->tracked->wanted = 0;
+}
+
+static void close_memory(const event *e)
+{
+  nsdae_result *r = e->setting.result;
+  const nsdae_tracked *tracked = e->setting.system->tracked;
+  if (!tracked) return;
+  nsdae_tracking_store(&e->integrator.tracking);
+  r->memory.slots = nsdae_tracked_count(tracked, e->setting.system->dims.k);
+}
+
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
   event *e = own;
   nsdae_event_integrator *g = &e->integrator;
   double t = state->terms->t;
-  e->setting.result = result;
-  nsdae_event_lay(&e->base, &e->instant, e->tools, &result->memory);
+  open_memory(e, result);
   int status = arrive(e, state);
   e->stamp = 0;
-  if (status < 0 || *e->base.steps == 0) return status;
-  status = read_state(e, t);
-  if (status == NSDAE_OK) nsdae_event_save(&e->base, g, t);
+  if (lacks_room(e)) return NSDAE_ARRAYS_GROW;
+  if (status == NSDAE_OK && *e->base.steps > 0) {
+    status = read_state(e, t);
+    if (status == NSDAE_OK) nsdae_event_save(&e->base, g, t);
+  }
+  close_memory(e);
   return status;
 }
 
@@ -622,22 +709,25 @@ static int tell(const event *e, int status)
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   event *e = own;
-  e->setting.result = result;
   e->reached = state->terms->t;
   e->instant.impacts.endless = e->instant.impacts.together = 0;
-  nsdae_event_lay(&e->base, &e->instant, e->tools, &result->memory);
+  open_memory(e, result);
   int status = arrive(e, state);
   e->stamp = 0;
+  if (status == NSDAE_OK) status = free_slots(e, state);
   if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
   if (status == NSDAE_OK && has_short_steps(e)) /* as in front of a pole of several contacts */
     status = nsdae_event_diagnose(&e->instant.acceleration, e->integrator.ahead, e->integrator.y);
+  if (lacks_room(e)) return NSDAE_ARRAYS_GROW;
   if (status < 0) return tell(e, status);
+  close_memory(e);
   /* a list that one instant fills leaves no way on either */
   result->given_up = too_many(e) || !(e->reached > state->terms->t);
   if (result->given_up) return NSDAE_OK;
   status = read_results(e, state->terms);
+  if (lacks_room(e)) return NSDAE_ARRAYS_GROW;
   if (status < 0) return tell(e, status);
   nsdae_error_clear(e->setting.error); /* of a step that was tried again, smaller */
   result->memory.stamp = e->stamp = ++e->stamps;
@@ -654,4 +744,6 @@ const nsdae_stepping nsdae_stepping_event = {
     .prepare = prepare,
     .start = start_run,
     .settle = settle,
-    .advance = advance};
+    .advance = advance,
+    .track = track,
+    .tracks = 1};

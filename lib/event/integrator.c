@@ -74,6 +74,17 @@ static int look(double t, double *gap, double *rate, void *user)
   return NSDAE_OK;
 }
 
+/* Terms at t in the last step, to look for contacts. */
+static int look_around(double t, nsdae_terms **terms, void *user)
+{
+  nsdae_event_integrator *e = user;
+  nsdae_event_setting *s = e->roots->phase->setting;
+  *terms = s->here;
+  int status = nsdae_event_integrator_read(e, t, e->y);
+  if (status == NSDAE_OK) nsdae_event_move(s, t, e->y);
+  return status;
+}
+
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
@@ -84,6 +95,11 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
                                         .rate = rate,
                                         .user = e};
   e->fall = (nsdae_fall){.count = e->roots->count, .values = values, .user = e};
+  e->tracking = (nsdae_tracking){.model = s->system,
+                                 .table = s->system->tracked,
+                                 .error = s->error,
+                                 .look = look_around,
+                                 .user = e};
   e->dip = (nsdae_dip){.count = s->system->dims.k, .look = look, .user = e};
   e->smooth.implicit =
       (nsdae_ida_problem){.residual = residual, .setup = setup, .solve = solve, .user = e};
@@ -91,6 +107,7 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
   nsdae_smooth_layout(&e->smooth, arena);
   nsdae_fall_layout(&e->fall, arena);
   nsdae_dip_layout(&e->dip, arena);
+  if (s->system->tracked) nsdae_tracking_layout(&e->tracking, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
   e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
   e->later = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
@@ -152,7 +169,48 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
   if (status == NSDAE_OK) e->smooth.steps.force = force_of(e);
   if (status == NSDAE_OK && e->smooth.is_stiff) status = nsdae_smooth_start(&e->smooth, t, e->end);
-  return status < 0 ? status : nsdae_event_set_roots(e->roots, t, e->y, p->x);
+  if (status == NSDAE_OK) status = nsdae_event_set_roots(e->roots, t, e->y, p->x);
+  if (status == NSDAE_OK && p->setting->system->tracked)
+    nsdae_event_start_late(e->roots, t, e->late);
+  return status;
+}
+
+/* Contacts that are new in their slots are open from t on. */
+static int begin_slots(nsdae_event_integrator *e, double t)
+{
+  nsdae_event_phase *p = e->roots->phase;
+  nsdae_terms *T = p->setting->here;
+  int k = T->system->dims.k, nt = T->system->dims.nt;
+  for (int i = 0; i < k; i++) {
+    if (!e->tracking.fresh[i]) continue;
+    e->late[i] = 1;
+    p->modes.contact[i] = NSDAE_MODE_OPEN;
+    p->modes.blur[i] = 1;
+    memset(p->modes.direction + i * nt, 0, (size_t)nt * sizeof *p->modes.direction);
+  }
+  nsdae_event_start_late(e->roots, t, e->tracking.fresh);
+  nsdae_dip_start(&e->dip);
+  int status = look_around(t, &T, e);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+  for (int i = 0; i < k && status == NSDAE_OK; i++) {
+    nsdae_event_root *root = nsdae_event_root_of(e->roots, NSDAE_ROOT_NORMAL, i);
+    if (e->tracking.fresh[i] && T->gap[i] <= root->size) root->state = NSDAE_ROOT_MASKED;
+  }
+  if (status < 0 || e->fall.count == 0) return status;
+  return nsdae_event_root_values(e->roots, t, e->y, e->fall.low) < 0 ? NSDAE_E_CONVERGENCE
+                                                                     : NSDAE_OK;
+}
+
+/* After a step: what comes near in it has a slot, and a root from its start on. NSDAE_OK or a
+ * status. */
+static int look_for_contacts(nsdae_event_integrator *e, double from)
+{
+  nsdae_event_setting *s = e->roots->phase->setting;
+  if (!s->system->tracked || e->again) return NSDAE_OK;
+  nsdae_event_move(s, from, e->y);
+  e->tracking.near = NSDAE_EVENT_NEAR * nsdae_event_position_size(s);
+  int added = nsdae_tracking_cover(&e->tracking, from, e->ahead);
+  return added > 0 ? begin_slots(e, from) : added;
 }
 
 /* A step of the integrator at work; its end is in `end`. */
@@ -199,6 +257,7 @@ static int step_to_fall(nsdae_event_integrator *e)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
     int status = step(e), fell = 0;
+    if (status == NSDAE_OK) status = look_for_contacts(e, from);
     if (status < 0 || e->fall.count == 0) return status;
     fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);
     int rough = nsdae_runge_kutta_is_rough(s) && can_retreat(e);

@@ -9,18 +9,25 @@
 #include "fall.h"
 #include "roots.h"
 #include "smooth.h"
+#include "tracking.h"
+
+/* Of the tolerance of a position: what comes as near has a slot. What touches is half as near. */
+#define NSDAE_EVENT_NEAR 2.0
 
 typedef struct nsdae_event_integrator {
   nsdae_event_roots *roots;
   nsdae_event_account *account;
-  nsdae_smooth smooth;   /* of z: see account.h; the modes say which of its two is at work */
-  nsdae_fall fall;       /* of the roots, in the last step */
-  nsdae_dip dip;         /* of the gaps, likewise */
-  double *y, *z, *later; /* n, n + 2: where it was last read */
-  double *end;           /* n + 2: where the last step ended */
-  int *fallen;           /* roots: in the last step */
-  double ahead;          /* integrated and searched up to here */
-  int pending;           /* an instant waits there */
+  nsdae_smooth smooth;     /* of z: see account.h; the modes say which of its two is at work */
+  nsdae_fall fall;         /* of the roots, in the last step */
+  nsdae_dip dip;           /* of the gaps, likewise */
+  double *y, *z, *later;   /* n, n + 2: where it was last read */
+  double *end;             /* n + 2: where the last step ended */
+  int *fallen;             /* roots: in the last step */
+  nsdae_tracking tracking; /* of the contacts of a list */
+  int *late;               /* k, of the memory: in their slots since the base */
+  int again;               /* steps that were done before: no contact is looked for */
+  double ahead;            /* integrated and searched up to here */
+  int pending;             /* an instant waits there */
 } nsdae_event_integrator;
 
 void nsdae_event_integrator_layout(nsdae_event_integrator *integrator, nsdae_arena *arena);

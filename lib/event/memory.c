@@ -3,8 +3,8 @@
 #include <string.h>
 
 /* Base and modes, behind the warm start of implicit, which may step in. */
-static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *s,
-                nsdae_memory_part *part)
+static void lay(nsdae_event_base *b, nsdae_event_modes *m, nsdae_tracking *tracking,
+                const nsdae_stepper *s, nsdae_memory_part *part)
 {
   const nsdae_dims *d = &s->system->dims;
   size_t nt = (size_t)d->nt, f = (size_t)d->f;
@@ -28,21 +28,24 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, const nsdae_stepper *
   b->rattle.last = nsdae_memory_slot_reals(part, 1);
   double **real[] = {&b->t, &b->slow, &b->none, &b->goal, &b->h};
   for (int i = 0; i < 5; i++) *real[i] = nsdae_memory_reals(part, 1);
+  b->late = nsdae_memory_slot_wholes(part, s->system->tracked != NULL);
+  if (s->system->tracked) nsdae_tracking_lay(tracking, s->system, part);
 }
 
 void nsdae_event_memory_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
   nsdae_event_base base;
   nsdae_event_modes modes;
-  lay(&base, &modes, s, part);
+  nsdae_tracking tracking;
+  lay(&base, &modes, &tracking, s, part);
 }
 
-void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, const nsdae_stepper *s,
-                     nsdae_memory *memory)
+void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, nsdae_tracking *tracking,
+                     const nsdae_stepper *s, nsdae_memory *memory)
 {
   nsdae_memory_part part = {
       .real = memory->real, .whole = memory->whole, .slots = (size_t)s->system->dims.k};
-  lay(b, &p->roots->phase->modes, s, &part);
+  lay(b, &p->roots->phase->modes, tracking, s, &part);
   nsdae_contacts_remember(&p->impacts.problem, b->basis[0], NULL);
   nsdae_contacts_remember(&p->acceleration.problem, b->basis[1], NULL);
 }
@@ -53,6 +56,7 @@ void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, doub
   const nsdae_dims *d = &p->setting->system->dims;
   size_t n = (size_t)p->setting->at.lambda, kt = (size_t)d->k * (size_t)d->nt;
   *b->t = t;
+  if (p->setting->system->tracked) memset(b->late, 0, (size_t)d->k * sizeof *b->late);
   *b->steps = 0;
   *b->h = g->smooth.steps.h;
   *b->slow = p->modes.slow;

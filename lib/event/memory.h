@@ -18,13 +18,14 @@ typedef struct nsdae_event_base {
   int *finer;                  /* 2: of the differences, since they were last tuned */
   double *difference_error;    /* 2: the setting's, from there */
   nsdae_rattle rattle;
+  int *late; /* k: its slot has the contact since then; of tracked contacts */
 } nsdae_event_base;
 
 /* What this takes. */
 void nsdae_event_memory_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
 
 /* Lays the base, the modes and the warm starts of the instant's problems over a memory. */
-void nsdae_event_lay(nsdae_event_base *base, nsdae_event_instant *instant,
+void nsdae_event_lay(nsdae_event_base *base, nsdae_event_instant *instant, nsdae_tracking *tracking,
                      const nsdae_stepper *stepper, nsdae_memory *memory);
 
 /* The base is here, where the integrator is about to start; and back to it. */

@@ -34,8 +34,8 @@ typedef struct nsdae_stepping {
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);
 
-  /* Of tracked contacts: what the list has near the terms' point gets slots, which are empty, as far
-   * as a motion of a time h comes. */
+  /* Of tracked contacts: what the list has within the way of a time h from the terms' point gets
+   * slots, in place of what was in the table. NSDAE_ARRAYS_GROW: as advance. */
   int (*track)(void *own, nsdae_terms *at, double h);
 
   int by_list; /* goes with contact lists */

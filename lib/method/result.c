@@ -119,6 +119,14 @@ int nsdae_result_room(const nsdae_result *r)
          r->changes + k + d->f <= r->changes_max - 2 * spare;
 }
 
+/* Id and blocks of a contact: of one in a slot those of the list. */
+static void name_contact(const nsdae_system *s, int contact, long *id, int block[2])
+{
+  int listed = s->tracked && contact >= 0;
+  *id = listed ? s->tracked->id[contact] : contact;
+  for (int i = 0; i < 2; i++) block[i] = listed ? s->tracked->block[2 * contact + i] : -1;
+}
+
 nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double before)
 {
   t = nsdae_system_time(r->end.system, t);
@@ -129,8 +137,8 @@ nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double
   if (full && last >= 0) return &r->impact[last];
   for (; at > 0 && r->impact[at - 1].time > t; at--) r->impact[at] = r->impact[at - 1];
   r->impacts++;
-  r->impact[at] = (nsdae_impact){
-      .time = t, .contact = contact, .velocity_before = before, .id = contact, .block = {-1, -1}};
+  r->impact[at] = (nsdae_impact){.time = t, .contact = contact, .velocity_before = before};
+  name_contact(r->end.system, contact, &r->impact[at].id, r->impact[at].block);
   return &r->impact[at];
 }
 
@@ -139,13 +147,13 @@ void nsdae_result_change(nsdae_result *r, double t, int contact, int frictional_
 {
   if (before == after) return;
   t = nsdae_system_time(r->end.system, t);
-  r->change[r->changes++] = (nsdae_change){.time = t,
-                                           .contact = contact,
-                                           .frictional_joint = frictional_joint,
-                                           .mode_before = before,
-                                           .mode_after = after,
-                                           .id = contact,
-                                           .block = {-1, -1}};
+  nsdae_change *change = &r->change[r->changes++];
+  *change = (nsdae_change){.time = t,
+                           .contact = contact,
+                           .frictional_joint = frictional_joint,
+                           .mode_before = before,
+                           .mode_after = after};
+  name_contact(r->end.system, contact, &change->id, change->block);
 }
 
 int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)

@@ -7,15 +7,10 @@
 #include "listed.h"
 #include "sim_impl.h"
 
-static nsdae_room larger(const nsdae_room *a, const nsdae_room *b)
-{
-  return (nsdae_room){a->entries > b->entries ? a->entries : b->entries,
-                      a->values > b->values ? a->values : b->values};
-}
-
 int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows)
 {
-  const nsdae_room c = larger(&sim->lists.contacts, contacts), r = larger(&sim->lists.rows, rows);
+  const nsdae_room c = nsdae_room_larger(&sim->lists.contacts, contacts),
+                   r = nsdae_room_larger(&sim->lists.rows, rows);
   int status = nsdae_terms_grow(&sim->stepper.middle, &c, &r);
   for (int i = 0; i < (sim->aside ? 3 : 2) && status == NSDAE_OK; i++) {
     status = nsdae_result_grow(&sim->point[i].result, &c, &r);
@@ -38,15 +33,21 @@ static nsdae_room half_more(const nsdae_room *room, const nsdae_room *taken)
   return (nsdae_room){taken->entries + taken->entries / 2, taken->values + taken->values / 2};
 }
 
+static int slots_to_have(const nsdae_sim *sim)
+{
+  int k = sim->model.dims.k + sim->model.dims.k / 2, wanted = sim->tracked.wanted;
+  return wanted > k ? wanted : k;
+}
+
 int nsdae_sim_grow(nsdae_sim *sim)
 {
   const nsdae_terms *const all[] = {&sim->stepper.middle, &sim->point[0].result.end,
                                     &sim->point[1].result.end, &sim->point[2].result.end};
-  nsdae_room contacts = {0}, rows = {0};
+  nsdae_room contacts = sim->stepper.differences.by_id.wanted, rows = {0};
   for (int i = 0; i < 4; i++) {
-    contacts = larger(&contacts, &all[i]->by.list.taken);
-    rows = larger(&rows, &all[i]->by.rows.taken);
-    rows = larger(&rows, &all[i]->by.joint_rows.taken);
+    contacts = nsdae_room_larger(&contacts, &all[i]->by.list.taken);
+    rows = nsdae_room_larger(&rows, &all[i]->by.rows.taken);
+    rows = nsdae_room_larger(&rows, &all[i]->by.joint_rows.taken);
   }
   size_t most = (size_t)sim->options.contacts_max;
   if (contacts.entries > most)
@@ -58,7 +59,7 @@ int nsdae_sim_grow(nsdae_sim *sim)
                            sim->options.contacts_max);
   if (sim->model.tracked && nsdae_room_enough(&sim->lists.contacts, &contacts) &&
       nsdae_room_enough(&sim->lists.rows, &rows)) /* no slot is left */
-    return nsdae_sim_make_slots(sim, sim->model.dims.k + sim->model.dims.k / 2);
+    return nsdae_sim_make_slots(sim, slots_to_have(sim));
   contacts = half_more(&sim->lists.contacts, &contacts);
   rows = half_more(&sim->lists.rows, &rows);
   if (contacts.entries > most) contacts.entries = most;

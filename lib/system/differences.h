@@ -22,6 +22,8 @@ typedef struct nsdae_differences_of_ids {
   double *velocity;        /* 5 k (1 + nt): at each point, by slot */
   int *listed;             /* 5 k: whether it is listed there */
   int status;              /* what a list was refused with, NSDAE_ARRAYS_GROW; or NSDAE_OK */
+  nsdae_room wanted;       /* what the longest list took, of those without room, here and in terms,
+                              since it was set to zero */
 } nsdae_differences_of_ids;
 
 typedef struct nsdae_differences {

@@ -60,6 +60,12 @@ static inline int nsdae_room_enough(const nsdae_room *room, const nsdae_room *ta
   return taken->entries <= room->entries && taken->values <= room->values;
 }
 
+static inline nsdae_room nsdae_room_larger(const nsdae_room *a, const nsdae_room *b)
+{
+  return (nsdae_room){a->entries > b->entries ? a->entries : b->entries,
+                      a->values > b->values ? a->values : b->values};
+}
+
 /* Room for at least as much; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_contact_list_grow(nsdae_contact_list *list, const nsdae_room *room);
 int nsdae_row_list_grow(nsdae_row_list *list, const nsdae_room *room);

@@ -67,7 +67,7 @@ struct nsdae_system {
   int by_list;                      /* the callback contacts in place of numbered contacts */
   nsdae_blocks blocks, coordinates; /* of v and q; one of all where none were set */
   nsdae_coefficients *contact;      /* k */
-  const nsdae_tracked *tracked;     /* which contacts of a list are the k; NULL: none, or fixed */
+  nsdae_tracked *tracked;           /* which contacts of a list are the k; NULL: none, or fixed */
   nsdae_frictional_joint *frictional_joint; /* f */
   double *size[NSDAE_NAME_KINDS];           /* lengths, 0 where unknown; NULL: none is known */
   nsdae_label *label[NSDAE_NAME_KINDS];     /* as many as there are of that kind; NULL: no names */

@@ -96,6 +96,8 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
                  ? s->call.contacts(nsdae_terms_time(T), T->q, T->v, reach, list, s->user)
                  : 0;
   int status = listed(T, code, list->status, "contacts", &list->room, &list->taken);
+  if (status == NSDAE_ARRAYS_GROW && s->tracked)
+    T->differences->by_id.wanted = nsdae_room_larger(&T->differences->by_id.wanted, &list->taken);
   if (status < 0) return status;
   T->by.reach = reach;
   T->have |= NSDAE_TERM_CONTACTS;

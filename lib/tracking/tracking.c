@@ -24,6 +24,7 @@ void nsdae_tracking_layout(nsdae_tracking *t, nsdae_arena *arena)
   t->fresh = NSDAE_ARENA_INTS(arena, t->model->dims.k);
   t->listed = NSDAE_ARENA_INTS(arena, t->model->dims.k);
   t->gap = NSDAE_ARENA_DOUBLES(arena, t->model->dims.k);
+  t->anew = NSDAE_ARENA_DOUBLES(arena, t->model->dims.nv + 2L);
 }
 
 /* ---- memory */
@@ -204,32 +205,36 @@ static void count_slots(nsdae_tracking *t)
   for (int i = 0; i < t->model->dims.k; i++) t->table->wanted += t->table->used[i];
 }
 
-/* What is no longer near. */
-static void free_slots(nsdae_tracking *t, const nsdae_contact_list *list, double reach,
-                       const int *keep)
-{
-  int k = t->model->dims.k;
-  memset(t->listed, 0, (size_t)k * sizeof *t->listed);
-  for (int i = 0, last = -1; i < list->count; i++) {
-    int slot = nsdae_tracked_find(t->table, k, list->id[i], last + 1);
-    if (slot >= 0) t->listed[last = slot] = list->gap[i] <= reach;
-  }
-  for (int i = 0; i < k; i++) t->table->used[i] &= keep[i] || t->listed[i];
-}
-
-int nsdae_tracking_begin(nsdae_tracking *t, nsdae_terms *T, double h, const int *keep)
+int nsdae_tracking_begin(nsdae_tracking *t, nsdae_terms *T, double h)
 {
   double speed;
-  int added = 0, status = speed_at(t, T, &speed);
+  int k = t->model->dims.k, added = 0, status = speed_at(t, T, &speed);
   if (status < 0) return status;
-  double reach = t->near + h * speed;
-  status = nsdae_terms_contacts(T, reach);
-  if (status < 0) return status;
-  free_slots(t, &T->by.list, reach, keep);
+  memset(t->table->used, 0, (size_t)k * sizeof *t->table->used);
   count_slots(t);
-  t->table->reach = reach;
-  status = ask(t, T, reach, speed, &added);
-  for (int i = 0; i < t->model->dims.k; i++) t->fresh[i] = t->fresh[i] != 0;
+  t->table->reach = t->near + h * speed;
+  status = ask(t, T, t->table->reach, speed, &added);
+  for (int i = 0; i < k; i++) t->fresh[i] = t->fresh[i] != 0;
+  return status;
+}
+
+int nsdae_tracking_begin_anew(nsdae_tracking *t, nsdae_terms *T, double h)
+{
+  nsdae_tracking alone = *t;
+  size_t n = (size_t)t->model->dims.nv;
+  memset(t->anew, 0, (n + 2) * sizeof *t->anew);
+  alone.lever = t->anew;
+  alone.still = t->anew + n;
+  return nsdae_tracking_begin(&alone, T, h);
+}
+
+int nsdae_tracking_trim(nsdae_tracking *t, nsdae_terms *T, double h, const int *keep)
+{
+  double speed;
+  int status = speed_at(t, T, &speed);
+  if (status == NSDAE_OK) status = ask(t, T, t->near + h * speed, speed, NULL);
+  for (int i = 0; i < t->model->dims.k && status == NSDAE_OK; i++)
+    t->table->used[i] &= keep[i] || t->listed[i];
   return status;
 }
 

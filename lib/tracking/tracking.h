@@ -28,7 +28,7 @@ typedef struct nsdae_tracking {
   const nsdae_system *model; /* with k slots; coefficients are set by slot */
   nsdae_tracked *table;      /* the model's */
   nsdae_error *error;
-  double near; /* who comes as near as that has a slot */
+  double near; /* what comes as near has a slot */
   nsdae_tracking_look *look;
   void *user;
   int *fresh;  /* k: 1 since the slot has its contact, until the user sets it to 0 */
@@ -37,6 +37,7 @@ typedef struct nsdae_tracking {
   /* in the method's memory */
   int *used, *block, *id;      /* k, 2 k, 2 k: both halves of the number */
   double *law, *lever, *still; /* 3 k: mu, e_n, e_t; nv: L_j; 2: w, the table's reach */
+  double *anew;                /* nv + 2: lever and still of a motion without memory */
 } nsdae_tracking;
 
 void nsdae_tracking_layout(nsdae_tracking *tracking, nsdae_arena *arena);
@@ -47,10 +48,17 @@ void nsdae_tracking_lay(nsdae_tracking *tracking, const nsdae_system *model,
 void nsdae_tracking_store(const nsdae_tracking *tracking);
 void nsdae_tracking_load(nsdae_tracking *tracking);
 
-/* Terms are at the start of a run or of a dt, whose longest step is h: frees the slots of contacts
- * that are not within R and not kept [k], gives slots to those that are within it. The status of a
- * callback or a list; NSDAE_ARRAYS_GROW also if a slot is missing. */
-int nsdae_tracking_begin(nsdae_tracking *tracking, nsdae_terms *terms, double h, const int *keep);
+/* Terms are at the start of a motion, whose longest step is h: what is within R has a slot, all
+ * other slots are free. The status of a callback or a list; NSDAE_ARRAYS_GROW also if a slot is
+ * missing. */
+int nsdae_tracking_begin(nsdae_tracking *tracking, nsdae_terms *terms, double h);
+
+/* The same, where nothing is known and no memory is there. */
+int nsdae_tracking_begin_anew(nsdae_tracking *tracking, nsdae_terms *terms, double h);
+
+/* Terms are at the start of a dt of the motion: frees the slots of contacts that are not within R
+ * and not kept [k]. */
+int nsdae_tracking_trim(nsdae_tracking *tracking, nsdae_terms *terms, double h, const int *keep);
 
 /* After a step from one time to another: every contact that comes as near as `near` in it gets a
  * slot. The number of new ones, or a status; NSDAE_E_CALLBACK if a contact was not listed in time,

@@ -286,6 +286,22 @@ int nsdae_event_set_roots(nsdae_event_roots *r, double t, const double *y, const
   return status;
 }
 
+void nsdae_event_start_late(nsdae_event_roots *r, double t, const int *marked)
+{
+  for (int e = 0; e < r->count; e++) {
+    nsdae_event_root *root = &r->entry[e];
+    if (root->kind > NSDAE_ROOT_HELD || !marked[root->index]) continue;
+    *root = (nsdae_event_root){.kind = root->kind,
+                               .index = root->index,
+                               .state = root->kind == NSDAE_ROOT_NORMAL ? NSDAE_ROOT_LIVE
+                                                                        : NSDAE_ROOT_OFF,
+                               .moved = 1,
+                               .since = t,
+                               .rate = 1,
+                               .size = nsdae_event_position_size(r->phase->setting)};
+  }
+}
+
 /* How fast an undecided one slides. */
 static double undecided_speed(const nsdae_event_phase *p, const nsdae_event_root *root)
 {

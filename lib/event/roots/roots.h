@@ -72,6 +72,9 @@ int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y,
 /* The states for the phase that starts now at y, with the accelerations a [nv]. */
 int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, const double *a);
 
+/* Roots of the contacts that are marked [k]: open, and not zero at t. */
+void nsdae_event_start_late(nsdae_event_roots *roots, double t, const int *marked);
+
 /* The entry whose force contradicts its mode the most as the phase starts: a contact that is closed
  * and pulls, what sticks beyond its cone; -1: none. The problem of accelerations found none, so
  * that the rows of the phase nearly depend on each other. */

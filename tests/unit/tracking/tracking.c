@@ -226,7 +226,7 @@ static void run_family(int with_speed)
     double t = 0;
     nsdae_terms *T;
     look(t, &T, &f);
-    assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 0.1, none), NSDAE_OK);
+    assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 0.1), NSDAE_OK);
     for (int step = 0; step < STEPS; step++) {
       double h = length(&random);
       int added = nsdae_tracking_cover(&f.tracking, t, t + h);
@@ -245,8 +245,7 @@ static void run_family(int with_speed)
       steps_with_new += added > 0;
       t += h;
       look(t, &T, &f);
-      if (step % 5 == 4)
-        assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 0.1, none), NSDAE_OK);
+      if (step % 5 == 4) assert_int_equal(nsdae_tracking_trim(&f.tracking, T, 0.1, none), NSDAE_OK);
       memset(f.tracking.fresh, 0, sizeof none);
     }
     end(&f);
@@ -283,7 +282,7 @@ static void test_wrong(void **state)
     double t = 0;
     nsdae_terms *T;
     look(t, &T, &f);
-    int status = nsdae_tracking_begin(&f.tracking, T, 0.1, none);
+    int status = nsdae_tracking_begin(&f.tracking, T, 0.1);
     for (int step = 0; step < STEPS && status >= 0; step++) {
       double h = 0.3 * length(&random);
       status = nsdae_tracking_cover(&f.tracking, t, t + h);
@@ -310,15 +309,14 @@ static void test_slots(void **state)
   nsdae_terms *T;
   begin(&f, &random, 1, 3);
   look(0, &T, &f);
-  assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 100, none), NSDAE_ARRAYS_GROW);
+  assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 100), NSDAE_ARRAYS_GROW);
   assert_int_equal(f.table.wanted, BALLS * (BALLS - 1) / 2);
   memset(f.used, 0, sizeof f.used);
   for (int s = 0; s < 3; s++) f.used[s] = 1, f.id[s] = id_of(&f.motion, s + 1, 0);
   keep[1] = 1;
   f.motion.deep = -100; /* nothing is listed */
-  assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 1e-9, keep), NSDAE_OK);
   nsdae_terms_forget(T);
-  assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 1e-9, keep), NSDAE_OK);
+  assert_int_equal(nsdae_tracking_trim(&f.tracking, T, 1e-9, keep), NSDAE_OK);
   assert_true(!f.used[0] && f.used[1] && !f.used[2]);
   end(&f);
 }
@@ -333,7 +331,7 @@ static void test_memory(void **state)
   begin(&f, &random, 0, SLOTS - 2);
   f.motion.first_id = LONG_MIN + 7;
   look(0, &T, &f);
-  assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 0.3, none), NSDAE_OK);
+  assert_int_equal(nsdae_tracking_begin(&f.tracking, T, 0.3), NSDAE_OK);
   assert_true(f.table.wanted > 2);
   f.id[0] = -3;
   nsdae_tracking_store(&f.tracking);
