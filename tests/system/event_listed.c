@@ -1,0 +1,271 @@
+/* Event on contact lists: the same systems with fixed contacts, which are tracked in slots then,
+ * have the same motion and the same events; growth and a state put back change no bit. */
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "as_list.h"
+#include "arch.h"
+#include "bouncing_ball.h"
+#include "clearance_hinge.h"
+#include "column.h"
+#include "crank_slider.h"
+#include "dominoes.h"
+#include "falling_rod.h"
+#include "heap.h"
+#include "incline.h"
+#include "newtons_cradle.h"
+#include "random_system.h"
+#include "rolling_ball.h"
+#include "shaken_ball.h"
+#include "woodpecker.h"
+
+/* Of the largest number that is compared, for the order of contacts differs: 1e-13 a step. */
+static const double NEAR = 1e-10;
+
+enum { SIZE = 512, STEPS = 120, SEEDS = 60 };
+
+typedef struct scene {
+  nsdae_system *system; /* with fixed contacts */
+  nsdae_sim_options options;
+  double q[SIZE], v[SIZE];
+} scene;
+
+typedef struct run {
+  nsdae_sim *sim;
+  nsdae_dims dims;
+  nsdae_record record;
+  nsdae_error error;
+  int status;
+} run;
+
+static void begin(run *r, const nsdae_system *system, const scene *at)
+{
+  *r = (run){0};
+  r->status = nsdae_sim_create(system, &at->options, &r->sim, &r->error);
+  if (r->status == NSDAE_OK) r->status = nsdae_sim_init(r->sim, 0, at->q, at->v);
+  if (!r->sim) return;
+  nsdae_sim_get_dims(r->sim, &r->dims);
+  nsdae_sim_get_record(r->sim, &r->record);
+}
+
+static void step(run *r)
+{
+  r->status = nsdae_sim_step(r->sim);
+  nsdae_sim_get_record(r->sim, &r->record);
+}
+
+/* The larger of `most` and the largest difference in parts of the largest number and one. */
+static double apart(const double *a, const double *b, int n, double most)
+{
+  double size = 1, off = 0;
+  for (int i = 0; i < n; i++) {
+    size = fmax(size, fabs(a[i]));
+    off = fmax(off, fabs(a[i] - b[i]));
+  }
+  return fmax(most, off / size);
+}
+
+/* The place of a contact in the list; -1: it is not there. */
+static int place_of(const nsdae_record *list, long id)
+{
+  for (int a = 0; a < list->contacts.count; a++)
+    if (list->contacts.id[a] == id) return a;
+  return -1;
+}
+
+/* Impulses and modes of all contacts; what is not in the list has none. */
+static double compare_contacts(const run *fixed, const run *list)
+{
+  const nsdae_record *r = &fixed->record, *s = &list->record;
+  int nt = fixed->dims.nt;
+  double most = 0;
+  for (int i = 0; i < fixed->dims.k; i++) {
+    static const double none[2];
+    int a = place_of(s, i);
+    double normal = a < 0 ? 0 : s->contacts.normal_impulse[a];
+    most = apart(r->normal_impulse + i, &normal, 1, most);
+    most = apart(r->tangential_impulse + i * nt,
+                 a < 0 ? none : s->contacts.tangential_impulse + a * nt, nt, most);
+    assert_int_equal(a < 0 ? NSDAE_MODE_OPEN : s->contacts.mode[a], r->mode[i]);
+    if (a >= 0) most = apart(r->gap + i, s->contacts.gap + a, 1, most);
+  }
+  return most;
+}
+
+static double compare(const run *fixed, const run *list)
+{
+  const nsdae_record *r = &fixed->record, *s = &list->record;
+  double most = apart(r->q, s->q, fixed->dims.nq, 0);
+  most = apart(r->v, s->v, fixed->dims.nv, most);
+  most = apart(r->multiplier, s->multiplier, fixed->dims.m, most);
+  most = apart(&r->time, &s->time, 1, most);
+  most = apart(&r->dissipated, &s->dissipated, 1, most);
+  assert_int_equal(s->impacts, r->impacts);
+  assert_int_equal(s->changes, r->changes);
+  for (int i = 0; i < r->impacts; i++) {
+    const nsdae_impact *p = &r->impact[i], *o = &s->impact[i];
+    assert_int_equal(o->id, p->contact);
+    assert_int_equal(s->contacts.id[o->contact], p->contact);
+    assert_int_equal(o->accumulation, p->accumulation);
+    most = apart(&p->time, &o->time, 1, most);
+    most = apart(&p->normal_impulse, &o->normal_impulse, 1, most);
+    most = apart(&p->velocity_before, &o->velocity_before, 1, most);
+  }
+  for (int i = 0; i < r->changes; i++) {
+    assert_int_equal(s->change[i].id, r->change[i].id);
+    assert_int_equal(s->change[i].mode_before, r->change[i].mode_before);
+    assert_int_equal(s->change[i].mode_after, r->change[i].mode_after);
+    most = apart(&r->change[i].time, &s->change[i].time, 1, most);
+  }
+  return fmax(most, compare_contacts(fixed, list));
+}
+
+/* The largest difference in a number of steps; counts impacts and changes. */
+static double follow(const char *name, const scene *s, int steps, int *events)
+{
+  run a, b;
+  double most = 0;
+  as_list *copy = as_list_create(s->system, 0, NULL, NULL);
+  assert_non_null(copy);
+  begin(&a, s->system, s);
+  begin(&b, as_list_system(copy), s);
+  if (a.status != b.status)
+    print_message("%s: %d and %d: %s\n", name, a.status, b.status,
+                  b.sim ? nsdae_sim_error(b.sim)->text : b.error.text);
+  assert_int_equal(a.status, b.status);
+  for (int i = 0; i < steps && a.status >= 0; i++) {
+    step(&a), step(&b);
+    if (a.status != b.status)
+      print_message("%s, step %d: %d and %d: %s\n", name, i, a.status, b.status,
+                    nsdae_sim_error(b.sim)->text);
+    assert_int_equal(b.status, a.status);
+    if (a.status < 0) break;
+    most = fmax(most, compare(&a, &b));
+    *events += a.record.impacts + a.record.changes;
+    if (!(most <= NEAR)) print_message("%s, step %d: %.3g apart\n", name, i, most);
+    assert_true(most <= NEAR);
+  }
+  nsdae_sim_destroy(&a.sim);
+  nsdae_sim_destroy(&b.sim);
+  as_list_destroy(copy);
+  return most;
+}
+
+/* ---- the examples */
+
+static void make_model(scene *s, const driver_model *m)
+{
+  nsdae_error error;
+  *s = (scene){0};
+  nsdae_sim_options_default(&s->options);
+  s->options.method = NSDAE_METHOD_EVENT;
+  if (m->dt > 0) s->options.dt = m->dt;
+  if (m->contact_tol > 0) s->options.contact_tol = m->contact_tol;
+  nsdae_params_default(m->parameters, m->base);
+  assert_int_equal(m->build(m->base, &s->system, &error), NSDAE_OK);
+  m->start(m->base, s->q, s->v);
+}
+
+static void test_examples(void **state)
+{
+  static const driver_model *const models[] = {
+      &bouncing_ball_model, &clearance_hinge_model, &column_model,    &crank_slider_model,
+      &dominoes_model,      &falling_rod_model,     &incline_model,   &newtons_cradle_model,
+      &rolling_ball_model,  &shaken_ball_model,     &woodpecker_model};
+  (void)state;
+  for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+    static scene s;
+    int events = 0;
+    make_model(&s, models[i]);
+    double most = follow(models[i]->name, &s, models[i] == &column_model ? 12 : STEPS, &events);
+    print_message("%-20s %3d events, %.2g apart\n", models[i]->name, events, most);
+    nsdae_system_destroy(&s.system);
+  }
+}
+
+/* ---- random systems */
+
+static void make_random(scene *s, random_system *r, uint64_t seed, int integrator)
+{
+  *s = (scene){0};
+  nsdae_sim_options_default(&s->options);
+  s->options.method = NSDAE_METHOD_EVENT;
+  s->options.integrator = integrator;
+  random_system_draw(r, seed, RANDOM_PLAIN);
+  s->system = random_system_make(r);
+  memcpy(s->q, r->q0, sizeof r->q0);
+  memcpy(s->v, r->v0, sizeof r->v0);
+}
+
+static void test_random(void **state)
+{
+  int events = 0, systems = 0;
+  double most = 0;
+  (void)state;
+  for (uint64_t seed = 0; seed < SEEDS; seed++) {
+    static scene s;
+    random_system r;
+    char name[32];
+    snprintf(name, sizeof name, "seed %d", (int)seed);
+    make_random(&s, &r, seed, NSDAE_INTEGRATOR_AUTO);
+    if (r.dims.k > 0 && r.dims.f == 0) {
+      most = fmax(most, follow(name, &s, STEPS / 2, &events));
+      systems++;
+    }
+    nsdae_system_destroy(&s.system);
+  }
+  print_message("%d random systems: %d events, %.2g apart\n", systems, events, most);
+  assert_true(events > 50);
+}
+
+/* ---- a state put back */
+
+/* Where a simulation of the same list goes on from a block it has the same bytes. */
+static void test_resumed(void **state)
+{
+  static const driver_model *const models[] = {&bouncing_ball_model, &newtons_cradle_model,
+                                               &dominoes_model, &woodpecker_model, &column_model};
+  (void)state;
+  for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+    static scene s;
+    run a, b;
+    size_t size = 0, other = 0;
+    make_model(&s, models[i]);
+    as_list *copy = as_list_create(s.system, 0, NULL, NULL);
+    begin(&a, as_list_system(copy), &s);
+    for (int kill = 0; kill < 6 && a.status >= 0; kill++) {
+      for (int n = 0; n < (models[i] == &column_model ? 2 : 17) && a.status >= 0; n++) step(&a);
+      assert_int_equal(nsdae_sim_state_size(a.sim, &size), NSDAE_OK);
+      char *block = malloc(size), *again = malloc(2 * size);
+      assert_int_equal(nsdae_sim_get_state(a.sim, block, size), NSDAE_OK);
+      begin(&b, as_list_system(copy), &s);
+      assert_int_equal(nsdae_sim_set_state(b.sim, block, size), NSDAE_OK);
+      assert_int_equal(nsdae_sim_state_size(b.sim, &other), NSDAE_OK);
+      assert_int_equal(other, size);
+      assert_int_equal(nsdae_sim_get_state(b.sim, again, size), NSDAE_OK);
+      assert_memory_equal(again, block, size);
+      for (int n = 0; n < 9 && a.status >= 0; n++) step(&a), step(&b);
+      assert_int_equal(nsdae_sim_state_size(a.sim, &size), NSDAE_OK);
+      assert_int_equal(nsdae_sim_state_size(b.sim, &other), NSDAE_OK);
+      assert_int_equal(other, size);
+      block = realloc(block, size), again = realloc(again, size);
+      assert_int_equal(nsdae_sim_get_state(a.sim, block, size), NSDAE_OK);
+      assert_int_equal(nsdae_sim_get_state(b.sim, again, size), NSDAE_OK);
+      assert_memory_equal(again, block, size);
+      free(block), free(again);
+      nsdae_sim_destroy(&b.sim);
+    }
+    nsdae_sim_destroy(&a.sim);
+    as_list_destroy(copy);
+    nsdae_system_destroy(&s.system);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_examples), cmocka_unit_test(test_random),
+                                     cmocka_unit_test(test_resumed)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
