@@ -313,3 +313,17 @@ int nsdae_tracking_cover(nsdae_tracking *t, double from, double to)
   for (int i = 0; i < t->model->dims.k; i++) t->fresh[i] = t->fresh[i] != 0;
   return status < 0 ? status : added;
 }
+
+int nsdae_tracking_show(const nsdae_tracking *t, nsdae_terms *T, const int *needed)
+{
+  double reach = t->table->reach;
+  for (int n = 0; n <= WIDEST; n++, reach *= WIDER) {
+    int missing = 0, status = nsdae_terms_contacts(T, reach);
+    if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+    if (status < 0) return status;
+    for (int i = 0; i < t->model->dims.k; i++)
+      missing |= needed[i] && t->table->used[i] && !(T->gap[i] < NSDAE_FAR);
+    if (!missing) break;
+  }
+  return NSDAE_OK;
+}

@@ -66,4 +66,9 @@ int nsdae_tracking_trim(nsdae_tracking *tracking, nsdae_terms *terms, double h, 
  * from the start of the step on. The terms that `look` moved are anywhere in it. */
 int nsdae_tracking_cover(nsdae_tracking *tracking, double from, double to);
 
+/* Terms are at the end of a dt: their list has the slots that are needed [k], as those that had an
+ * impulse in it and are farther than the last step's way by now. One of another feature may be
+ * listed no more; its gap is NSDAE_FAR. */
+int nsdae_tracking_show(const nsdae_tracking *tracking, nsdae_terms *terms, const int *needed);
+
 #endif
