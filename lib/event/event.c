@@ -337,13 +337,17 @@ static int go_through(event *e, double t)
   return status == NSDAE_OK && pole >= 0 ? jammed(e, t, pole, coefficient) : status;
 }
 
-/* Contacts that are new in their slots do not rattle. */
+/* Contacts that are new in their slots do not rattle, and have no solution to start from. */
 static void clear_fresh(event *e)
 {
   int *fresh = e->integrator.tracking.fresh;
+  size_t rows = (size_t)e->tools->contacts.rows_most;
   for (int i = 0; e->setting.system->tracked && i < e->setting.system->dims.k; i++) {
-    if (fresh[i]) e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
+    if (!fresh[i]) continue;
     fresh[i] = 0;
+    e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
+    for (int l = 0; l < 2; l++)
+      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
   }
 }
 

@@ -38,6 +38,11 @@ typedef struct head {
   int32_t none;
 } head;
 
+enum {
+  OF_SLOTS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
+             NSDAE_TERM_ACCELERATION | NSDAE_TERM_CONTACTS
+};
+
 static const char MAGIC[8] = "nsdaest";
 enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 5 };
 
@@ -108,7 +113,8 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
 {
   nsdae_closed *closed = &r->closed;
   int k = closed->count;
-  double reach = have & NSDAE_TERM_CONTACTS ? r->end.by.reach : 0;
+  int kept = (have & NSDAE_TERM_CONTACTS) && !r->end.system->tracked;
+  double reach = kept ? r->end.by.reach : 0;
   visit_doubles(c, &reach, 1);
   if (c->from) r->end.by.reach = reach;
   visit(c, closed->id, (size_t)k * sizeof *closed->id);
@@ -335,6 +341,7 @@ static int get_state(nsdae_sim *sim, void *block, size_t size)
     shown.result.end.by.reach = 0; /* of no list */
   double epoch = sim->model.epoch, t = shown.result.end.t;
   unsigned have = shown.result.end.have;
+  if (sim->model.tracked) have &= ~(unsigned)OF_SLOTS; /* the next step asks the list */
   head h = make_head(sim, size, slots);
   cursor c = {.to = block};
   visit(&c, &h, sizeof h);

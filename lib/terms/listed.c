@@ -158,6 +158,7 @@ int nsdae_terms_slots(nsdae_terms *T)
   if (status < 0) return status;
   for (int i = 0; i < k; i++) place[i] = -1;
   for (int i = 0, slot = -1; i < list->count; i++) {
+    if (list->gap[i] > tracked->reach) continue; /* of a list that was asked for more */
     int found = nsdae_tracked_find(tracked, k, list->id[i], slot + 1);
     if (found >= 0) place[slot = found] = i;
   }
