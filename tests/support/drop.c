@@ -327,6 +327,29 @@ void drop_make(drop *d, unsigned long seed)
            d->size);
 }
 
+void drop_throw(drop *d, unsigned long seed)
+{
+  do drop_make(d, seed++);
+  while (d->space);
+  d->bodies = DROP_THROWN;
+  d->points = 1;
+  memset(d->point, 0, sizeof d->point);
+  d->radius = uniform(d, 0.05, 0.2);
+  d->J[2] = 0.5 * d->m * d->radius * d->radius;
+  d->size = 1;
+  for (int b = 0; b < d->bodies; b++) {
+    double *q = d->q0 + 3 * b, *v = d->v0 + 3 * b;
+    q[0] = (b % 4 - 1.5) * 0.6 + uniform(d, -0.09, 0.09);
+    q[1] = 2 + (double)(b / 4) * 0.6 + uniform(d, -0.09, 0.09);
+    q[2] = 0;
+    v[0] = -q[0] * uniform(d, 0, 8);
+    v[1] = uniform(d, -5, 2);
+    v[2] = uniform(d, -30, 30);
+  }
+  snprintf(d->name, sizeof d->name, "thrown %lu: walls %d mu %.3g e %.3g radius %.2g", seed,
+           d->walls, d->mu, d->e, d->radius);
+}
+
 nsdae_system *drop_system(drop *d)
 {
   int n = d->bodies, pairs = n * (n - 1) / 2, k = n * d->points * d->walls + pairs;

@@ -7,7 +7,8 @@
 
 #include <nsdae/nsdae.h>
 
-enum { DROP_POINTS = 8, DROP_WALLS = 3, DROP_BODIES = 3, DROP_NQ = 9, DROP_NV = 9 };
+enum { DROP_POINTS = 8, DROP_WALLS = 3, DROP_BODIES = 3 };
+enum { DROP_THROWN = 8, DROP_NQ = 3 * DROP_THROWN, DROP_NV = DROP_NQ }; /* most bodies */
 
 typedef struct drop {
   uint64_t seed;
@@ -23,10 +24,12 @@ typedef struct drop {
 
 /* The drop of that seed. */
 void drop_make(drop *d, unsigned long seed);
+/* Many discs that are thrown at each other over walls, and spin. */
+void drop_throw(drop *d, unsigned long seed);
 /* Its system, which keeps d; NULL without memory. */
 nsdae_system *drop_system(drop *d);
 
-enum { DROP_CONTACTS = 27 };
+enum { DROP_CONTACTS = DROP_THROWN * DROP_WALLS + DROP_THROWN * (DROP_THROWN - 1) / 2 };
 
 /* What its callbacks say at a state: gaps, rows of W_N and W_T, omega; F. */
 typedef struct drop_terms {

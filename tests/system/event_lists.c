@@ -1,16 +1,20 @@
 /* The event-driven method on contact lists, against the same systems with fixed contacts: thrown,
  * grazing and spinning bodies, seeded. Both have the same impacts and changes of mode, of the same
  * contacts at the same times, and the same states. A list that names a contact too late, or a
- * bound of speeds that is none, is found. The environment's NSDAE_DROPS is how many (200),
+ * bound of speeds that is none, is found. The environment's NSDAE_DROPS is how many (100),
  * NSDAE_DROPS_FROM the first. */
 #include "check.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "as_list.h"
 #include "drop.h"
 
 enum { KEPT = 4000 };
+
+/* Of a run; chaos makes 1e-13 of rounding some 1e-10 in it. */
+static const double LENGTH = 0.7;
 
 /* Over a run. Velocities before and after an impact, or modes. */
 typedef struct event {
@@ -42,17 +46,21 @@ static int look(const nsdae_record *r, nsdae_error *error, void *user)
   return 0;
 }
 
+static void set_options(nsdae_sim_options *o)
+{
+  nsdae_sim_options_default(o);
+  o->method = NSDAE_METHOD_EVENT;
+  o->rtol = 1e-10;
+  o->atol = 1e-12;
+}
+
 static void do_run(run *to, const drop *d, nsdae_system *system, double t_end)
 {
   nsdae_sim_options o;
   nsdae_sim *sim;
   nsdae_record record = {0};
   *to = (run){0};
-  nsdae_sim_options_default(&o);
-  o.method = NSDAE_METHOD_EVENT;
-  o.rtol = 1e-10;
-  o.atol = 1e-12;
-  if (getenv("NSDAE_INTEGRATOR")) nsdae_sim_options_set(&o, "integrator", getenv("NSDAE_INTEGRATOR"), NULL);
+  set_options(&o);
   to->status = nsdae_sim_create(system, &o, &sim, &to->error);
   if (to->status < 0) return;
   nsdae_sim_observe(sim, look, to);
@@ -94,13 +102,6 @@ static double largest_difference(const double *a, const double *b, int n)
   double most = 0;
   for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i] - b[i]));
   return most;
-}
-
-static void print_events(const char *what, const event *e, int count)
-{
-  for (int i = 0; i < count && i < 30; i++)
-    print_message("  %s %2d: t = %.15g contact %ld: %.6g -> %.6g\n", what, i, e[i].time, e[i].id,
-                  e[i].before, e[i].after);
 }
 
 static long number_of(const char *name, long otherwise)
@@ -168,7 +169,8 @@ static void print_difference(const drop *d)
                 listed.changes, fixed.t, listed.t);
   if (fixed.status < 0) print_message("fixed: %s\n", fixed.error.text);
   if (listed.status < 0) print_message("listed: %s\n", listed.error.text);
-  print_message("  fallback %ld %ld iterations %ld %ld\n", fixed.stats.fallback_steps, listed.stats.fallback_steps, fixed.stats.iterations, listed.stats.iterations);
+  print_message("  fallback %ld %ld iterations %ld %ld\n", fixed.stats.fallback_steps,
+                listed.stats.fallback_steps, fixed.stats.iterations, listed.stats.iterations);
   print_message("  q %.2g v %.2g\n", largest_difference(fixed.q, listed.q, DROP_NQ),
                 largest_difference(fixed.v, listed.v, DROP_NV));
   if (fixed.impacts == listed.impacts) {
@@ -179,11 +181,6 @@ static void print_difference(const drop *d)
     same_events(fixed.change, listed.change, fixed.changes, 1e-10, 1);
     same_events(listed.change, fixed.change, fixed.changes, 1e-10, 1);
   }
-  if (!getenv("NSDAE_DROPS_SHOW")) return;
-  print_events("fixed impact", fixed.impact, fixed.impacts);
-  print_events("listed impact", listed.impact, listed.impacts);
-  print_events("fixed change", fixed.change, fixed.changes);
-  print_events("listed change", listed.change, listed.changes);
 }
 
 /* ---- bounds of the speed */
@@ -221,13 +218,13 @@ typedef struct tally {
 } tally;
 
 /* By list with that bound; NULL: estimated. */
-static void run_listed(nsdae_system *system, nsdae_contact_speed_fn bound)
+static void run_listed(nsdae_system *system, nsdae_contact_speed_fn bound, double length)
 {
-  static const int three[DROP_BODIES] = {3, 3, 3};
+  static const int three[DROP_THROWN] = {3, 3, 3, 3, 3, 3, 3, 3};
   as_list *copy = as_list_create(system, drawn.bodies > 1 ? drawn.bodies : 0, three, three);
   assert_non_null(copy);
   if (bound) nsdae_system_set_contact_speed(as_list_system(copy), bound);
-  do_run(&listed, &drawn, as_list_system(copy), 1);
+  do_run(&listed, &drawn, as_list_system(copy), length);
   as_list_destroy(copy);
 }
 
@@ -238,7 +235,7 @@ static void run_otherwise(int back, double moved)
   if (back) reverse(&other);
   for (int i = 0; i < (drawn.space ? 7 : 3 * drawn.bodies); i++) other.q0[i] += moved * (1 + i % 3);
   nsdae_system *system = drop_system(&other);
-  do_run(&otherwise, &other, system, 1);
+  do_run(&otherwise, &other, system, LENGTH);
   if (back) name_as_before(&drawn, &otherwise);
   nsdae_system_destroy(&system);
 }
@@ -248,10 +245,10 @@ static void run_otherwise(int back, double moved)
  * start too much: then it is only asked that nothing was missed. */
 static void run_one(unsigned long seed, nsdae_contact_speed_fn bound, tally *of)
 {
-  drop_make(&drawn, seed);
+  (seed % 4 == 3 ? drop_throw : drop_make)(&drawn, seed);
   nsdae_system *system = drop_system(&drawn);
-  do_run(&fixed, &drawn, system, 1);
-  run_listed(system, bound);
+  do_run(&fixed, &drawn, system, LENGTH);
+  run_listed(system, bound, LENGTH);
   nsdae_system_destroy(&system);
   if (same_runs(&fixed, &listed, 1e-10)) return;
   int undecided = 0;
@@ -270,13 +267,13 @@ static void run_one(unsigned long seed, nsdae_contact_speed_fn bound, tally *of)
 
 static void run_family(nsdae_contact_speed_fn bound)
 {
-  long many = number_of("NSDAE_DROPS", 150), from = number_of("NSDAE_DROPS_FROM", 0);
+  long many = number_of("NSDAE_DROPS", 100), from = number_of("NSDAE_DROPS_FROM", 0);
   tally all = {0, 0};
   for (long i = from; i < from + many; i++) run_one((unsigned long)i, bound, &all);
   print_message("%ld drops from %ld: %d differ, %d decided by rounding\n", many, from, all.differ,
                 all.undecided);
   assert_int_equal(all.differ, 0);
-  assert_at_most(all.undecided, 0.25 * (double)many);
+  assert_at_most(all.undecided, 0.3 * (double)many);
 }
 
 /* Slots in the order of the numbers: the same bits. */
@@ -298,8 +295,8 @@ static void test_estimated(void **state)
   run_family(NULL);
 }
 
-/* A bound that is none, or a contact that is not listed until it is deep: the run fails with its id
- * as soon as the list shows it, or goes as with fixed contacts. */
+/* A bound that is none: the run fails with the id of a contact that is faster, or misses nothing.
+ */
 static double part_of_speed;
 
 static int too_slow(double t, const double *q, const double *v, double *speed, void *user)
@@ -318,7 +315,7 @@ static void test_too_slow(void **state)
     part_of_speed = seed % 2 ? 0.2 : 0.01;
     nsdae_system *system = drop_system(&drawn);
     do_run(&fixed, &drawn, system, 0.5);
-    run_listed(system, too_slow);
+    run_listed(system, too_slow, 0.5);
     nsdae_system_destroy(&system);
     if (listed.status >= 0) {
       double most = 1e-8 * fmax(1, drawn.size);
@@ -333,13 +330,53 @@ static void test_too_slow(void **state)
   assert_true(named > 20);
 }
 
+static nsdae_sim *start(nsdae_system *system)
+{
+  nsdae_sim_options o;
+  nsdae_sim *sim;
+  set_options(&o);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, drawn.q0, drawn.v0), NSDAE_OK);
+  return sim;
+}
+
+/* A contact that is not listed until it is deep: the run goes on without it, and fails with its id
+ * as soon as it is listed. */
+static void test_hidden(void **state)
+{
+  (void)state;
+  int named = 0;
+  for (unsigned long seed = 0; seed < 40; seed++) {
+    drop_make(&drawn, seed);
+    nsdae_system *system = drop_system(&drawn);
+    as_list *copy = as_list_create(system, 0, NULL, NULL);
+    do_run(&fixed, &drawn, system, 0.5);
+    if (fixed.impacts > 0 && drawn.bodies == 1) {
+      long id = fixed.impact[0].id;
+      char called[40];
+      snprintf(called, sizeof called, "contact of id %ld ", id);
+      nsdae_sim *sim = start(as_list_system(copy));
+      as_list_hide(copy, (int)id);
+      int status = nsdae_sim_run(sim, fixed.impact[0].time + 0.01);
+      as_list_hide(copy, -1);
+      if (status == NSDAE_OK) status = nsdae_sim_run(sim, fixed.impact[0].time + 0.03);
+      if (status < 0) assert_int_equal(status, NSDAE_E_CALLBACK);
+      if (status < 0) assert_non_null(strstr(nsdae_sim_error(sim)->text, called));
+      named += status < 0;
+      nsdae_sim_destroy(&sim);
+    }
+    as_list_destroy(copy);
+    nsdae_system_destroy(&system);
+  }
+  assert_true(named > 15);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_same_order),
-      cmocka_unit_test(test_bounded),
-      cmocka_unit_test(test_estimated),
-      cmocka_unit_test(test_too_slow),
+      cmocka_unit_test(test_same_order), cmocka_unit_test(test_bounded),
+      cmocka_unit_test(test_estimated),  cmocka_unit_test(test_too_slow),
+      cmocka_unit_test(test_hidden),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
