@@ -11,7 +11,7 @@
 #include "smooth.h"
 #include "tracking.h"
 
-/* Of the tolerance of a position: what comes as near has a slot. What touches is half as near. */
+/* In tolerances of a position: contacts as near have a slot. Those that touch are half as near. */
 #define NSDAE_EVENT_NEAR 2.0
 
 typedef struct nsdae_event_integrator {

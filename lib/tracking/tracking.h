@@ -28,7 +28,7 @@ typedef struct nsdae_tracking {
   const nsdae_system *model; /* with k slots; coefficients are set by slot */
   nsdae_tracked *table;      /* the model's */
   nsdae_error *error;
-  double near; /* what comes as near has a slot */
+  double near; /* contacts as near have a slot  */
   nsdae_tracking_look *look;
   void *user;
   int *fresh;  /* k: 1 since the slot has its contact, until the user sets it to 0 */
