@@ -201,7 +201,7 @@ static int begin_slots(nsdae_event_integrator *e, double t)
                                                                      : NSDAE_OK;
 }
 
-/* After a step: what comes near in it has a slot, and a root from its start on. NSDAE_OK or a
+/* After a step: contacts that are near in it have slots, and roots from its start on. NSDAE_OK or a
  * status. */
 static int look_for_contacts(nsdae_event_integrator *e, double from)
 {
