@@ -127,7 +127,7 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
-/* A step to t1 into next, whole but for who sees it. */
+/* A step to t1 into next, complete except for its observers. */
 static int try_step(nsdae_sim *sim, double t1, double length)
 {
   nsdae_point *now = sim->now, *next = sim->next;
