@@ -415,6 +415,7 @@ static void layout_projection(void *object, nsdae_arena *arena)
 {
   bench *b = object;
   nsdae_terms_layout(&b->terms, arena);
+  nsdae_units_layout(&b->projection, arena);
   nsdae_projector_layout(&b->projection, arena);
 }
 
