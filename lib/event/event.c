@@ -619,6 +619,19 @@ static int run_to(event *e, double t_end)
   return status;
 }
 
+/* Of tracked contacts: gaps at both ends of the step, at its end of all that did something in it.
+ */
+static int find_gaps(event *e, nsdae_terms *from)
+{
+  nsdae_result *r = e->setting.result;
+  int *needed = e->mode_before, k = e->setting.system->dims.k;
+  if (!e->setting.system->tracked) return NSDAE_OK;
+  nsdae_terms_forget_slots(from); /* slots may have others now */
+  int status = nsdae_terms_need(from, NSDAE_TERM_GAP);
+  for (int i = 0; i < k; i++) needed[i] = nsdae_result_takes_part(r, i);
+  return status < 0 ? status : nsdae_tracking_show(&e->integrator.tracking, &r->end, needed);
+}
+
 /* What the step did beside its impulses. */
 static int read_results(event *e, nsdae_terms *from)
 {
@@ -639,9 +652,7 @@ static int read_results(event *e, nsdae_terms *from)
   if (e->integrator.smooth.is_stiff)
     status = nsdae_terms_need(e->setting.here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (e->integrator.smooth.is_stiff && status == NSDAE_OK) status = nsdae_event_factor(&e->setting);
-  if (e->setting.system->tracked) nsdae_terms_forget_slots(from); /* slots may have others now */
-  if (e->setting.system->tracked && status == NSDAE_OK)
-    status = nsdae_terms_need(from, NSDAE_TERM_GAP);
+  if (status == NSDAE_OK) status = find_gaps(e, from);
   return status < 0 ? status : nsdae_event_certify(&e->phase, from);
 }
 

@@ -111,6 +111,16 @@ void nsdae_result_rate(nsdae_result *r, const nsdae_terms *T, const double *v)
   }
 }
 
+int nsdae_result_takes_part(const nsdae_result *r, int i)
+{
+  const nsdae_impulses *p = &r->impulses;
+  int nt = r->end.system->dims.nt, any = p->mode[i] != NSDAE_MODE_OPEN || p->normal[i] != 0;
+  for (int j = i * nt; j < (i + 1) * nt; j++) any |= p->tangential[j] != 0;
+  for (int j = 0; j < r->impacts; j++) any |= r->impact[j].contact == i;
+  for (int j = 0; j < r->changes; j++) any |= r->change[j].contact == i;
+  return any;
+}
+
 int nsdae_result_room(const nsdae_result *r)
 {
   const nsdae_dims *d = &r->end.system->dims;

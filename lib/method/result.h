@@ -69,6 +69,9 @@ void nsdae_count_rank(nsdae_counters *counters, int rank, double kept, double le
 /* Takes the arrays; system, differences and error of end and the sizes of memory are set before. */
 void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
 
+/* Whether contact i was closed or did something in the step. */
+int nsdae_result_takes_part(const nsdae_result *result, int i);
+
 /* Whether the lists hold what one more instant may add: an impact and a change of each contact. */
 int nsdae_result_room(const nsdae_result *result);
 

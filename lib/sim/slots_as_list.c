@@ -5,17 +5,6 @@
 
 #include "sim_impl.h"
 
-static int takes_part(const nsdae_result *r, int i)
-{
-  const nsdae_impulses *p = &r->impulses;
-  int nt = r->end.system->dims.nt;
-  int any = p->mode[i] != NSDAE_MODE_OPEN || p->normal[i] != 0 || r->end.gap[i] < 0;
-  for (int j = i * nt; j < (i + 1) * nt; j++) any |= p->tangential[j] != 0;
-  for (int j = 0; j < r->impacts; j++) any |= r->impact[j].contact == i;
-  for (int j = 0; j < r->changes; j++) any |= r->change[j].contact == i;
-  return any;
-}
-
 /* Entry `from` becomes entry `to`, which does not come after it. */
 static void move(nsdae_impulses *r, size_t nt, int from, int to)
 {
@@ -67,7 +56,8 @@ void nsdae_point_list(nsdae_point *p, int *place)
   const nsdae_tracked *tracked = r->end.system->tracked;
   nsdae_closed *closed = &r->closed;
   int k = r->end.system->dims.k, count = 0;
-  for (int i = 0; i < k; i++) place[i] = takes_part(r, i) ? count++ : -1;
+  for (int i = 0; i < k; i++)
+    place[i] = nsdae_result_takes_part(r, i) || r->end.gap[i] < 0 ? count++ : -1;
   for (int i = 0; i < k; i++) {
     if (place[i] < 0) continue;
     closed->id[place[i]] = tracked->id[i];

@@ -316,14 +316,18 @@ int nsdae_tracking_cover(nsdae_tracking *t, double from, double to)
 
 int nsdae_tracking_show(const nsdae_tracking *t, nsdae_terms *T, const int *needed)
 {
-  double reach = t->table->reach;
-  for (int n = 0; n <= WIDEST; n++, reach *= WIDER) {
-    int missing = 0, status = nsdae_terms_contacts(T, reach);
-    if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
-    if (status < 0) return status;
-    for (int i = 0; i < t->model->dims.k; i++)
+  double *reach = &t->table->reach, own = *reach;
+  int missing = 1, status = NSDAE_OK;
+  for (int n = 0; missing && n <= WIDEST && status == NSDAE_OK; n++) {
+    if (n > 0) *reach *= WIDER;
+    nsdae_terms_forget_slots(T);
+    status = nsdae_terms_need(T, NSDAE_TERM_GAP);
+    missing = 0;
+    for (int i = 0; i < t->model->dims.k && status == NSDAE_OK; i++)
       missing |= needed[i] && t->table->used[i] && !(T->gap[i] < NSDAE_FAR);
-    if (!missing) break;
   }
-  return NSDAE_OK;
+  for (int i = 0; i < t->model->dims.k && missing; i++)
+    if (needed[i] && !(T->gap[i] < NSDAE_FAR)) T->gap[i] = *reach;
+  *reach = own;
+  return status;
 }

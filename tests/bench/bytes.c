@@ -47,7 +47,7 @@ static const twin_kind kinds[] = {
     {.blocks = 40, .largest = 3, .joined = 1, .k = 40, .nt = 1, .friction = 0.2, .restitution = 1},
     {.blocks = 30, .largest = 7, .joined = 1, .k = 30, .nt = 2, .friction = 0.2}};
 
-enum { KINDS = sizeof kinds / sizeof *kinds, STEPS = 120, SEEDS = 40, TWIN_SEEDS = 3 };
+enum { FEW = 12, KINDS = sizeof kinds / sizeof *kinds, STEPS = 120, SEEDS = 40, TWIN_SEEDS = 3 };
 
 static uint64_t hash;
 
@@ -96,6 +96,8 @@ static int steps(nsdae_sim *sim, int most)
 static void run(const char *name, nsdae_system *system, const double *q, const double *v,
                 nsdae_sim_options options, int most)
 {
+  nsdae_dims d = {0};
+  if (system) nsdae_system_get_dims(system, &d);
   for (int run = 0; system && run < 8; run++) {
     static const int by[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED,
                              NSDAE_METHOD_MOREAU,   NSDAE_METHOD_PENALTY,
@@ -110,7 +112,9 @@ static void run(const char *name, nsdae_system *system, const double *q, const d
     hash = UINT64_C(14695981039346656037);
     int status = nsdae_sim_create(system, &options, &sim, &error);
     if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, q, v);
-    if (status >= 0) impacts = steps(sim, most);
+    /* event has one dense problem for all contacts that touch: few steps of a list */
+    if (status >= 0)
+      impacts = steps(sim, by[run] == NSDAE_METHOD_EVENT && d.k == 0 && most > FEW ? FEW : most);
     printf("%-32s %d %016llx %d\n", name, run, (unsigned long long)hash, impacts);
     nsdae_sim_destroy(&sim);
   }
