@@ -255,18 +255,22 @@ static void expect_same(int n)
   }
 }
 
-static void write_whole(int every, int compress, int steps)
+static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
+
+enum { METHODS = sizeof methods / sizeof *methods };
+
+static void write_whole(int method, int every, int compress, int steps)
 {
   fixture f;
-  create(&f, whole_path, NSDAE_METHOD_MOREAU, every, compress);
+  create(&f, whole_path, method, every, compress);
   check_ok(nsdae_sim_run(f.sim, steps * f.options.dt));
   leave(&f, NSDAE_OK);
 }
 
-static void go_on(int steps)
+static void go_on(int method, int steps)
 {
   fixture f;
-  prepare(&f, NSDAE_METHOD_MOREAU);
+  prepare(&f, method);
   check_ok(nsdae_trajectory_resume(f.sim, path, &f.info, &f.trajectory, &f.error));
   check_ok(nsdae_sim_run(f.sim, steps * f.options.dt));
   leave(&f, NSDAE_OK);
@@ -276,15 +280,15 @@ static void go_on(int steps)
 static void test_parts(void **state)
 {
   (void)state;
-  for (int i = 0; i < 4; i++) {
+  for (int i = 0; i < 4 * METHODS; i++) {
     fixture f;
-    int every = i & 1 ? 9 : 1, compress = i & 2 ? 4 : 0;
-    write_whole(every, compress, STEPS);
-    create(&f, path, NSDAE_METHOD_MOREAU, every, compress);
+    int every = i & 1 ? 9 : 1, compress = i & 2 ? 4 : 0, method = methods[i / 4];
+    write_whole(method, every, compress, STEPS);
+    create(&f, path, method, every, compress);
     check_ok(nsdae_sim_run(f.sim, 50 * f.options.dt));
     leave(&f, NSDAE_OK);
-    for (int steps = 100; steps <= STEPS; steps += 50) go_on(steps);
-    go_on(STEPS); /* nothing left to do */
+    for (int steps = 100; steps <= STEPS; steps += 50) go_on(method, steps);
+    go_on(method, STEPS); /* nothing left to do */
     expect_same(DATASETS);
   }
 }
@@ -293,20 +297,20 @@ static void test_parts(void **state)
 static void test_killed(void **state)
 {
   (void)state;
-  for (int i = 0; i < 4; i++) {
-    int every = i & 1 ? 5 : 1, left;
-    write_whole(every, 0, STEPS / 2);
+  for (int i = 0; i < 4 * METHODS; i++) {
+    int every = i & 1 ? 5 : 1, method = methods[i / 4], left;
+    write_whole(method, every, 0, STEPS / 2);
     pid_t child = fork();
     if (child == 0) {
       fixture f;
-      create(&f, path, NSDAE_METHOD_MOREAU, every, 0);
-      for (int step = 0; step < 20 + 21 * i; step++) nsdae_sim_step(f.sim);
+      create(&f, path, method, every, 0);
+      for (int step = 0; step < 20 + 21 * (i % 4); step++) nsdae_sim_step(f.sim);
       nsdae_trajectory_flush(f.trajectory, NULL);
       for (int step = 0; step < 13; step++) nsdae_sim_step(f.sim);
       _exit(0);
     }
     assert_int_equal(waitpid(child, &left, 0), child);
-    go_on(STEPS / 2);
+    go_on(method, STEPS / 2);
     expect_same(DATASETS);
   }
 }
@@ -324,7 +328,7 @@ static void test_dropped(void **state)
   (void)state;
   fixture f;
   int left = 1;
-  write_whole(1, 0, 200);
+  write_whole(NSDAE_METHOD_MOREAU, 1, 0, 200);
   create(&f, path, NSDAE_METHOD_MOREAU, 1, 0);
   nsdae_sim_observe(f.sim, drop_once, &left);
   assert_int_equal(nsdae_sim_run(f.sim, 200 * f.options.dt), NSDAE_E_IO);
