@@ -255,7 +255,7 @@ static void expect_same(int n)
   }
 }
 
-static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
+static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_EVENT};
 
 enum { METHODS = sizeof methods / sizeof *methods };
 
