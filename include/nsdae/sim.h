@@ -155,7 +155,8 @@ typedef struct nsdae_contact_set {
                                        contacts: -1, -1 */
   const double *gap;                /* [count] fixed contacts: at the end of the step; contact list:
                                        at the last evaluation, moreau at the middle of the step,
-                                       implicit and implicit-printed at its end */
+                                       implicit and implicit-printed at its end; at its end also
+                                       if projection moves contacts */
   const double *normal_impulse;     /* [count] over the step */
   const double *tangential_impulse; /* [count nt] */
   const int *mode;                  /* [count] enum nsdae_mode */

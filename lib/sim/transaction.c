@@ -74,7 +74,7 @@ static int list_closed(nsdae_sim *sim, double length)
 {
   nsdae_result *r = &sim->next->result;
   double fastest = 0;
-  if (r->closed.count == 0) return NSDAE_OK;
+  if (r->closed.count == 0 || !sim->projection.contacts.any) return NSDAE_OK;
   for (int a = 0; a < r->closed.count; a++)
     fastest = fmax(fastest, fmax(fabs(r->impulses.before[a]), fabs(r->impulses.after[a])));
   sim->projection.contacts.reach = nsdae_terms_touch(&r->end) + 2 * length * fastest;
