@@ -29,7 +29,7 @@ typedef struct nsdae_units {
 
 /* Contacts, by their numbers at the point. */
 typedef struct nsdae_projected {
-  int any, room;    /* contacts are projected; of so many, of a list */
+  int any, room;    /* whether contacts are projected; room for them */
   nsdae_room rows;  /* in the rows of a list */
   int *of_row;      /* rows: the contact of a row, -1: a constraint */
   int *closed;      /* contacts that take part; k of fixed and tracked ones */
