@@ -433,6 +433,7 @@ static int at_bench(nsdae_sim *sim, task work, double t, double *q, double *v)
     status = nsdae_sim_enlarge(sim, nsdae_terms_time(&b.terms), taken, &b.contacts, &b.rows);
     if (status == NSDAE_OK) status = grow(&b);
   }
+  b.terms.differences = NULL; /* the simulation's */
   nsdae_terms_release(&b.terms);
   nsdae_projector_release(&b.projection);
   nsdae_arena_release(&arena);
