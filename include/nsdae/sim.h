@@ -154,8 +154,8 @@ typedef struct nsdae_contact_set {
   const int *block;                 /* [2 count] blocks of a listed contact, -1: the ground; fixed
                                        contacts: -1, -1 */
   const double *gap;                /* [count] fixed contacts: at the end of the step; contact list:
-                                       at the last evaluation, moreau at the middle of the step,
-                                       implicit and implicit-printed at its end */
+                                       at the last evaluation. This is the end of the step, with
+                                       moreau its middle unless projection moves contacts. */
   const double *normal_impulse;     /* [count] over the step */
   const double *tangential_impulse; /* [count nt] */
   const int *mode;                  /* [count] enum nsdae_mode */

@@ -56,16 +56,12 @@ int nsdae_problem_grow(nsdae_problem *p, const nsdae_room *contacts, const nsdae
 /* ---- what is closed */
 
 /* No two of one id: seen at once where they ascend. */
-static int distinct(nsdae_problem *p, const nsdae_closed *c, double t)
+static int distinct(nsdae_problem *p, const nsdae_closed *c, const nsdae_terms *terms)
 {
   int i = 1;
   while (i < c->count && c->id[i - 1] < c->id[i]) i++;
   int twice = i < c->count ? nsdae_ids_fill(&p->ids, c->count, c->id) : -1;
-  if (twice < 0) return NSDAE_OK;
-  nsdae_error_set(p->error, NSDAE_E_ARGUMENT, "nsdae_contact_add", "id",
-                  "two contacts of one list have the id %ld at t = %.17g", c->id[twice], t);
-  p->error->time = t;
-  return NSDAE_E_ARGUMENT;
+  return twice < 0 ? NSDAE_OK : nsdae_terms_id_twice(terms, c->id[twice]);
 }
 
 static void recall(nsdae_problem *p, int a, const nsdae_closed *last, const nsdae_impulses *was,
@@ -125,7 +121,7 @@ int nsdae_problem_close_list(nsdae_problem *p, nsdae_terms *terms, const nsdae_c
   int status = nsdae_terms_contacts(terms, touch);
   if (status < 0) return status;
   pick(p, &terms->by.list, touch);
-  status = distinct(p, p->closed, nsdae_terms_time(terms));
+  status = distinct(p, p->closed, terms);
   if (status < 0) return status;
   nsdae_closed_clear(p->closed, p->results);
   recall_all(p, last, was);

@@ -14,8 +14,8 @@
 
 #include "dense_kkt.h"
 
-/* Takes the arrays; n, m, blocks and rank_tol are set before. The sparse factors have memory of
- * their own, to be released. */
+/* Takes the arrays; n, m, blocks and rank_tol are set before. The sparse factors have memory
+ * of their own, to be released. */
 void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena);
 void nsdae_kkt_release(nsdae_kkt *kkt);
 

@@ -18,13 +18,20 @@ void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, do
   p->kkt.n = (int)n;
   p->kkt.blocks = blocks;
   p->kkt.rank_tol = rank_tol;
-  p->kkt.typical = system->tracked ? 1 + system->dims.m : 0; /* not by the room for contacts */
+  /* not by the room for contacts */
+  p->kkt.typical = system->tracked || p->given ? 1 + system->dims.m : 0;
   nsdae_kkt_layout(&p->kkt, arena);
-  p->grows = system->tracked || (system->call.constraint_rows && most * n > DENSE);
-  if (p->grows) {
+  p->grows = !p->given && (system->tracked || (system->call.constraint_rows && most * n > DENSE));
+  if (p->grows || p->given) {
     p->J.stride = 1;
     p->J.first = NSDAE_ARENA_INTS(arena, most + 1L);
-  } else {
+  }
+  if (p->given) {
+    p->room = *p->given;
+    p->J.block = NSDAE_ARENA_INTS(arena, p->room.entries);
+    p->J.at = nsdae_arena_take(arena, (long)p->room.entries, sizeof *p->J.at);
+    p->J.value = NSDAE_ARENA_DOUBLES(arena, p->room.values);
+  } else if (!p->grows) {
     nsdae_terms_layout_rows(&p->J, blocks, most, n, 1, arena);
     p->room = (nsdae_room){(size_t)most * (size_t)blocks->count, (size_t)(most * n)};
   }

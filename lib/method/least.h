@@ -11,13 +11,14 @@
 
 typedef struct nsdae_least {
   nsdae_kkt kkt;
-  int most, rows;  /* that there is room for; appended so far */
-  nsdae_rows J;    /* copies of the rows */
-  nsdae_room room; /* in J */
-  int grows;       /* J has memory of its own */
-  int status;      /* NSDAE_E_MEMORY: a row was lost */
-  double *c;       /* most: right-hand side, then l */
-  double *change;  /* nv: r, then d */
+  int most, rows;          /* that there is room for; appended so far */
+  nsdae_rows J;            /* copies of the rows */
+  const nsdae_room *given; /* room in J of a list, set before; NULL: room for dense rows */
+  nsdae_room room;         /* in J */
+  int grows;               /* J has memory of its own */
+  int status;              /* NSDAE_E_MEMORY: a row was lost */
+  double *c;               /* most: right-hand side, then l */
+  double *change;          /* nv: r, then d */
 } nsdae_least;
 
 /* most: rows; 0: nothing is projected. */

@@ -17,6 +17,7 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
     nsdae_point_show_arrays(&sim->point[i]);
   }
   if (status == NSDAE_OK) status = nsdae_problem_grow(&sim->stepper.problem, &c, &r);
+  if (status == NSDAE_OK) status = nsdae_projector_grow(&sim->projection, &c, &r);
   if (status < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
                            "out of memory for lists of %zu contacts and of %zu blocks of rows of "
@@ -39,31 +40,39 @@ static int slots_to_have(const nsdae_sim *sim)
   return wanted > k ? wanted : k;
 }
 
+int nsdae_sim_enlarge(nsdae_sim *sim, double t, const nsdae_room *taken, nsdae_room *contacts,
+                      nsdae_room *rows)
+{
+  size_t most = (size_t)sim->options.contacts_max;
+  if (taken[0].entries > most)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
+                           "the contact list has %zu contacts at t = %.17g, more than contacts_max "
+                           "= %d: make it larger, or check the callback contacts",
+                           taken[0].entries, t, sim->options.contacts_max);
+  *contacts = half_more(contacts, &taken[0]);
+  *rows = half_more(rows, &taken[1]);
+  if (contacts->entries > most) contacts->entries = most;
+  return NSDAE_OK;
+}
+
 int nsdae_sim_grow(nsdae_sim *sim)
 {
   const nsdae_terms *const all[] = {&sim->stepper.middle, &sim->point[0].result.end,
                                     &sim->point[1].result.end, &sim->point[2].result.end};
-  nsdae_room contacts = sim->stepper.differences.by_id.wanted, rows = {0};
+  nsdae_room taken[] = {sim->stepper.differences.by_id.wanted, {0}};
+  nsdae_room contacts = sim->lists.contacts, rows = sim->lists.rows;
   for (int i = 0; i < 4; i++) {
-    contacts = nsdae_room_larger(&contacts, &all[i]->by.list.taken);
-    rows = nsdae_room_larger(&rows, &all[i]->by.rows.taken);
-    rows = nsdae_room_larger(&rows, &all[i]->by.joint_rows.taken);
+    taken[0] = nsdae_room_larger(&taken[0], &all[i]->by.list.taken);
+    taken[1] = nsdae_room_larger(&taken[1], &all[i]->by.rows.taken);
+    taken[1] = nsdae_room_larger(&taken[1], &all[i]->by.joint_rows.taken);
   }
-  size_t most = (size_t)sim->options.contacts_max;
-  if (contacts.entries > most)
-    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
-                           "the contact list has %zu contacts at t = %.17g, more than contacts_max "
-                           "= %d: make it larger, "
-                           "or check the callback contacts",
-                           contacts.entries, nsdae_terms_time(&sim->now->result.end),
-                           sim->options.contacts_max);
-  if (sim->model.tracked && nsdae_room_enough(&sim->lists.contacts, &contacts) &&
-      nsdae_room_enough(&sim->lists.rows, &rows)) /* no slot is left */
+  int status =
+      nsdae_sim_enlarge(sim, nsdae_terms_time(&sim->now->result.end), taken, &contacts, &rows);
+  if (status < 0) return status;
+  if (sim->model.tracked && nsdae_room_enough(&sim->lists.contacts, &taken[0]) &&
+      nsdae_room_enough(&sim->lists.rows, &taken[1])) /* no slot is left */
     return nsdae_sim_make_slots(sim, slots_to_have(sim));
-  contacts = half_more(&sim->lists.contacts, &contacts);
-  rows = half_more(&sim->lists.rows, &rows);
-  if (contacts.entries > most) contacts.entries = most;
-  int status = nsdae_sim_make_room(sim, &contacts, &rows);
+  status = nsdae_sim_make_room(sim, &contacts, &rows);
   if (status == NSDAE_OK) sim->lists.growths++;
   return status;
 }

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "listed.h"
 #include "penalty_law.h"
 #include "sim_impl.h"
 #include "system_impl.h"
@@ -53,12 +54,13 @@ static int check_constraints(const nsdae_terms *T, double tol)
 
 /* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
  * keeps the overlap of a start, as nothing in it moves bodies apart. */
-static int check_gaps(const nsdae_terms *T, int method, double tol)
+static int check_gaps(nsdae_terms *T, int method, double tol)
 {
   char called[NSDAE_CALLED_SIZE];
   int event = method == NSDAE_METHOD_EVENT, i = -1;
   int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
   double bound = 0, q = nsdae_largest(T->system->dims.nq, T->q);
+  if (T->system->by_list) nsdae_terms_select(T, T->by.list.count, NULL);
   /* the deepest of the contacts that overlap by more than their bound */
   for (int j = 0; j < T->by.normal.count && method != NSDAE_METHOD_PENALTY; j++) {
     double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, j));
@@ -67,16 +69,12 @@ static int check_gaps(const nsdae_terms *T, int method, double tol)
     bound = most;
   }
   if (i < 0) return NSDAE_OK;
-  if (T->system->by_list)
-    nsdae_system_called_id(T->system, T->by.list.id[i], called);
-  else
-    nsdae_system_called(T->system, NSDAE_NAME_CONTACT, i, called);
   nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
                   event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
                           "start_tol); nsdae_sim_project corrects it"
                         : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
                           "the method keeps this overlap; nsdae_sim_project corrects it",
-                  called, -T->gap[i], bound);
+                  nsdae_terms_called(T, NSDAE_NAME_CONTACT, i, called), -T->gap[i], bound);
   return nsdae_error_at(T->error, status, i, nsdae_terms_time(T));
 }
 
@@ -365,7 +363,7 @@ size_t nsdae_initial_size(const nsdae_dims *d)
   return 3 * ((size_t)d->k * (size_t)(1 + d->nt) + (size_t)d->f);
 }
 
-int nsdae_initial_check(nsdae_projector *p, const nsdae_terms *T, double *work)
+int nsdae_initial_check(nsdae_projector *p, nsdae_terms *T, double *work)
 {
   const nsdae_sim_options *o = p->tools->options;
   for (int g = 0, first = 0; g < p->units.count; g++) {
@@ -383,32 +381,14 @@ int nsdae_initial_check(nsdae_projector *p, const nsdae_terms *T, double *work)
 
 /* ---- putting one right */
 
-/* A contact that starts below zero has no root at which it closes: it would sink through.
- * Tolerances of q do not bound its way either, which is the overlap over the gradient of the gap.
- * So event starts at gap 0. */
-int nsdae_initial_touch(nsdae_projector *p, nsdae_terms *T)
-{
-  const nsdae_dims *d = &T->system->dims;
-  int overlaps = 0;
-  if (p->tools->options->method != NSDAE_METHOD_EVENT) return NSDAE_OK;
-  for (int i = 0; i < d->k; i++) overlaps |= T->gap[i] < -nsdae_terms_touch(T);
-  if (!overlaps) return NSDAE_OK;
-  memset(p->closed, 0, (size_t)d->k * sizeof *p->closed);
-  memset(p->depth, 0, (size_t)d->k * sizeof *p->depth);
-  p->contacts_alone = 1; /* redundant constraints may contradict each other within start_tol */
-  int status = nsdae_project_positions(p, T, 1);
-  p->contacts_alone = 0;
-  if (status == NSDAE_OK) status = nsdae_project_velocities(p, T);
-  if (status == NSDAE_OK) status = check_constraints(T, p->tools->options->start_tol);
-  return status < 0 ? status : 1;
-}
-
-/* Beside the state of the simulation: */
-
+/* Beside the state of the simulation; contacts of a list are those of the list. */
 typedef struct bench {
+  nsdae_system model;
+  nsdae_stepper tools;
   nsdae_terms terms;
   nsdae_projector projection;
   nsdae_evals evals;
+  nsdae_room contacts, rows;
 } bench;
 
 static void layout_projection(void *object, nsdae_arena *arena)
@@ -419,58 +399,123 @@ static void layout_projection(void *object, nsdae_arena *arena)
   nsdae_projector_layout(&b->projection, arena);
 }
 
-static int put_right(bench *b, double t0, double *q0, double *v0)
+static int grow(bench *b)
 {
-  const nsdae_dims *d = &b->terms.system->dims;
-  nsdae_terms_at(&b->terms, 0, q0, v0);
-  int status = nsdae_units_find(&b->projection, t0, q0);
-  if (status < 0) return status;
-  /* Quaternions get unit length; other groups keep theirs. */
-  for (int g = 0, first = 0; g < b->projection.units.count; g++) {
-    first = next_group(&b->projection.units, g, first);
-    if (is_rotation(&b->projection.units, d->nq, first)) b->projection.units.length[g] = 1;
+  int status = nsdae_terms_grow(&b->terms, &b->contacts, &b->rows);
+  if (status == NSDAE_OK) status = nsdae_projector_grow(&b->projection, &b->contacts, &b->rows);
+  return status < 0 ? nsdae_error_memory(b->terms.error, "nsdae_sim_project") : status;
+}
+
+/* What is done there: with the time of the simulation's model. */
+typedef int (*task)(bench *b, double t, double *q, double *v);
+
+static int at_bench(nsdae_sim *sim, task work, double t, double *q, double *v)
+{
+  bench b = {.model = sim->model, .tools = sim->stepper};
+  nsdae_arena arena;
+  b.model.dims.k = sim->system->dims.k;
+  b.model.tracked = NULL;
+  b.model.by_list = sim->system->by_list;
+  b.tools.system = &b.model;
+  nsdae_stepper_prepare_terms(&b.tools, &b.terms);
+  b.terms.differences = &sim->stepper.differences;
+  b.terms.evals = &b.evals;
+  b.projection.tools = &b.tools;
+  b.projection.rows = sim->system->dims.m;
+  b.projection.contacts.any = 1;
+  b.contacts = sim->lists.contacts;
+  b.rows = sim->lists.rows;
+  if (nsdae_arena_build(&arena, layout_projection, &b) < 0)
+    return nsdae_error_memory(&sim->error, "nsdae_sim_project");
+  int status = grow(&b);
+  while (status == NSDAE_OK && (status = work(&b, t, q, v)) == NSDAE_ARRAYS_GROW) {
+    const nsdae_room taken[] = {b.terms.by.list.taken, b.terms.by.rows.taken};
+    status = nsdae_sim_enlarge(sim, nsdae_terms_time(&b.terms), taken, &b.contacts, &b.rows);
+    if (status == NSDAE_OK) status = grow(&b);
   }
-  status = nsdae_project_positions(&b->projection, &b->terms, 1);
-  if (status == NSDAE_OK) status = nsdae_project_velocities(&b->projection, &b->terms);
+  b.terms.differences = NULL; /* the simulation's */
+  nsdae_terms_release(&b.terms);
+  nsdae_projector_release(&b.projection);
+  nsdae_arena_release(&arena);
+  return status;
+}
+
+/* To the constraints and to gaps >= 0. */
+static int put_right(nsdae_projector *p, nsdae_terms *T)
+{
+  nsdae_projector_clear(p);
+  int status = nsdae_project_positions(p, T, 1);
+  return status == NSDAE_OK ? nsdae_project_velocities(p, T) : status;
+}
+
+/* ---- of event */
+
+/* A contact that starts below zero has no root at which it closes: it would sink through.
+ * Tolerances of q do not bound its way either, which is the overlap over the gradient of the gap.
+ * So event starts at gap 0. Redundant constraints may contradict each other within start_tol. */
+static int touch(nsdae_projector *p, nsdae_terms *T)
+{
+  p->contacts.alone = 1;
+  int status = put_right(p, T);
+  p->contacts.alone = 0;
+  return status == NSDAE_OK ? check_constraints(T, p->tools->options->start_tol) : status;
+}
+
+static int touch_at_bench(bench *b, double t, double *q, double *v)
+{
+  nsdae_terms_at(&b->terms, t, q, v);
+  int status = nsdae_units_find(&b->projection, nsdae_terms_time(&b->terms), q);
+  if (status == NSDAE_OK) status = touch(&b->projection, &b->terms);
   if (status < 0) return status;
-  memcpy(q0, b->terms.q, (size_t)d->nq * sizeof *q0);
-  memcpy(v0, b->terms.v, (size_t)d->nv * sizeof *v0);
+  memcpy(q, b->terms.q, (size_t)b->model.dims.nq * sizeof *q);
+  memcpy(v, b->terms.v, (size_t)b->model.dims.nv * sizeof *v);
   return NSDAE_OK;
 }
 
-static int grow(bench *b, const nsdae_room *rows)
+int nsdae_initial_touch(nsdae_sim *sim, nsdae_terms *T)
 {
-  const nsdae_room none = {0};
-  int status = nsdae_terms_grow(&b->terms, &none, rows);
-  return status < 0 ? nsdae_error_memory(b->terms.error, "nsdae_sim_project") : status;
+  int overlaps = 0, status;
+  if (sim->options.method != NSDAE_METHOD_EVENT) return NSDAE_OK;
+  for (int i = 0; i < T->by.normal.count; i++) overlaps |= T->gap[i] < -nsdae_terms_touch(T);
+  if (!overlaps) return NSDAE_OK;
+  if (sim->system->by_list)
+    status = at_bench(sim, touch_at_bench, T->t, T->q, T->v);
+  else
+    status = touch(&sim->projection, T);
+  if (sim->system->by_list) nsdae_terms_forget(T);
+  return status < 0 ? status : 1;
+}
+
+/* ---- nsdae_sim_project */
+
+static int project_at_bench(bench *b, double t, double *q, double *v)
+{
+  nsdae_projector *p = &b->projection;
+  const nsdae_dims *d = &b->model.dims;
+  nsdae_terms_at(&b->terms, t, q, v);
+  int status = nsdae_units_find(p, nsdae_terms_time(&b->terms), q);
+  if (status < 0) return status;
+  /* Quaternions get unit length; other groups keep theirs. */
+  for (int g = 0, first = 0; g < p->units.count; g++) {
+    first = next_group(&p->units, g, first);
+    if (is_rotation(&p->units, d->nq, first)) p->units.length[g] = 1;
+  }
+  status = put_right(p, &b->terms);
+  if (status < 0) return status;
+  memcpy(q, b->terms.q, (size_t)d->nq * sizeof *q);
+  memcpy(v, b->terms.v, (size_t)d->nv * sizeof *v);
+  return NSDAE_OK;
 }
 
 static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
 {
   nsdae_error_clear(&sim->error);
-  if (sim->system->by_list)
-    return nsdae_error_set(
-        &sim->error, NSDAE_E_UNSUPPORTED, "nsdae_sim_project", "contacts",
-        "a contact list is not supported: give the system consistent initial conditions");
   int status = nsdae_sim_check_state(sim, "nsdae_sim_project", t0, q0, v0);
   if (status < 0) return status;
-  bench b = {.evals = {0}};
-  nsdae_arena arena;
-  nsdae_stepper_prepare_terms(&sim->stepper, &b.terms);
-  b.terms.evals = &b.evals;
-  b.projection.tools = &sim->stepper;
-  b.projection.rows_most = sim->system->dims.m + sim->system->dims.k;
-  if (nsdae_arena_build(&arena, layout_projection, &b) < 0)
-    return nsdae_error_memory(&sim->error, "nsdae_sim_project");
   double epoch = sim->model.epoch; /* of the run, which is not touched */
   sim->model.epoch = t0;
-  status = grow(&b, &sim->lists.rows);
-  while (status == NSDAE_OK && (status = put_right(&b, t0, q0, v0)) == NSDAE_ARRAYS_GROW)
-    status = grow(&b, &b.terms.by.rows.taken);
+  status = at_bench(sim, project_at_bench, 0, q0, v0);
   sim->model.epoch = epoch;
-  nsdae_terms_release(&b.terms);
-  nsdae_least_release(&b.projection.least);
-  nsdae_arena_release(&arena);
   return status;
 }
 

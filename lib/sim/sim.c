@@ -78,9 +78,7 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
                            "polygon = %d is not supported for contact lists, which have the "
                            "second-order cone: set polygon = 0",
                            options->polygon);
-  if (options->projection == NSDAE_PROJECTION_NONE) return NSDAE_OK;
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
-                         "projection does not support contact lists: set projection = none");
+  return NSDAE_OK;
 }
 
 /* At first, of a method that tracks the contacts of a list. */
@@ -121,10 +119,22 @@ static int first_room(nsdae_sim *sim)
   return nsdae_sim_make_room(sim, &contacts, &rows);
 }
 
+/* Which rows are projected, by the option projection and at the start of event: none, constraints,
+ * or the contacts too. Event with a contact list projects its start by terms of their own. */
+static void choose_projected(nsdae_sim *sim)
+{
+  nsdae_projector *p = &sim->projection;
+  const nsdae_sim_options *o = &sim->options;
+  int event = o->method == NSDAE_METHOD_EVENT && !sim->system->by_list;
+  p->tools = &sim->stepper;
+  p->rows = event || o->projection != NSDAE_PROJECTION_NONE ? sim->system->dims.m : 0;
+  p->contacts.any = event || o->projection >= NSDAE_PROJECTION_CONTACTS;
+}
+
 void nsdae_sim_measure(nsdae_sim *sim)
 {
   nsdae_stepper_prepare(&sim->stepper);
-  sim->projection.rows_most = nsdae_projected_rows(sim);
+  choose_projected(sim);
   for (int i = 0; i < 3; i++) {
     nsdae_memory *memory = &sim->point[i].result.memory;
     nsdae_memory_part part = {.slots = (size_t)sim->model.dims.k};
@@ -212,7 +222,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (method && method->destroy) method->destroy((*sim)->own);
   nsdae_cones_close(&(*sim)->stepper.contacts.cones);
   nsdae_kkt_release(&(*sim)->stepper.kkt);
-  nsdae_least_release(&(*sim)->projection.least);
+  nsdae_projector_release(&(*sim)->projection);
   nsdae_terms_release(&(*sim)->stepper.middle);
   for (int i = 0; i < 3; i++) nsdae_result_release(&(*sim)->point[i].result);
   nsdae_problem_release(&(*sim)->stepper.problem);
@@ -276,7 +286,7 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   if (nsdae_initial_law(&sim->model, &sim->options, &sim->stage.start) > 0)
     sim->next->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION; /* penalty has no other */
   nsdae_error_clear(&sim->error);
-  status = nsdae_initial_touch(&sim->projection, &r->end);
+  status = nsdae_initial_touch(sim, &r->end);
   return status > 0 ? nsdae_point_start(sim, sim->next) : status;
 }
 

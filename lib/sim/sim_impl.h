@@ -157,6 +157,10 @@ int nsdae_sim_track(nsdae_sim *sim, nsdae_terms *at, double h);
 /* The memory of a method into one of another number of slots. */
 void nsdae_sim_carry_memory(const nsdae_sim *sim, const nsdae_memory *from, int from_slots,
                             nsdae_memory *to, int slots);
+/* Room for what contacts and rows took at t, taken [2]: half as much again; with the same errors.
+ */
+int nsdae_sim_enlarge(nsdae_sim *sim, double t, const nsdae_room *taken, nsdae_room *contacts,
+                      nsdae_room *rows);
 /* Room for at least as much. */
 int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_room *rows);
 
@@ -169,10 +173,6 @@ static inline const nsdae_point *nsdae_sim_shown(const nsdae_sim *sim)
 /* NSDAE_OK, or NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE naming what is no state; where: the function. */
 int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const double *q0,
                           const double *v0);
-
-/* How many rows are projected, by the option projection and at the start of event: none,
- * constraints, or the contacts too. */
-int nsdae_projected_rows(const nsdae_sim *sim);
 
 /* Puts next in the place of the state. */
 void nsdae_sim_commit(nsdae_sim *sim);
@@ -233,12 +233,12 @@ void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use);
  * and its bound, NSDAE_E_DERIVATIVE where derivatives are grossly wrong. NSDAE_WARN_PENETRATION:
  * time stepping starts from an overlap beyond start_tol. The terms and the groups of unit length
  * are those of the start; work has nsdae_initial_size numbers. */
-int nsdae_initial_check(nsdae_projector *projection, const nsdae_terms *start, double *work);
+int nsdae_initial_check(nsdae_projector *projection, nsdae_terms *start, double *work);
 
 /* Moves the start of event to gaps >= 0 and to the constraints if a contact overlaps: the least
  * change in the metric of M. 1: moved; NSDAE_OK: nothing to do; NSDAE_E_CONVERGENCE naming the
  * worst row, and what the terms return. */
-int nsdae_initial_touch(nsdae_projector *projection, nsdae_terms *start);
+int nsdae_initial_touch(nsdae_sim *sim, nsdae_terms *start);
 
 /* NSDAE_OK, or with method penalty NSDAE_WARN_RESTITUTION naming the contact whose law is furthest
  * from e_N. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "listed.h"
 #include "system_impl.h"
 #include "vector.h"
 
@@ -32,10 +33,29 @@ void nsdae_units_layout(nsdae_projector *p, nsdae_arena *arena)
   }
 }
 
+/* Whether contacts are found by id, at each point. */
+static int finds_contacts(const nsdae_projector *p)
+{
+  return p->contacts.any && p->tools->system->by_list;
+}
+
+static void lay_out_rows(void *object, nsdae_arena *arena)
+{
+  nsdae_projector *p = object;
+  nsdae_projected *c = &p->contacts;
+  long most = p->rows + c->room, k = p->tools->system->dims.k;
+  nsdae_least_layout(&p->least, p->tools->system, (int)most, p->tools->options->rank_tol, arena);
+  c->of_row = NSDAE_ARENA_INTS(arena, most);
+  c->closed = NSDAE_ARENA_INTS(arena, k > c->room ? k : c->room);
+  c->depth = NSDAE_ARENA_DOUBLES(arena, c->room);
+  if (!finds_contacts(p)) return;
+  c->id = nsdae_arena_take(arena, c->room, sizeof *c->id);
+  c->id_depth = NSDAE_ARENA_DOUBLES(arena, c->room);
+}
+
 void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->tools->system->dims;
-  nsdae_least_layout(&p->least, p->tools->system, p->rows_most, p->tools->options->rank_tol, arena);
   p->total = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
@@ -44,9 +64,41 @@ void nsdae_projector_layout(nsdae_projector *p, nsdae_arena *arena)
       NSDAE_ARENA_DOUBLES(arena, p->tools->system->call.kinematics ? moved(p->tools->system) : 0);
   p->length = NSDAE_ARENA_DOUBLES(arena, d->nq);
   p->start = NSDAE_ARENA_DOUBLES(arena, 3L * d->m);
-  p->contact = NSDAE_ARENA_INTS(arena, p->rows_most);
-  p->closed = NSDAE_ARENA_INTS(arena, d->k);
-  p->depth = NSDAE_ARENA_DOUBLES(arena, d->k);
+  if (finds_contacts(p)) return;
+  p->contacts.room = p->contacts.any ? d->k : 0;
+  lay_out_rows(p, arena);
+}
+
+int nsdae_projector_grow(nsdae_projector *p, const nsdae_room *contacts, const nsdae_room *rows)
+{
+  const nsdae_system *s = p->tools->system;
+  size_t m = (size_t)s->dims.m;
+  nsdae_room parts = *rows;
+  if (!finds_contacts(p)) return NSDAE_OK;
+  if (!s->call.constraint_rows)
+    parts = (nsdae_room){m * (size_t)s->blocks.count, m * (size_t)s->dims.nv};
+  nsdae_projector made = *p;
+  made.contacts.arena = (nsdae_arena){0};
+  made.contacts.room = (int)contacts->entries;
+  made.contacts.rows =
+      (nsdae_room){parts.entries + 2 * contacts->entries, parts.values + contacts->values};
+  made.least = (nsdae_least){.given = &made.contacts.rows};
+  int status = nsdae_ids_grow(&p->contacts.ids, made.contacts.room);
+  made.contacts.ids = p->contacts.ids;
+  if (status == NSDAE_OK) status = nsdae_arena_build(&made.contacts.arena, lay_out_rows, &made);
+  if (status < 0) return status;
+  nsdae_least_release(&p->least);
+  nsdae_arena_release(&p->contacts.arena);
+  *p = made;
+  p->least.given = &p->contacts.rows;
+  return NSDAE_OK;
+}
+
+void nsdae_projector_release(nsdae_projector *p)
+{
+  nsdae_least_release(&p->least);
+  nsdae_ids_release(&p->contacts.ids);
+  nsdae_arena_release(&p->contacts.arena);
 }
 
 /* ---- coordinates of unit length */
@@ -216,27 +268,99 @@ void nsdae_units_restore(nsdae_projector *p, nsdae_terms *T)
   nsdae_terms_at(T, T->t, p->q, p->v);
 }
 
+/* ---- contacts of a list */
+
+/* At a point that has its list: the numbers of those that were kept. */
+static int count_missing(nsdae_projected *c, int mark)
+{
+  int missing = 0;
+  for (int i = 0; i < c->kept; i++) {
+    int entry = nsdae_ids_find(&c->ids, c->id[i]);
+    missing += entry < 0;
+    if (entry < 0 || !mark) continue;
+    c->closed[entry] = 1;
+    c->depth[entry] = c->id_depth[i];
+  }
+  return missing;
+}
+
+/* Contacts of the list at the terms' point, with the rows of their entries. The way of a step is
+ * that of its linear part: one that has gone further is looked for within 4, 16 and 64 times
+ * that, and is open if it is not listed then. */
+static int find_contacts(nsdae_projector *p, nsdae_terms *T)
+{
+  nsdae_projected *c = &p->contacts;
+  const nsdae_contact_list *list = &T->by.list;
+  double reach = fmax(c->reach, nsdae_terms_touch(T));
+  if (!finds_contacts(p)) return NSDAE_OK;
+  for (int further = 0, missing = 1; further < 4 && missing > 0; further++, reach *= 4) {
+    int status = nsdae_terms_contacts(T, reach);
+    if (status < 0) return status;
+    int twice = nsdae_ids_fill(&c->ids, list->count, list->id);
+    if (twice >= 0) return nsdae_terms_id_twice(T, list->id[twice]);
+    missing = count_missing(c, 0);
+  }
+  memset(c->closed, 0, (size_t)list->count * sizeof *c->closed);
+  memset(c->depth, 0, (size_t)list->count * sizeof *c->depth);
+  count_missing(c, 1);
+  nsdae_terms_select(T, list->count, NULL);
+  return NSDAE_OK;
+}
+
+/* Those that take part, for this point again or for the one that is `change` away: within twice the
+ * way of the furthest. */
+static void keep_contacts(nsdae_projector *p, const nsdae_terms *T, int moving)
+{
+  nsdae_projected *c = &p->contacts;
+  double furthest = 0;
+  if (!finds_contacts(p)) return;
+  c->kept = 0;
+  for (int i = 0; i < T->by.normal.count; i++) {
+    if (!c->closed[i]) continue;
+    c->id[c->kept] = T->by.list.id[i];
+    c->id_depth[c->kept++] = c->depth[i];
+    furthest =
+        fmax(furthest, nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, p->least.change));
+  }
+  c->reach = moving ? nsdae_terms_touch(T) + 2 * furthest : 0;
+}
+
+void nsdae_projector_clear(nsdae_projector *p)
+{
+  nsdae_projected *c = &p->contacts;
+  c->kept = 0;
+  c->reach = 0;
+  memset(c->closed, 0, (size_t)c->room * sizeof *c->closed);
+  memset(c->depth, 0, (size_t)c->room * sizeof *c->depth);
+}
+
 /* ---- constraints and contacts */
+
+static int count_contacts(const nsdae_projector *p, const nsdae_terms *T)
+{
+  return !p->contacts.any ? 0 : T->system->by_list ? T->by.normal.count : T->system->dims.k;
+}
 
 /* Rows W_i . d = -c; worst: the largest |c| in units of its rounding, that of the terms it is made
  * of: eps (1 + |W_i|_1 max |x|). */
 static int position_rows(nsdae_projector *p, const nsdae_terms *T, double *worst, int *worst_row)
 {
   const nsdae_dims *d = &T->system->dims;
+  const nsdae_projected *c = &p->contacts;
   double x = nsdae_largest(d->nq, T->q);
   nsdae_least_start(&p->least);
   *worst = 0;
-  for (int i = 0; i < d->m + d->k; i++) {
+  for (int i = 0; i < d->m + count_contacts(p, T); i++) {
     int contact = i - d->m;
-    if (contact >= 0 && !p->closed[contact]) continue;
-    p->contact[p->least.rows] = contact >= 0 ? contact : -1;
+    if (contact >= 0 && !c->closed[contact]) continue;
+    c->of_row[p->least.rows] = contact >= 0 ? contact : -1;
     const nsdae_rows *rows = contact < 0 ? &T->by.jacobian : &T->by.normal;
-    double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - p->depth[contact];
+    double missing = contact < 0 ? T->constraint.phi[i] : T->gap[contact] - c->depth[contact];
     int row = contact < 0 ? i : contact;
     nsdae_least_append(&p->least, rows, row, missing);
     double sum = nsdae_rows_sum(&p->tools->system->blocks, rows, row);
     double off = fabs(missing) / (DBL_EPSILON * (1 + sum * x));
-    if (contact < 0 && p->contacts_alone) off = 0;
+    if (contact < 0 && c->alone) off = 0;
     if (off > *worst || p->least.rows == 1) *worst_row = p->least.rows - 1;
     *worst = fmax(*worst, off);
   }
@@ -260,12 +384,12 @@ static int close_deepest(nsdae_projector *p, const nsdae_terms *T)
 {
   int deepest = -1;
   double gap = -nsdae_terms_touch(T);
-  for (int i = 0; i < T->system->dims.k; i++) {
-    if (p->closed[i] || T->gap[i] >= gap) continue;
+  for (int i = 0; i < count_contacts(p, T); i++) {
+    if (p->contacts.closed[i] || T->gap[i] >= gap) continue;
     gap = T->gap[i];
     deepest = i;
   }
-  if (deepest >= 0) p->closed[deepest] = 1;
+  if (deepest >= 0) p->contacts.closed[deepest] = 1;
   return deepest >= 0;
 }
 
@@ -285,14 +409,14 @@ static int move(nsdae_projector *p, nsdae_terms *T)
 static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row)
 {
   char called[NSDAE_CALLED_SIZE];
-  int contact = p->contact[row];
+  int contact = p->contacts.of_row[row];
   int kind = contact < 0 ? NSDAE_NAME_CONSTRAINT : NSDAE_NAME_CONTACT;
   int i = contact < 0 ? row : contact; /* constraints come first, all of them */
   nsdae_error_set(T->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "projection",
                   "no state near this one satisfies all constraints at t = %.17g: %s is violated "
                   "by %.3g; check for contradictory constraints",
-                  nsdae_terms_time(T), nsdae_system_called(T->system, kind, i, called),
-                  contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->depth[i]);
+                  nsdae_terms_time(T), nsdae_terms_called(T, kind, i, called),
+                  contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->contacts.depth[i]);
   return nsdae_error_at(T->error, NSDAE_E_CONVERGENCE, i, nsdae_terms_time(T));
 }
 
@@ -315,15 +439,18 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
 {
   unsigned terms = TERMS;
   double worst = INFINITY, before = INFINITY;
-  int row = 0, rounds = penetrating ? ROUNDS * (1 + T->system->dims.k) : ROUNDS;
-  if (p->rows_most > T->system->dims.m) terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
+  int row = 0, rounds = ROUNDS;
+  if (p->contacts.any) terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
   memset(p->least.change, 0, (size_t)T->system->dims.nv * sizeof *p->least.change);
   memset(p->total, 0, (size_t)T->system->dims.nv * sizeof *p->total);
   int status = p->units.count > 0 ? move(p, T) : NSDAE_OK;
   for (int round = 0; round < rounds && status == NSDAE_OK; round++) {
-    int least = penetrating && round < rounds / 2;
     status = nsdae_terms_need(T, terms);
+    if (status == NSDAE_OK) status = find_contacts(p, T);
     if (status < 0) return status;
+    int most = ROUNDS * (1 + count_contacts(p, T));
+    if (penetrating && most > rounds) rounds = most;
+    int least = penetrating && round < rounds / 2;
     int rows = position_rows(p, T, &worst, &row);
     if (rows == 0 || converged(p, T, least, worst, before)) {
       if (!penetrating || !close_deepest(p, T)) return NSDAE_OK;
@@ -334,10 +461,11 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
     status = solve_projection(p, T, least);
     int opened = 0; /* contacts that would pull */
     for (int i = 0; i < rows && status == NSDAE_OK; i++) {
-      if (p->contact[i] < 0 || !(p->least.c[i] > 0)) continue;
-      p->closed[p->contact[i]] = 0;
+      if (p->contacts.of_row[i] < 0 || !(p->least.c[i] > 0)) continue;
+      p->contacts.closed[p->contacts.of_row[i]] = 0;
       opened++;
     }
+    keep_contacts(p, T, opened == 0);
     if (status == NSDAE_OK && opened == 0) status = move(p, T);
   }
   return status < 0 ? status : not_converged(p, T, row);

@@ -5,7 +5,10 @@
  *
  * both M d + J^T l = 0, J d = -c; q moves by H dq, dq/dt = H v (Ascher and Petzold, Computer
  * Methods for Ordinary Differential Equations, 1998, section 9.2; Eich, SIAM J. Numer. Anal. 30,
- * 1993). A contact only pushes: where l > 0 its row is left out. g is 0, touching, or a depth.
+ * 1993). A contact only pushes: if l > 0, its row is left out. g is 0, touching, or a depth.
+ *
+ * Contacts of a list have at each point the numbers of their entries there. Those that take part
+ * are found again by id, within the way of a step. One that is not listed there is open.
  *
  * Coordinates of unit length, such as quaternions, the kinematics shows: groups of 4 coordinates
  * that 3 velocities move, or of 2 that 1 moves, with q . H = 0 wherever they are. Their length is a
@@ -13,6 +16,7 @@
 #ifndef NSDAE_SIM_PROJECTION_H
 #define NSDAE_SIM_PROJECTION_H
 
+#include "closed.h"
 #include "least.h"
 #include "stepper.h"
 
@@ -23,25 +27,43 @@ typedef struct nsdae_units {
   double *length; /* count, at most nq: at the start */
 } nsdae_units;
 
+/* Contacts, by their numbers at the point. */
+typedef struct nsdae_projected {
+  int any, room;    /* whether contacts are projected; room for them */
+  nsdae_room rows;  /* in the rows of a list */
+  int *of_row;      /* rows: the contact of a row, -1: a constraint */
+  int *closed;      /* contacts that take part; k of fixed and tracked ones */
+  double *depth;    /* their gap in the end, <= 0 */
+  int alone;        /* they decide when it ends; constraints get as near as they can */
+  int kept;         /* of a list: those that took part at the last point, by id */
+  long *id;         /* kept */
+  double *id_depth; /* kept */
+  double reach;     /* within which they are listed at the next point */
+  nsdae_ids ids;
+  nsdae_arena arena; /* of a list: of all that has room for its contacts */
+} nsdae_projected;
+
 typedef struct nsdae_projector {
   nsdae_stepper *tools;
-  int rows_most; /* m, and k where contacts are projected */
+  int rows; /* m, or 0: nothing is projected */
   nsdae_least least;
+  nsdae_projected contacts;
   nsdae_units units, other; /* those of the run; what is read of another one */
   double *total;            /* nv: the sum of all changes */
   double *q, *v, *qdot;     /* nq, nv, nq */
   double *H;                /* nq x nv, by blocks: the kinematics, where groups are looked for */
   double *length;           /* of the groups, at most nq: now */
   double *start;            /* 3 m: for looking at a start */
-  int *contact;             /* rows: the contact of a row; -1: a constraint */
-  int *closed;              /* k: contacts that take part */
-  double *depth;            /* k: their gap in the end, <= 0 */
-  int contacts_alone;       /* they decide where it ends; constraints get as near as they can */
 } nsdae_projector;
 
-/* tools and rows_most are set before; the first takes the arrays of the groups. */
+/* tools, rows and contacts.any are set before; the first takes the arrays of the groups. */
 void nsdae_units_layout(nsdae_projector *projection, nsdae_arena *arena);
 void nsdae_projector_layout(nsdae_projector *projection, nsdae_arena *arena);
+/* Room for the contacts of a list, and for the rows of Phi_q; nothing of fixed contacts. NSDAE_OK
+ * or NSDAE_E_MEMORY. */
+int nsdae_projector_grow(nsdae_projector *projection, const nsdae_room *contacts,
+                         const nsdae_room *rows);
+void nsdae_projector_release(nsdae_projector *projection);
 
 /* Looks for the groups at (t, q) and keeps their lengths. NSDAE_OK, or what the kinematics returns.
  */
@@ -54,7 +76,10 @@ void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, doub
 int nsdae_units_strayed(nsdae_projector *projection, const nsdae_terms *terms);
 void nsdae_units_restore(nsdae_projector *projection, nsdae_terms *terms);
 
-/* Moves the terms' point to the constraints and to the closed contacts; penetrating: contacts that
+/* The next projection begins with the contacts that are closed in `contacts`, of a list with those
+ * that are kept there; none: with none. */
+void nsdae_projector_clear(nsdae_projector *projection);
+/* Moves the terms' point to the constraints and to these contacts; penetrating: contacts that
  * overlap join them. NSDAE_OK, NSDAE_E_CONVERGENCE naming the worst row, and what the terms return.
  */
 int nsdae_project_positions(nsdae_projector *projection, nsdae_terms *terms, int penetrating);

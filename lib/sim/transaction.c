@@ -3,6 +3,7 @@
 
 #include "clock.h"
 #include "errors.h"
+#include "listed.h"
 #include "sim_impl.h"
 
 void nsdae_sim_commit(nsdae_sim *sim)
@@ -61,14 +62,6 @@ static int advance_method(nsdae_sim *sim, double t1, double length)
   return nsdae_stepping_implicit.advance(&sim->stepper, &state, t1, result);
 }
 
-int nsdae_projected_rows(const nsdae_sim *sim)
-{
-  const nsdae_dims *d = &sim->model.dims;
-  if (sim->options.method == NSDAE_METHOD_EVENT) return d->m + d->k; /* its start */
-  if (sim->options.projection == NSDAE_PROJECTION_NONE) return 0;
-  return d->m + (sim->options.projection >= NSDAE_PROJECTION_CONTACTS ? d->k : 0);
-}
-
 static int energy(nsdae_terms *T, double *value)
 {
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_POTENTIAL);
@@ -76,30 +69,70 @@ static int energy(nsdae_terms *T, double *value)
   return status;
 }
 
+/* The closed contacts of a list at the end of the step: twice the way of the fastest. */
+static int list_closed(nsdae_sim *sim, double length)
+{
+  nsdae_result *r = &sim->next->result;
+  double fastest = 0;
+  if (r->closed.count == 0 || !sim->projection.contacts.any) return NSDAE_OK;
+  for (int a = 0; a < r->closed.count; a++)
+    fastest = fmax(fastest, fmax(fabs(r->impulses.before[a]), fabs(r->impulses.after[a])));
+  sim->projection.contacts.reach = nsdae_terms_touch(&r->end) + 2 * length * fastest;
+  return nsdae_problem_update(&sim->stepper.problem, &r->end, sim->projection.contacts.reach);
+}
+
+/* Gap of closed contact i at the begin of the step; of a list, one that it does not name is open.
+ */
+static double gap_before(const nsdae_sim *sim, int i)
+{
+  const nsdae_terms *start = &sim->now->result.end;
+  if (!sim->system->by_list) return sim->now->record.gap[i];
+  int entry = nsdae_ids_find(&sim->projection.contacts.ids, sim->next->result.closed.id[i]);
+  return entry < 0 ? INFINITY : start->by.list.gap[entry];
+}
+
+/* Which contacts that were closed in the step are moved, and how deep they may be. With depths, one
+ * that is found in it stays where it was found. That it sinks in from there is Newton's law: on a
+ * surface of radius r the normal turns, so that it comes at u = -h v^2 / r and leaves at -e_N u,
+ * and gets h (1 - e_N) |u| / 2 deeper. */
+static int choose_contacts(nsdae_sim *sim, double length)
+{
+  nsdae_result *r = &sim->next->result;
+  nsdae_terms *start = &sim->now->result.end;
+  nsdae_projected *c = &sim->projection.contacts;
+  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS, listed = sim->system->by_list;
+  int status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
+  nsdae_projector_clear(&sim->projection);
+  if (!c->any) return status;
+  if (status == NSDAE_OK) status = list_closed(sim, length);
+  if (status == NSDAE_OK && listed && lasting)
+    status = nsdae_terms_contacts(start, nsdae_terms_touch(start));
+  if (status < 0) return status;
+  if (listed && lasting) nsdae_ids_fill(&c->ids, start->by.list.count, start->by.list.id);
+  for (int i = 0; i < (listed ? r->closed.count : sim->system->dims.k); i++) {
+    double gap = lasting ? gap_before(sim, i) : 0, depth = fmin(gap, 0);
+    int chosen = r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < depth && !(gap > 0);
+    if (!listed) c->depth[i] = depth;
+    if (!listed) c->closed[i] = chosen;
+    if (!listed || !chosen) continue;
+    c->id[c->kept] = r->closed.id[i];
+    c->id_depth[c->kept++] = depth;
+  }
+  return NSDAE_OK;
+}
+
 /* The option projection, of the time-stepping methods: the end of the step is moved to the
  * constraints, and the contacts that were closed in it to touching, or to the depth that they had;
  * what that does to the energy is work on the system. */
-static int project(nsdae_sim *sim)
+static int project(nsdae_sim *sim, double length)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_projector *p = &sim->projection;
   double before, moved = 0, after = 0;
   int status = energy(&r->end, &before);
-  if (status == NSDAE_OK) status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
-  if (status < 0) return status;
-  /* Which contacts that were closed in the step are moved, and how deep they may be. One that is
-   * found in it stays where it was found. That it sinks in from there is Newton's law: on a surface
-   * of radius r the normal turns, so that it comes at u = -h v^2 / r and leaves at -e_N u, and gets
-   * h (1 - e_N) |u| / 2 deeper. */
-  const double *gap = sim->now->record.gap;
-  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS;
-  int any = sim->options.projection >= NSDAE_PROJECTION_CONTACTS;
-  for (int i = 0; i < sim->system->dims.k; i++) {
-    p->depth[i] = lasting ? fmin(gap[i], 0) : 0;
-    p->closed[i] = any && r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < p->depth[i] &&
-                   !(lasting && gap[i] > 0);
-  }
-  status = nsdae_project_positions(p, &r->end, 0);
+  if (status == NSDAE_OK) status = choose_contacts(sim, length);
+  if (status == NSDAE_OK) status = nsdae_project_positions(p, &r->end, 0);
+  if (status == NSDAE_OK) status = list_closed(sim, length);
   if (status == NSDAE_OK) status = energy(&r->end, &moved);
   if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);
   if (status == NSDAE_OK) status = energy(&r->end, &after);
@@ -135,13 +168,14 @@ static int try_step(nsdae_sim *sim, double t1, double length)
   int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
   sim->stage.failed = problem && (next->result.problem || next->result.cones);
   if (status == NSDAE_OK)
-    status = sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim);
+    status =
+        sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim, length);
   if (next->result.end.t < t1) length = next->result.end.t - now->result.end.t; /* so far it came */
   if (status == NSDAE_OK) status = nsdae_point_follow(sim, now, next, length);
   if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, now, next);
   if (status == NSDAE_OK) status = nsdae_monitors_step(sim, now, next);
   if (status < 0 || !sim->model.tracked) return status;
-  nsdae_point_list(next, sim->projection.closed);
+  nsdae_point_list(next, sim->projection.contacts.closed);
   int finite = nsdae_point_finite(next);
   return finite < 0 ? finite : status;
 }

@@ -126,7 +126,7 @@ void nsdae_terms_select(nsdae_terms *T, int count, const int *item)
   by->normal.value = by->tangent.value = list->value;
   by->normal.first[0] = by->tangent.first[0] = 0;
   for (int a = 0; a < count; a++) {
-    int i = item[a];
+    int i = item ? item[a] : a;
     static const double none[3];
     const double *w = i < 0 ? none : list->w + (size_t)i * (1 + nt);
     T->gap[a] = i < 0 ? NSDAE_FAR : list->gap[i];
@@ -189,6 +189,22 @@ int nsdae_terms_slot_accelerations(nsdae_terms *T)
     for (int j = 0; j < nt; j++) T->omega.T[i * nt + j] = entry >= 0 ? given[1 + j] : 0;
   }
   return status;
+}
+
+int nsdae_terms_id_twice(const nsdae_terms *T, long id)
+{
+  double t = nsdae_terms_time(T);
+  nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_contact_add", "id",
+                  "two contacts of one list have the id %ld at t = %.17g", id, t);
+  if (T->error) T->error->time = t;
+  return NSDAE_E_ARGUMENT;
+}
+
+const char *nsdae_terms_called(const nsdae_terms *T, int kind, int i, char text[NSDAE_CALLED_SIZE])
+{
+  if (kind == NSDAE_NAME_CONTACT && T->system->by_list)
+    return nsdae_system_called_id(T->system, T->by.list.id[i], text);
+  return nsdae_system_called(T->system, kind, i, text);
 }
 
 enum { ARRAYS = 9 };

@@ -13,7 +13,8 @@
  * what the callback failed with or was refused with. */
 int nsdae_terms_contacts(nsdae_terms *terms, double reach);
 
-/* Contact a of the step is entry item[a] of the list; -1: it is far away, without directions. */
+/* Contact a of the step is entry item[a] of the list, -1: it is far away, without directions; item
+ * NULL: it is entry a. */
 void nsdae_terms_select(nsdae_terms *terms, int count, const int *item);
 
 /* Gaps, directions, velocities at v = 0 of the slots, from the list within the table's reach; with
@@ -23,6 +24,11 @@ int nsdae_terms_slots(nsdae_terms *terms);
 int nsdae_terms_slot_accelerations(nsdae_terms *terms);
 /* What is in the slots, or the reach, changed: their terms are out of date. */
 void nsdae_terms_forget_slots(nsdae_terms *terms);
+/* NSDAE_E_ARGUMENT with the record: the list has this id twice. */
+int nsdae_terms_id_twice(const nsdae_terms *terms, long id);
+/* What item i of a kind is called; a contact of a list, which is its entry, by its id. */
+const char *nsdae_terms_called(const nsdae_terms *terms, int kind, int i,
+                               char text[NSDAE_CALLED_SIZE]);
 
 /* The callbacks of terms.c. */
 int nsdae_terms_mass_blocks(nsdae_terms *terms);
