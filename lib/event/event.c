@@ -302,6 +302,40 @@ static void note_rattles(const event *e, double t, int first)
   }
 }
 
+/* Contacts that are new in their slots do not rattle, and have no solution to start from. */
+static void clear_fresh(event *e)
+{
+  int *fresh = e->integrator.tracking.fresh;
+  size_t rows = (size_t)e->tools->contacts.rows_most;
+  for (int i = 0; e->setting.system->tracked && i < e->setting.system->dims.k; i++) {
+    if (!fresh[i]) continue;
+    fresh[i] = 0;
+    e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
+    for (int l = 0; l < 2; l++)
+      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
+  }
+}
+
+/* Slots for what touches at t and has none: other features than a moment before. */
+static int find_features(event *e, double t)
+{
+  nsdae_tracking *tracking = &e->integrator.tracking;
+  const double *y = e->integrator.y;
+  int nt = e->setting.system->dims.nt;
+  if (!e->setting.system->tracked || e->integrator.again) return NSDAE_OK;
+  nsdae_event_move(&e->setting, t, y);
+  tracking->near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
+  int status = nsdae_tracking_add(tracking, e->setting.here);
+  for (int i = 0; i < e->setting.system->dims.k; i++) {
+    if (!tracking->fresh[i]) continue;
+    e->phase.modes.contact[i] = NSDAE_MODE_OPEN;
+    e->phase.modes.blur[i] = 1;
+    memset(e->phase.modes.direction + i * nt, 0, (size_t)nt * sizeof *e->phase.modes.direction);
+  }
+  clear_fresh(e);
+  return status;
+}
+
 /* The same in the middle of a run, with the changes of mode; the forces are in y. */
 static int change_modes(event *e, double t)
 {
@@ -318,7 +352,8 @@ static int change_modes(event *e, double t)
       note_rattle(e, t, root->index, STILL);
   }
   blur(e);
-  int status = found ? NSDAE_OK : tune(e, t); /* without a root it has strayed */
+  int status = find_features(e, t);
+  if (status == NSDAE_OK && !found) status = tune(e, t); /* it has strayed */
   if (status == NSDAE_OK) status = restart(e, t);
   note_rattles(e, t, first);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
@@ -335,20 +370,6 @@ static int go_through(event *e, double t)
   double coefficient = pole < 0 ? 0 : nsdae_event_yield(&e->phase, pole);
   int status = solved < 0 ? integrator_failed(e, solved, t) : change_modes(e, t);
   return status == NSDAE_OK && pole >= 0 ? jammed(e, t, pole, coefficient) : status;
-}
-
-/* Contacts that are new in their slots do not rattle, and have no solution to start from. */
-static void clear_fresh(event *e)
-{
-  int *fresh = e->integrator.tracking.fresh;
-  size_t rows = (size_t)e->tools->contacts.rows_most;
-  for (int i = 0; e->setting.system->tracked && i < e->setting.system->dims.k; i++) {
-    if (!fresh[i]) continue;
-    fresh[i] = 0;
-    e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
-    for (int l = 0; l < 2; l++)
-      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
-  }
 }
 
 /* The table of contacts where a run begins: those within the way of a step. */

@@ -228,6 +228,16 @@ int nsdae_tracking_begin_anew(nsdae_tracking *t, nsdae_terms *T, double h)
   return nsdae_tracking_begin(&alone, T, h);
 }
 
+int nsdae_tracking_add(nsdae_tracking *t, nsdae_terms *T)
+{
+  double speed;
+  int added = 0, status = speed_at(t, T, &speed);
+  count_slots(t);
+  if (status == NSDAE_OK) status = ask(t, T, t->near, speed, &added);
+  for (int i = 0; i < t->model->dims.k; i++) t->fresh[i] = t->fresh[i] != 0;
+  return status;
+}
+
 int nsdae_tracking_trim(nsdae_tracking *t, nsdae_terms *T, double h, const int *keep)
 {
   double speed;

@@ -56,6 +56,10 @@ int nsdae_tracking_begin(nsdae_tracking *tracking, nsdae_terms *terms, double h)
 /* The same, where nothing is known and no memory is there. */
 int nsdae_tracking_begin_anew(nsdae_tracking *tracking, nsdae_terms *terms, double h);
 
+/* Terms are at an instant of the motion: contacts as near as `near` that have no slot, as those of
+ * other features than before, get one. */
+int nsdae_tracking_add(nsdae_tracking *tracking, nsdae_terms *terms);
+
 /* Terms are at the start of a dt of the motion: frees the slots of contacts that are not within R
  * and not kept [k]. */
 int nsdae_tracking_trim(nsdae_tracking *tracking, nsdae_terms *terms, double h, const int *keep);

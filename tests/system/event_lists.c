@@ -371,12 +371,75 @@ static void test_hidden(void **state)
   assert_true(named > 15);
 }
 
+/* ---- features that follow each other */
+
+static int point_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[3] = 1;
+  return 0;
+}
+
+static int weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[1] = -9.81;
+  return 0;
+}
+
+/* The ground is in pieces of length 1, each with its own id; only the one below is listed. */
+static int pieces(double t, const double *q, const double *v, double reach,
+                  nsdae_contact_list *list, void *user)
+{
+  const double *mu = user;
+  nsdae_contact c = {.id = (long)floor(q[0]), .block = {0, -1}, .gap = q[1], .mu = *mu};
+  (void)t, (void)v;
+  c.direction[0][0][1] = c.direction[0][1][0] = 1;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
+/* A point slides from piece to piece: x = 0.5 + 3 t - mu g t^2 / 2, y = 0; at each border one
+ * contact opens and the next one closes, without an impact. */
+static void test_pieces(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 3; i++) {
+    double mu = 0.05 * i, x = 3.2;
+    const nsdae_dims dims = {.nq = 2, .nt = 1};
+    static const int two = 2;
+    nsdae_system *s;
+    assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+    nsdae_system_set_user(s, &mu);
+    nsdae_system_set_blocks(s, 1, &two, &two);
+    nsdae_system_set_mass_blocks(s, point_mass);
+    nsdae_system_set_force(s, weight);
+    nsdae_system_set_contacts(s, pieces);
+    memset(&drawn, 0, sizeof drawn);
+    drawn.q0[0] = 0.5;
+    drawn.v0[0] = 3;
+    double a = mu * 9.81, t_end = a > 0 ? (3 - sqrt(9 - 2 * a * (x - 0.5))) / a : (x - 0.5) / 3;
+    do_run(&listed, &drawn, s, t_end);
+    if (listed.status < 0) print_message("%s\n", listed.error.text);
+    assert_int_equal(listed.status, NSDAE_OK);
+    assert_near(listed.q[0], x, 1e-9);
+    assert_near(listed.q[1], 0, 1e-12);
+    assert_int_equal(listed.impacts, 0);
+    assert_int_equal(listed.changes, 6);
+    for (int border = 1; border <= 3; border++) {
+      double way = border - 0.5, t = a > 0 ? (3 - sqrt(9 - 2 * a * way)) / a : way / 3;
+      assert_near(listed.change[2 * border - 2].time, t, 1e-8);
+      assert_near(listed.change[2 * border - 1].time, t, 1e-8);
+    }
+    nsdae_system_destroy(&s);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_same_order), cmocka_unit_test(test_bounded),
       cmocka_unit_test(test_estimated),  cmocka_unit_test(test_too_slow),
-      cmocka_unit_test(test_hidden),
+      cmocka_unit_test(test_hidden),     cmocka_unit_test(test_pieces),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
