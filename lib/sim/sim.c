@@ -273,7 +273,7 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   if (status < 0) return status;
   sim->stage.start = sim->error;
   if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
-  if (nsdae_initial_law(&sim->model, &sim->options, &sim->stage.start) > 0)
+  if (nsdae_initial_law(&sim->model, &sim->options, NULL, &sim->stage.start) > 0)
     sim->next->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION; /* penalty has no other */
   nsdae_error_clear(&sim->error);
   status = nsdae_initial_touch(&sim->projection, &r->end);
