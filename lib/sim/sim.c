@@ -63,12 +63,6 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
   nsdae_sim_options_default(&defaults);
   if (!system->by_list) return NSDAE_OK;
   if (!options) options = &defaults;
-  const nsdae_stepping *method = nsdae_stepping_of(options->method);
-  if (!method->by_list && !method->tracks)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                           "method = %s does not support contact lists: use implicit, "
-                           "implicit-printed or moreau",
-                           nsdae_method_name(options->method));
   if (system->dims.f > 0)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "f",
                            "f = %d frictional joints are not supported with a contact list",
