@@ -38,9 +38,8 @@ typedef struct nsdae_stepping {
    * slots, in place of what was in the table. NSDAE_ARRAYS_GROW: as advance. */
   int (*track)(void *own, nsdae_terms *at, double h);
 
-  int by_list; /* goes with contact lists */
-  int tracks;  /* the same, as contacts in slots: see tracked.h */
-  int closes;  /* starts with nsdae_step_close, which clears the impulses */
+  int tracks; /* takes a contact list as contacts in slots: see tracked.h */
+  int closes; /* starts with nsdae_step_close, which clears the impulses */
 } nsdae_stepping;
 
 #endif

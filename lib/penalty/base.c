@@ -1,6 +1,7 @@
 #include "base.h"
 
-static void lay(nsdae_penalty_base *b, const nsdae_stepper *s, nsdae_memory_part *part)
+static void lay(nsdae_penalty_base *b, nsdae_tracking *tracking, const nsdae_stepper *s,
+                nsdae_memory_part *part)
 {
   const nsdae_dims *d = &s->system->dims;
   double **of_contact[] = {&b->since, &b->start_rate, &b->mass, &b->impulse, &b->peak};
@@ -12,17 +13,20 @@ static void lay(nsdae_penalty_base *b, const nsdae_stepper *s, nsdae_memory_part
   b->steps = nsdae_memory_wholes(part, 1);
   b->is_stiff = nsdae_memory_wholes(part, 1);
   b->closed = nsdae_memory_slot_wholes(part, 1);
+  if (s->system->tracked) nsdae_tracking_lay(tracking, s->system, part);
 }
 
 void nsdae_penalty_base_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
   nsdae_penalty_base base;
-  lay(&base, s, part);
+  nsdae_tracking tracking;
+  lay(&base, &tracking, s, part);
 }
 
-void nsdae_penalty_base_find(nsdae_penalty_base *b, const nsdae_stepper *s, nsdae_memory *memory)
+void nsdae_penalty_base_find(nsdae_penalty_base *b, nsdae_tracking *tracking,
+                             const nsdae_stepper *s, nsdae_memory *memory)
 {
   nsdae_memory_part part = {
       .real = memory->real, .whole = memory->whole, .slots = (size_t)s->system->dims.k};
-  lay(b, s, &part);
+  lay(b, tracking, s, &part);
 }

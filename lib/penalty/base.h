@@ -4,6 +4,7 @@
 #define NSDAE_PENALTY_BASE_H
 
 #include "stepper.h"
+#include "tracking.h"
 
 typedef struct nsdae_penalty_base {
   double *t, *qv;                    /* 1, nq + nv */
@@ -17,8 +18,8 @@ typedef struct nsdae_penalty_base {
 
 /* Takes the memory of the method: a base. */
 void nsdae_penalty_base_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
-/* Lays the base over the memory of a step. */
-void nsdae_penalty_base_find(nsdae_penalty_base *base, const nsdae_stepper *stepper,
-                             nsdae_memory *memory);
+/* Lays the base, and what is kept of tracked contacts, over the memory of a step. */
+void nsdae_penalty_base_find(nsdae_penalty_base *base, nsdae_tracking *tracking,
+                             const nsdae_stepper *stepper, nsdae_memory *memory);
 
 #endif

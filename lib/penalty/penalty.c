@@ -31,12 +31,13 @@ typedef struct penalty {
   nsdae_smooth integrator;
   nsdae_fall fall; /* of the gaps: of an open contact the gap, of a closed one the overlap */
   nsdae_dip dip;
+  nsdae_tracking tracking; /* of a contact list */
   nsdae_arena arena;
   double *qv, *z[2];     /* nq + nv: at `ahead`; n: between which the step is accounted for */
   double *peak, *force;  /* k: largest force of each contact until `ahead`; force there */
   double *shift;         /* k: where a gap counts as zero */
-  int *found;            /* k: contacts that close or open at `ahead` */
-  int pending;           /* any does */
+  int *found, *keep;     /* k: contacts that close or open at `ahead`; whose slots are not freed */
+  int pending, replays;  /* any does; steps are those of before */
   double ahead, reached; /* integrated, accounted for up to here */
   long stamp, stamps;    /* of the memory that the integrator stands at, 0: none; given so far */
 } penalty;
@@ -44,6 +45,11 @@ typedef struct penalty {
 static const nsdae_dims *dims(const penalty *p)
 {
   return &p->equations.stepper->system->dims;
+}
+
+static int is_tracked(const penalty *p)
+{
+  return p->equations.stepper->system->tracked != NULL;
 }
 
 /* ---- creation */
@@ -58,23 +64,23 @@ static void layout(void *object, nsdae_arena *arena)
   p->force = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->shift = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->found = NSDAE_ARENA_INTS(arena, d->k);
+  p->keep = NSDAE_ARENA_INTS(arena, d->k);
   nsdae_penalty_equations_layout(&p->equations, arena);
   nsdae_smooth_layout(&p->integrator, arena);
   nsdae_fall_layout(&p->fall, arena);
   nsdae_dip_layout(&p->dip, arena);
+  if (is_tracked(p)) nsdae_tracking_layout(&p->tracking, arena);
 }
 
-static int check_law(const nsdae_stepper *s)
+/* Whether the law has a force for contact i. */
+static int check_law(const nsdae_stepper *s, const char *where, int i)
 {
-  if (s->options->penalty_law != NSDAE_PENALTY_FLORES) return NSDAE_OK;
-  for (int i = 0; i < s->system->dims.k; i++) {
-    if (s->system->contact[i].e_n > 0) continue;
-    nsdae_error_set(s->error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "e_n",
-                    "e_n = 0 is outside its range: the law flores needs it greater than 0");
-    nsdae_system_name_item(s->system, NSDAE_NAME_CONTACT, i, s->error);
-    return NSDAE_E_ARGUMENT;
-  }
-  return NSDAE_OK;
+  int flores = s->options->penalty_law == NSDAE_PENALTY_FLORES;
+  if (!flores || s->system->contact[i].e_n > 0) return NSDAE_OK;
+  nsdae_error_set(s->error, NSDAE_E_ARGUMENT, where, "e_n",
+                  "e_n = 0 is outside its range: the law flores needs it greater than 0");
+  nsdae_system_name_item(s->system, NSDAE_NAME_CONTACT, i, s->error);
+  return NSDAE_E_ARGUMENT;
 }
 
 static int prepare(void *own)
@@ -87,7 +93,10 @@ static int prepare(void *own)
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
   p->integrator.steps.span = o->dt;
-  return check_law(p->equations.stepper);
+  int status = NSDAE_OK, k = is_tracked(p) ? 0 : dims(p)->k;
+  for (int i = 0; i < k && status == NSDAE_OK; i++)
+    status = check_law(p->equations.stepper, "nsdae_sim_create", i);
+  return status;
 }
 
 /* Overlaps of closed contacts and gaps of open ones at t in the last step. */
@@ -118,8 +127,20 @@ static int look(double t, double *gap, double *rate, void *user)
   return NSDAE_OK;
 }
 
+/* The terms at t in the last step, for the contacts that are tracked in it. */
+static int look_at(double t, nsdae_terms **terms, void *user)
+{
+  penalty *p = user;
+  double *qv = p->equations.room;
+  *terms = &p->equations.stepper->middle;
+  int status = nsdae_smooth_read(&p->integrator, t, dims(p)->nq + dims(p)->nv, qv);
+  nsdae_terms_at(*terms, t, qv, qv + dims(p)->nq);
+  return status;
+}
+
 static int make(penalty *p)
 {
+  const nsdae_stepper *s = p->equations.stepper;
   const nsdae_dims *d = dims(p);
   p->integrator.steps = (nsdae_runge_kutta){.n = nsdae_penalty_size(d),
                                             .controlled = nsdae_penalty_at_lambda(d),
@@ -134,10 +155,15 @@ static int make(penalty *p)
   p->integrator.powers = nsdae_penalty_powers;
   p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
   p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
+  p->tracking = (nsdae_tracking){.model = s->system,
+                                 .table = s->system->tracked,
+                                 .error = s->error,
+                                 .look = look_at,
+                                 .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK) status = nsdae_newton_kkt_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
-  int needed = p->equations.stepper->options->integrator == NSDAE_INTEGRATOR_IDA;
+  int needed = s->options->integrator == NSDAE_INTEGRATOR_IDA;
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
 }
 
@@ -159,6 +185,80 @@ static void destroy(void *own)
   nsdae_newton_kkt_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);
+}
+
+/* ---- contacts of a list */
+
+/* Contacts that got a slot are open, and nothing is known of them. */
+static void take_fresh(penalty *p)
+{
+  const nsdae_penalty_base *b = &p->equations.base;
+  size_t nt = (size_t)dims(p)->nt;
+  for (int i = 0; i < dims(p)->k; i++) {
+    if (!p->tracking.fresh[i]) continue;
+    b->closed[i] = p->found[i] = p->tracking.fresh[i] = 0;
+    b->since[i] = b->mass[i] = b->impulse[i] = b->peak[i] = 0;
+    memset(b->impulse_t + (size_t)i * nt, 0, nt * sizeof *b->impulse_t);
+    b->start_rate[i] = 1;
+    p->shift[i] = p->force[i] = p->peak[i] = 0;
+  }
+}
+
+/* The table is that of the memory. */
+static void keep_table(const penalty *p, nsdae_memory *memory)
+{
+  if (!is_tracked(p)) return;
+  nsdae_tracking_store(&p->tracking);
+  memory->slots = nsdae_system_contacts(p->equations.stepper->system);
+}
+
+/* Within which contacts close and open: as far as a zero is moved, and rounding. */
+static double near(const penalty *p, const nsdae_terms *at)
+{
+  double most = nsdae_terms_touch(at);
+  for (int i = 0; i < dims(p)->k; i++) most = fmax(most, fabs(p->shift[i]));
+  return most;
+}
+
+/* Terms at the start of a motion, or of a dt. */
+static nsdae_terms *terms_at(penalty *p, const nsdae_terms *from)
+{
+  nsdae_terms *T = &p->equations.stepper->middle;
+  nsdae_terms_at(T, from->t, from->q, from->v);
+  p->tracking.near = near(p, from);
+  return T;
+}
+
+/* Those near the start of a run. */
+static int begin_slots(penalty *p, const nsdae_terms *from)
+{
+  if (!is_tracked(p)) return NSDAE_OK;
+  int status = nsdae_tracking_begin(&p->tracking, terms_at(p, from), p->integrator.steps.max_step);
+  take_fresh(p);
+  return status;
+}
+
+/* Those near the start of a dt keep their slots: so do those that are closed or about to close, and
+ * those whose zero is moved. */
+static int free_slots(penalty *p, const nsdae_terms *from)
+{
+  if (!is_tracked(p)) return NSDAE_OK;
+  for (int i = 0; i < dims(p)->k; i++)
+    p->keep[i] = p->equations.base.closed[i] || (p->pending && p->found[i]) || p->shift[i] != 0;
+  return nsdae_tracking_trim(&p->tracking, terms_at(p, from), p->integrator.steps.max_step,
+                             p->keep);
+}
+
+/* Those near the step from `from`. A replay has those of then, of which its gaps are known from the
+ * start: so none are kept from the step before. */
+static int follow(penalty *p, double from)
+{
+  if (!is_tracked(p)) return NSDAE_OK;
+  nsdae_dip_start(&p->dip);
+  p->tracking.near = near(p, &p->equations.stepper->middle);
+  int added = p->replays ? 0 : nsdae_tracking_cover(&p->tracking, from, p->ahead);
+  if (added > 0) take_fresh(p);
+  return added < 0 ? added : NSDAE_OK;
 }
 
 /* ---- starts */
@@ -288,7 +388,8 @@ static int close_contact(penalty *p, int i, double t)
   nsdae_terms *T = &s->middle;
   const nsdae_dims *d = dims(p);
   nsdae_penalty_base *b = &p->equations.base;
-  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  int status = check_law(s, "nsdae_penalty", i);
+  if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
   if (status < 0) return status;
   memset(s->r, 0, (size_t)d->nv * sizeof *s->r);
@@ -328,17 +429,19 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
- * while it does not. */
+ * while it does not. One that is no longer listed has opened. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
   int status = move_base(p, t);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->qv);
   for (int i = 0; i < dims(p)->k && status == NSDAE_OK; i++) {
     double v_n = p->equations.at.v_n[i];
+    int closed = p->equations.base.closed[i];
+    int listed = p->equations.stepper->middle.gap[i] < NSDAE_FAR;
     if (!p->found[i]) continue;
-    if (p->equations.base.closed[i] && v_n > 0)
+    if (closed && (v_n > 0 || !listed))
       open_contact(p, result, i);
-    else if (!p->equations.base.closed[i] && v_n <= 0)
+    else if (!closed && v_n <= 0 && listed)
       status = close_contact(p, i, t);
   }
   return status < 0 ? status : start(p, t, 0);
@@ -360,7 +463,9 @@ static int begin(penalty *p, const nsdae_terms *from)
   *b->steps = *b->is_stiff = p->integrator.is_stiff = 0;
   *b->first = 0;
   for (int i = 0; i < d->k; i++) b->closed[i] = 0, b->start_rate[i] = 1;
-  int status = nsdae_penalty_evaluate(&p->equations, from->t, p->qv);
+  p->pending = 0;
+  int status = begin_slots(p, from);
+  if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, from->t, p->qv);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     if (p->equations.stepper->middle.gap[i] <= reach(p, i)) status = close_contact(p, i, from->t);
   return status < 0 ? status : start(p, from->t, 0);
@@ -404,35 +509,45 @@ static int follow_peaks(penalty *p, double from)
   return status;
 }
 
+/* Of the step from `from` to `ahead` the first time at which a gap crosses zero is `ahead`, where
+ * `found` says which. */
+static int search(penalty *p, double from)
+{
+  const nsdae_smooth *g = &p->integrator;
+  const double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
+  double hidden;
+  int contact = -1, k = dims(p)->k;
+  p->pending = 0;
+  if (k == 0) return NSDAE_OK;
+  int status = follow(p, from);
+  if (status == NSDAE_OK) status = values(from, p->fall.low, p);
+  if (status < 0) return status;
+  int found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
+  if (found < 0) return found;
+  status = nsdae_dip_find(&p->dip, from, p->ahead, nsdae_smooth_pieces(g), p->equations.base.closed,
+                          deep, &hidden, &contact);
+  if (contact >= 0) {
+    p->ahead = hidden;
+    memset(p->found, 0, (size_t)k * sizeof *p->found);
+    p->found[contact] = 1;
+  }
+  p->pending = found > 0 || contact >= 0;
+  return status;
+}
+
 /* One step of the integrator, up to the first gap that crosses zero. */
 static int one_step(penalty *p)
 {
   nsdae_smooth *g = &p->integrator;
-  const nsdae_dims *d = dims(p);
-  double from = p->ahead, hidden;
-  int contact = -1, status = NSDAE_OK, found = 0;
+  double from = p->ahead;
   nsdae_error_clear(p->equations.stepper->error);
-  if (d->k > 0) status = values(from, p->fall.low, p);
-  if (status == NSDAE_OK) status = nsdae_smooth_advance(g);
+  int status = nsdae_smooth_advance(g);
   if (status < 0) return status;
   p->ahead = g->to;
   ++*p->equations.base.steps;
-  if (d->k > 0) {
-    double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
-    found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
-    if (found < 0) return found;
-    status = nsdae_dip_find(&p->dip, from, p->ahead, nsdae_smooth_pieces(g),
-                            p->equations.base.closed, deep, &hidden, &contact);
-    if (status < 0) return status;
-  }
-  if (contact >= 0) {
-    p->ahead = hidden;
-    memset(p->found, 0, (size_t)d->k * sizeof *p->found);
-    p->found[contact] = 1;
-  }
-  p->pending = found > 0 || contact >= 0;
-  status = follow_peaks(p, from);
-  return status < 0 ? status : nsdae_smooth_read(g, p->ahead, d->nq + d->nv, p->qv);
+  status = search(p, from);
+  if (status == NSDAE_OK) status = follow_peaks(p, from);
+  return status < 0 ? status : nsdae_smooth_read(g, p->ahead, dims(p)->nq + dims(p)->nv, p->qv);
 }
 
 /* What IDA does not solve the explicit pair may. */
@@ -520,7 +635,9 @@ static int replay(penalty *p, const nsdae_terms *to)
   memcpy(q, b->qv, nq + nv);
   memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
   int status = start_integrator(p);
+  p->replays = 1;
   for (*b->steps = 0; status == NSDAE_OK && *b->steps < steps;) status = one_step(p);
+  p->replays = 0;
   if (status < 0) return integrator_failed(p, status, p->ahead);
   if (to->t <= p->ahead) status = read_state(p, to->t, p->equations.room);
   if (status < 0) return integrator_failed(p, status, p->ahead);
@@ -540,8 +657,21 @@ static int mode_of(const penalty *p, int i, int nt)
                                                                              : NSDAE_MODE_SLIP;
 }
 
+/* The gaps of a step by slots: at its start those of the contacts that have them now, at its end
+ * those of all that did something in it. */
+static int show(penalty *p, nsdae_terms *from, nsdae_result *result)
+{
+  if (!is_tracked(p)) return NSDAE_OK;
+  for (int i = 0; i < dims(p)->k; i++)
+    p->keep[i] = p->equations.base.closed[i] || result->impulses.normal[i] != 0;
+  for (int j = 0; j < result->impacts; j++) p->keep[result->impact[j].contact] = 1;
+  nsdae_terms_forget_slots(from);
+  int status = nsdae_terms_need(from, NSDAE_TERM_GAP);
+  return status < 0 ? status : nsdae_tracking_show(&p->tracking, &result->end, p->keep);
+}
+
 /* What the step did beside its impulses. */
-static int read_results(penalty *p, nsdae_result *result, double h)
+static int read_results(penalty *p, nsdae_terms *from, nsdae_result *result)
 {
   nsdae_terms *T = &p->equations.stepper->middle;
   const nsdae_dims *d = dims(p);
@@ -556,7 +686,7 @@ static int read_results(penalty *p, nsdae_result *result, double h)
   if (status == NSDAE_OK && p->integrator.is_stiff)
     status = nsdae_stepper_factor(p->equations.stepper, T, T->M);
   if (status < 0) return status;
-  for (int i = 0; i < d->m; i++) result->multiplier[i] /= h;
+  for (int i = 0; i < d->m; i++) result->multiplier[i] /= t - from->t;
   for (int i = 0; i < d->k; i++) to->mode[i] = mode_of(p, i, d->nt);
   for (int j = 0; j < d->f; j++) {
     double slip = fabs(nsdae_terms_slide_rate(T, j, T->v));
@@ -566,13 +696,14 @@ static int read_results(penalty *p, nsdae_result *result, double h)
   nsdae_result_rate(result, T, T->v);
   result->located = 1;
   nsdae_terms_at(&result->end, t, T->q, T->v);
-  return NSDAE_OK;
+  return show(p, from, result);
 }
 
 /* To where the step starts, if the integrator is not there already. A replay is not counted. */
 static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters)
 {
   long stamp = state->memory->stamp;
+  if (is_tracked(p)) nsdae_tracking_load(&p->tracking);
   if (stamp > 0 && stamp == p->stamp) return NSDAE_OK;
   if (stamp == 0) return begin(p, state->terms);
   nsdae_counters counted = *counters;
@@ -588,30 +719,42 @@ static int start_run(void *own, const nsdae_terms *at)
                            : NSDAE_OK;
 }
 
+static int track(void *own, nsdae_terms *at, double h)
+{
+  penalty *p = own;
+  terms_at(p, at);
+  int status = nsdae_tracking_begin_anew(&p->tracking, at, h);
+  memset(p->tracking.fresh, 0, (size_t)dims(p)->k * sizeof *p->tracking.fresh);
+  return status;
+}
+
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
   penalty *p = own;
-  nsdae_penalty_base_find(&p->equations.base, p->equations.stepper, &result->memory);
+  nsdae_penalty_base_find(&p->equations.base, &p->tracking, p->equations.stepper, &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
   if (status == NSDAE_OK) status = read_state(p, state->terms->t, p->qv);
+  if (status == NSDAE_OK) keep_table(p, &result->memory);
   return status < 0 ? status : move_base(p, state->terms->t);
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   penalty *p = own;
-  nsdae_penalty_base_find(&p->equations.base, p->equations.stepper, &result->memory);
+  nsdae_penalty_base_find(&p->equations.base, &p->tracking, p->equations.stepper, &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
   p->reached = state->terms->t;
+  if (status == NSDAE_OK) status = free_slots(p, state->terms);
   if (status == NSDAE_OK) status = integrate(p, result, t_end);
-  if (status == NSDAE_OK) status = read_results(p, result, p->reached - state->terms->t);
+  if (status == NSDAE_OK) status = read_results(p, state->terms, result);
   nsdae_error *error = p->equations.stepper->error;
   /* a callback that failed in an integral has its own status, as of a value that is not finite */
   if (status == NSDAE_E_CALLBACK && error->status < 0) return error->status;
   if (status < 0) return status;
   nsdae_error_clear(error); /* of callbacks that a smaller step helped */
+  keep_table(p, &result->memory);
   result->memory.stamp = p->stamp = ++p->stamps;
   return NSDAE_OK;
 }
@@ -625,4 +768,6 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .prepare = prepare,
     .start = start_run,
     .settle = settle,
-    .advance = advance};
+    .advance = advance,
+    .track = track,
+    .tracks = 1};

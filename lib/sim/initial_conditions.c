@@ -10,6 +10,7 @@
  * of time stepping, and the contact force of penalty. */
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -527,7 +528,8 @@ int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
 /* Of the kinetic energy of the approach: 5 % in the velocities, as in monitors.c. */
 static const double other_energy = 0.1;
 
-int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, nsdae_error *error)
+int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, const double *impulse,
+                      nsdae_error *error)
 {
   const nsdae_penalty_force law = {o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
   double most = other_energy, given = 0;
@@ -535,15 +537,18 @@ int nsdae_initial_law(const nsdae_system *s, const nsdae_sim_options *o, nsdae_e
   int contact = -1;
   if (o->method != NSDAE_METHOD_PENALTY) return NSDAE_OK;
   for (int i = 0; i < s->dims.k; i++) {
+    if ((s->tracked && !s->tracked->used[i]) || (impulse && impulse[i] == 0)) continue;
     double asked = s->contact[i].e_n, e = nsdae_penalty_restitution(&law, asked);
     double off = fabs(e * e - asked * asked);
     if (off > most) contact = i, most = off, given = e;
   }
   if (contact < 0) return NSDAE_OK;
-  nsdae_error_set(error, NSDAE_WARN_RESTITUTION, "nsdae_sim_init", "penalty_law",
-                  "%s has e_N = %.3g, and its penalty_law gives a restitution of %.3g: take "
-                  "kelvin-voigt, flores, or the e_N that gives the restitution wanted",
-                  nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called),
-                  s->contact[contact].e_n, given);
-  return nsdae_error_at(error, NSDAE_WARN_RESTITUTION, contact, NAN);
+  nsdae_error_set(
+      error, NSDAE_WARN_RESTITUTION, impulse ? "nsdae_sim" : "nsdae_sim_init", "penalty_law",
+      "%s has e_N = %.3g, and its penalty_law gives a restitution of %.3g: take "
+      "kelvin-voigt, flores, or the e_N that gives the restitution wanted",
+      nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), s->contact[contact].e_n, given);
+  long id = s->tracked ? s->tracked->id[contact] : contact;
+  return nsdae_error_at(error, NSDAE_WARN_RESTITUTION, id >= 0 && id <= INT_MAX ? (int)id : -1,
+                        NAN);
 }

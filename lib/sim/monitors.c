@@ -191,6 +191,17 @@ static int judge_fallback(const nsdae_sim *sim, const nsdae_point *before, nsdae
   return known ? NSDAE_OK : report(point, &deep, NSDAE_WARN_PENETRATION);
 }
 
+/* The law of contacts of a list that were not near at the start. */
+static int judge_law(const nsdae_sim *sim, nsdae_point *point)
+{
+  int *warnings = &point->accounts.stats.warnings;
+  if (!sim->model.tracked || (*warnings & NSDAE_MONITORS_RESTITUTION)) return NSDAE_OK;
+  int status = nsdae_initial_law(&sim->model, &sim->options, point->result.impulses.normal,
+                                 point->result.end.error);
+  if (status > 0) *warnings |= NSDAE_MONITORS_RESTITUTION;
+  return status;
+}
+
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   nsdae_monitors *w = &point->accounts.watch;
@@ -205,6 +216,8 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   for (int i = 0; i < found; i++)
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
       return report(point, &all[i], rules[all[i].rule].status);
+  status = judge_law(sim, point);
+  if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;
   const nsdae_terms *end = &point->result.end;
   char called[NSDAE_CALLED_SIZE];

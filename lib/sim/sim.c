@@ -63,12 +63,6 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
   nsdae_sim_options_default(&defaults);
   if (!system->by_list) return NSDAE_OK;
   if (!options) options = &defaults;
-  const nsdae_stepping *method = nsdae_stepping_of(options->method);
-  if (!method->by_list && !method->tracks)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                           "method = %s does not support contact lists: use implicit, "
-                           "implicit-printed or moreau",
-                           nsdae_method_name(options->method));
   if (system->dims.f > 0)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "f",
                            "f = %d frictional joints are not supported with a contact list",
@@ -283,7 +277,7 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   if (status < 0) return status;
   sim->stage.start = sim->error;
   if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
-  if (nsdae_initial_law(&sim->model, &sim->options, &sim->stage.start) > 0)
+  if (nsdae_initial_law(&sim->model, &sim->options, NULL, &sim->stage.start) > 0)
     sim->next->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION; /* penalty has no other */
   nsdae_error_clear(&sim->error);
   status = nsdae_initial_touch(sim, &r->end);

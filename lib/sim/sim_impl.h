@@ -241,9 +241,9 @@ int nsdae_initial_check(nsdae_projector *projection, nsdae_terms *start, double 
 int nsdae_initial_touch(nsdae_sim *sim, nsdae_terms *start);
 
 /* NSDAE_OK, or with method penalty NSDAE_WARN_RESTITUTION naming the contact whose law is furthest
- * from e_N. */
+ * from e_N; of those with an impulse [k], NULL: of all. */
 int nsdae_initial_law(const nsdae_system *system, const nsdae_sim_options *options,
-                      nsdae_error *error);
+                      const double *impulse, nsdae_error *error);
 
 /* Numbers that the check works on: accelerations of contacts and frictional joints, given and
  * differenced. */

@@ -163,5 +163,4 @@ const nsdae_stepping nsdae_stepping_printed = {
     .destroy = destroy,
     .lay = lay,
     .advance = advance,
-    .by_list = 1,
     .closes = 1};

@@ -223,5 +223,4 @@ const nsdae_stepping nsdae_stepping_implicit = {
     .summary = "the scheme iterated to the end of the step: second order between impacts",
     .lay = nsdae_stepper_lay,
     .advance = advance,
-    .by_list = 1,
     .closes = 1};

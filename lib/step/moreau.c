@@ -66,5 +66,4 @@ const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                                   "Moreau's midpoint rule: first order, explicit",
                                               .lay = nsdae_stepper_lay,
                                               .advance = advance,
-                                              .by_list = 1,
                                               .closes = 1};

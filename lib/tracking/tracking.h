@@ -72,7 +72,7 @@ int nsdae_tracking_cover(nsdae_tracking *tracking, double from, double to);
 
 /* Terms are at the end of a dt: their list has the slots that are needed [k], as those that had an
  * impulse in it and are farther than the last step's way by now. One of another feature may be
- * listed no more; its gap is NSDAE_FAR. */
+ * listed no more; its gap is then the widest reach that was asked for. */
 int nsdae_tracking_show(const nsdae_tracking *tracking, nsdae_terms *terms, const int *needed);
 
 #endif

@@ -619,7 +619,6 @@ static void test_refusals(void **state)
   (void)state;
   twin_draw(&t, 7, &plain);
   s = twin_blocks(&t);
-  expect_refused(s, NSDAE_E_ARGUMENT, "method", NSDAE_METHOD_PENALTY, 0, 0);
   for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
     expect_refused(s, NSDAE_E_ARGUMENT, "polygon", method, 0, 8);
   nsdae_system_set_mass(s, no_mass);
