@@ -1,5 +1,6 @@
 /* The blocks of a mechanism: a body is one, coordinates of one's own are the last; and contacts by
  * list, found by the broad phase. */
+#include <float.h>
 #include <stdlib.h>
 
 #include "broad_phase.h"
@@ -57,7 +58,7 @@ static int list_feature(void *to, const nsdae_feature *f)
 {
   const listing *l = to;
   const nsdae_couple two = couple_of(l, f->solid[0], f->solid[1]);
-  if (!l->omega && !f->edges && two.solid[0]->points <= 1) {
+  if (!l->omega && two.solid[0]->points == 1) {
     const nsdae_still still = nsdae_round_still(&two, f->part[1]);
     return add_contact(l, f->number, &two, &still, NULL);
   }
@@ -80,25 +81,26 @@ static int list_corners(const listing *l, int first, const nsdae_couple *two,
   return status;
 }
 
-/* Corners of the second solid against a plane; most of a body's are too high. */
+/* Corners of the second solid against a plane. Most of a body's are too high; their heights in its
+ * own frame have another rounding: four sums of terms up to |height| + size. */
 static int list_plane(const listing *l, int base, int other)
 {
   const nsdae_couple two = couple_of(l, base, other);
   const nsdae_solid_of *plane = two.solid[0], *solid = two.solid[1];
-  const nsdae_pose *from = two.pose[0], *to = two.pose[1];
-  double n[3], x[3], above[3], height = 0;
+  nsdae_still still = {.far = 0};
+  double x0[3], x1[3], above[3], height = 0;
   int status = 0;
-  nsdae_turn(from->R, plane->R + 6, n);
-  nsdae_turn(from->R, plane->origin, x);
-  nsdae_turn_back(to->R, n, above);
-  for (int i = 0; i < 3; i++) height += n[i] * (to->r[i] - from->r[i] - x[i]);
+  nsdae_turn(two.pose[0]->R, plane->R + 6, still.normal);
+  nsdae_pose_put(two.pose[0], plane->origin, x0);
+  nsdae_turn_back(two.pose[1]->R, still.normal, above);
+  for (int i = 0; i < 3; i++) height += still.normal[i] * (two.pose[1]->r[i] - x0[i]);
+  double most = l->reach + solid->radius;
+  most += 16 * DBL_EPSILON * (most + fabs(height) + solid->size);
   for (int i = 0; i < solid->points && status >= 0; i++) {
-    const double *p = solid->point + 3 * i, h = height + nsdae_dot3(above, p);
-    if (h - solid->radius > l->reach) continue;
-    nsdae_still still = {.normal = {n[0], n[1], n[2]}};
-    nsdae_turn(to->R, p, x);
-    for (int j = 0; j < 3; j++) x[j] += to->r[j];
-    nsdae_still_place(&still, x, h, 0, solid->radius);
+    const double *p = nsdae_solid_corner(solid, i);
+    if (height + nsdae_dot3(above, p) > most) continue;
+    nsdae_pose_put(two.pose[1], p, x1);
+    nsdae_still_plane(&still, x0, x1, solid->radius);
     status = add_contact(l, i, &two, &still, NULL);
   }
   return status;

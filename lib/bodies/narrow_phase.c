@@ -58,26 +58,39 @@ nsdae_still nsdae_still_of(const nsdae_touch *touch)
   return still;
 }
 
+void nsdae_still_point(nsdae_still *still, const double *x0, double r0, double side,
+                       const double *x1, double r1)
+{
+  double *n = still->normal;
+  const double d[3] = {x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]};
+  double length = sqrt(nsdae_dot3(d, d)), inverse = length > 0 ? 1 / length : 0;
+  for (int i = 0; i < 3; i++) n[i] = side * (inverse * d[i]);
+  if (!(length > 0)) n[0] = side;
+  still->gap = side * length - (side * r0 + r1);
+  for (int i = 0; i < 3; i++) {
+    still->at[0][i] = x0[i] + side * r0 * n[i];
+    still->at[1][i] = x1[i] - r1 * n[i];
+  }
+}
+
+void nsdae_still_plane(nsdae_still *still, const double *x0, const double *x1, double r1)
+{
+  const double d[3] = {x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]}, *n = still->normal;
+  double height = nsdae_dot3(n, d);
+  still->gap = height - r1;
+  for (int i = 0; i < 3; i++) {
+    still->at[0][i] = x1[i] - height * n[i];
+    still->at[1][i] = x1[i] - r1 * n[i];
+  }
+}
+
 nsdae_still nsdae_round_still(const nsdae_couple *two, int corner)
 {
   const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  const nsdae_pose *pose0 = two->pose[0], *pose1 = two->pose[1];
   nsdae_still still = {.far = 0};
-  double x0[3], x1[3], d[3], h;
-  nsdae_turn(pose0->R, s0->origin, x0);
-  nsdae_turn(pose1->R, nsdae_solid_corner(s1, corner), x1);
-  for (int i = 0; i < 3; i++) {
-    x1[i] += pose1->r[i];
-    d[i] = x1[i] - (x0[i] + pose0->r[i]);
-  }
-  if (s0->shape == NSDAE_SHAPE_PLANE) {
-    nsdae_turn(pose0->R, s0->R + 6, still.normal);
-    h = nsdae_dot3(still.normal, d);
-  } else {
-    h = nsdae_still_direct(&still, d);
-  }
-  double side = s0->hollow ? -1 : 1, r0 = s0->shape == NSDAE_SHAPE_PLANE ? 0 : s0->radius;
-  for (int i = 0; i < 3; i++) still.normal[i] *= side;
-  nsdae_still_place(&still, x1, side * h, side * r0, s1->radius);
+  double x0[3], x1[3];
+  nsdae_pose_put(two->pose[0], s0->origin, x0);
+  nsdae_pose_put(two->pose[1], nsdae_solid_corner(s1, corner), x1);
+  nsdae_still_point(&still, x0, s0->radius, s0->hollow ? -1 : 1, x1, s1->radius);
   return still;
 }

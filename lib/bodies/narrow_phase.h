@@ -38,36 +38,27 @@ nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough);
 /* The contact of a corner of solid 1 against the polygon or rounded segment 0; met is theirs. */
 nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae_meeting *met);
 
-/* A contact as it is now, without rates: lists need no more, and want it for each of many. */
+/* A contact as it is now, without rates: lists need no more, and want it for each of many. Values
+ * are those of the jets, to the last bit. */
 typedef struct nsdae_still {
   int far;
   double gap, normal[3], at[2][3]; /* n; c_i */
 } nsdae_still;
 
 nsdae_still nsdae_still_of(const nsdae_touch *touch);
-/* The corner of solid 1 against a plane, or against what is round or a hole, solid 0. */
+/* As nsdae_touch_point_point, and nsdae_touch_plane_point with the normal that is set. */
+void nsdae_still_point(nsdae_still *still, const double *x0, double r0, double side,
+                       const double *x1, double r1);
+void nsdae_still_plane(nsdae_still *still, const double *x0, const double *x1, double r1);
+/* The corner of solid 1 against what is round or a hole, solid 0; as nsdae_polygon_touch. */
 nsdae_still nsdae_round_still(const nsdae_couple *two, int corner);
-/* As nsdae_polygon_touch. */
 nsdae_still nsdae_polygon_still(const nsdae_couple *two, int corner, const nsdae_meeting *met);
 
-/* The gap and the places of the point x_1, at the height h along n over what is rounded by r_0; it
- * is rounded by r_1. */
-static inline void nsdae_still_place(nsdae_still *still, const double *x1, double h, double r0,
-                                     double r1)
+/* x := r + R s */
+static inline void nsdae_pose_put(const nsdae_pose *pose, const double *s, double *x)
 {
-  still->gap = h - r0 - r1;
-  for (int i = 0; i < 3; i++) {
-    still->at[0][i] = x1[i] - (h - r0) * still->normal[i];
-    still->at[1][i] = x1[i] - r1 * still->normal[i];
-  }
-}
-
-/* n := d / |d|, which is returned; along x where d = 0. */
-static inline double nsdae_still_direct(nsdae_still *still, const double *d)
-{
-  double length = sqrt(nsdae_dot3(d, d));
-  for (int i = 0; i < 3; i++) still->normal[i] = length > 0 ? d[i] / length : i == 0;
-  return length;
+  nsdae_turn(pose->R, s, x);
+  for (int i = 0; i < 3; i++) x[i] += pose->r[i];
 }
 
 static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)

@@ -217,21 +217,21 @@ nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae
 nsdae_still nsdae_polygon_still(const nsdae_couple *two, int corner, const nsdae_meeting *met)
 {
   const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  const double *R = two->pose[0]->R, *r0 = two->pose[0]->r;
+  const double *p = nsdae_solid_corner(s1, corner);
   nsdae_still still = {.far = 0};
-  double x1[3] = {0, 0, 0}, d[3] = {0, 0, 0};
+  double now[2], x0[3], x1[3];
   place at;
-  int edge = touched(two, nsdae_solid_corner(s1, corner), met, x1, &at);
+  int edge = touched(two, p, met, now, &at);
   still.far = edge == FAR;
   if (still.far) return still;
-  if (edge != NONE) {
-    const double *n = edge_normal(s0, edge);
-    for (int i = 0; i < 2; i++) still.normal[i] = R[i] * n[0] + R[3 + i] * n[1];
+  nsdae_pose_put(two->pose[1], p, x1);
+  nsdae_pose_put(two->pose[0], nsdae_solid_corner(s0, edge != NONE ? edge : near_end(s0, at)), x0);
+  if (edge == NONE) {
+    nsdae_still_point(&still, x0, s0->radius, 1, x1, s1->radius);
   } else {
-    const double *end = nsdae_solid_corner(s0, near_end(s0, at));
-    for (int i = 0; i < 2; i++) d[i] = x1[i] - r0[i] - (R[i] * end[0] + R[3 + i] * end[1]);
-    at.height = nsdae_still_direct(&still, d);
+    nsdae_turn(two->pose[0]->R, edge_normal(s0, edge), still.normal);
+    for (int i = 0; i < 3; i++) x0[i] += s0->radius * still.normal[i];
+    nsdae_still_plane(&still, x0, x1, s1->radius);
   }
-  nsdae_still_place(&still, x1, at.height, s0->radius, s1->radius);
   return still;
 }

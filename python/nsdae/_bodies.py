@@ -328,8 +328,8 @@ class Bodies:
     def set_pair(self, material0: int, material1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
         """Adds contacts between all solids of two materials on different bodies.
 
-        The contacts are detected in every step and form a contact list (`Record.contacts`). Available with the methods
-        "implicit", "implicit-printed" and "moreau". Two solids of `add_contact` keep the coefficients of that call.
+        The contacts are detected in every step and form a contact list (`Record.contacts`). Two solids of `add_contact`
+        keep the coefficients of that call.
 
         Parameters
         ----------
