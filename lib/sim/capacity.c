@@ -154,15 +154,16 @@ int nsdae_sim_make_slots(nsdae_sim *sim, int k)
     return no_memory_for_slots(sim, k);
   for (int i = 0; i < (sim->aside ? 3 : 2); i++) carry(sim, &sim->point[i].result, &was[i]);
   nsdae_terms_forget(&sim->stepper.middle);
+  sim->own = NULL;
   status = nsdae_sim_make_method(sim);
   if (status < 0) {
     sim->method->destroy(sim->own);
+    sim->own = own;
     nsdae_arena_restore(&sim->arena, nsdae_sim_layout, change_slots, sim, &old);
     nsdae_cones_open(&sim->stepper.contacts.cones); /* it has room for fewer */
   } else {
     sim->method->destroy(own);
   }
-  if (status < 0) sim->own = own;
   nsdae_arena_release(&old);
   return status < 0 ? status : nsdae_sim_make_room(sim, &sim->lists.contacts, &sim->lists.rows);
 }

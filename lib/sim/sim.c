@@ -84,13 +84,15 @@ static int copy_system(nsdae_sim *sim)
   const nsdae_system *from = sim->system;
   size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
   memcpy(&sim->model, from, sizeof *from);
-  sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
+  sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
   if (from->by_list && sim->method->tracks) {
     sim->model.by_list = 0;
+    sim->model.contact = NULL;
     sim->model.tracked = &sim->tracked;
     if (nsdae_sim_make_slots(sim, SLOTS) < 0) return NSDAE_E_MEMORY;
+  } else {
+    sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
   }
-  sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
   if (!sim->model.contact || !sim->model.frictional_joint) return NSDAE_E_MEMORY;
   if (k > 0) memcpy(sim->model.contact, from->contact, k * sizeof *from->contact);
   if (f > 0)

@@ -215,9 +215,9 @@ static void test_every_place(void **state)
 
 static void test_heap(void **state)
 {
-  const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU};
+  const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU, NSDAE_METHOD_EVENT};
   (void)state;
-  for (int i = 0; i < 2; i++) {
+  for (int i = 0; i < 3; i++) {
     /* friction is solved without a stage that there is no memory for, to the same tolerance */
     life l = {.method = methods[i], .spare = 1};
     /* glibc keeps the stack of a thread that ended, and a block for it, for the next one */
