@@ -427,7 +427,7 @@ static int unsolved(nsdae_contacts *c, double t, int status)
       "smaller dt or less friction may help",
       c->rows, first, t, nsdae_status_message(status), c->lcp.info.residual, c->lcp.options.tol);
   c->error->time = t;
-  c->error->index = contact ? c->active[0] : -1;
+  c->error->index = contact ? nsdae_system_index(c->system, NSDAE_NAME_CONTACT, c->active[0]) : -1;
   return status;
 }
 

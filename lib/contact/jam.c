@@ -21,7 +21,7 @@ static int tell(const nsdae_contacts *c, int kind, int item, double t, const cha
                   "%s has %s at t = %.17g (Painleve's paradox: friction increases the normal "
                   "force, coefficient %.3g): reduce mu, or use method = implicit (impulses)",
                   nsdae_system_called(c->system, kind, item, called), what, t, coefficient);
-  c->error->index = item;
+  c->error->index = nsdae_system_index(c->system, kind, item);
   c->error->time = t;
   return NSDAE_E_PAINLEVE;
 }

@@ -33,7 +33,7 @@ static int refuse(const nsdae_event_setting *s, int kind, int item, const char *
                   "smaller, or use method = implicit",
                   nsdae_system_called(s->system, kind, item, called), what, value, t,
                   s->options->rtol, bound);
-  s->error->index = item;
+  s->error->index = nsdae_system_index(s->system, kind, item);
   s->error->time = t;
   return NSDAE_E_CONVERGENCE;
 }

@@ -56,7 +56,7 @@ int nsdae_event_explain_strayed(nsdae_event_instant *p, double *q)
                   "more contacts, or a smaller dt",
                   nsdae_system_called(s->system, NSDAE_NAME_CONTACT, i, called), dt,
                   nsdae_terms_time(s->here));
-  error->index = i;
+  error->index = nsdae_system_index(s->system, NSDAE_NAME_CONTACT, i);
   error->time = nsdae_terms_time(s->here);
   return error->status;
 }

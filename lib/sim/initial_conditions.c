@@ -76,7 +76,8 @@ static int check_gaps(nsdae_terms *T, int method, double tol)
                         : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
                           "the method keeps this overlap; nsdae_sim_project corrects it",
                   nsdae_terms_called(T, NSDAE_NAME_CONTACT, i, called), -T->gap[i], bound);
-  return nsdae_error_at(T->error, status, i, nsdae_terms_time(T));
+  return nsdae_error_at(T->error, status, nsdae_system_index(T->system, NSDAE_NAME_CONTACT, i),
+                        nsdae_terms_time(T));
 }
 
 /* A quaternion has length one; two coordinates may as well be a point on a circle. The group

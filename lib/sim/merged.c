@@ -142,7 +142,9 @@ static int report(nsdae_point *point, const merged *m)
                   s->by_list ? nsdae_system_called_id(s, id[m->other], other)
                              : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->other, other),
                   m->impacts);
-  return nsdae_error_at(end->error, NSDAE_WARN_IMPACTS, m->contact, nsdae_terms_time(end));
+  return nsdae_error_at(end->error, NSDAE_WARN_IMPACTS,
+                        nsdae_system_index(s, NSDAE_NAME_CONTACT, m->contact),
+                        nsdae_terms_time(end));
 }
 
 int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)

@@ -82,7 +82,8 @@ static int check_rows(nsdae_sim *sim, const nsdae_terms *T, const nsdae_rows *ro
         "%s has lengths of %.2g and moves by %.2g in a step; atol = %g and rtol = %g resolve %.2g: "
         "use a unit of length near the size of the bodies, or a smaller atol",
         nsdae_system_called(T->system, kind, i, called), lengths, way, o->atol, o->rtol, tol);
-    return nsdae_error_at(&sim->error, NSDAE_E_ARGUMENT, i, NAN);
+    return nsdae_error_at(&sim->error, NSDAE_E_ARGUMENT, nsdae_system_index(T->system, kind, i),
+                          NAN);
   }
   return NSDAE_OK;
 }

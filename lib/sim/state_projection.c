@@ -417,7 +417,8 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
                   "by %.3g; check for contradictory constraints",
                   nsdae_terms_time(T), nsdae_terms_called(T, kind, i, called),
                   contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->contacts.depth[i]);
-  return nsdae_error_at(T->error, NSDAE_E_CONVERGENCE, i, nsdae_terms_time(T));
+  return nsdae_error_at(T->error, NSDAE_E_CONVERGENCE, nsdae_system_index(T->system, kind, i),
+                        nsdae_terms_time(T));
 }
 
 /* Whether the rows are satisfied: to their rounding, a few eps of their terms; where constants that

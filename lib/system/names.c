@@ -148,6 +148,13 @@ static int in_slot(const nsdae_system *s, int i)
   return s && s->tracked && i >= 0 && i < s->dims.k && s->tracked->used[i];
 }
 
+int nsdae_system_index(const nsdae_system *system, int kind, int i)
+{
+  if (kind != NSDAE_NAME_CONTACT || !in_slot(system, i)) return i;
+  long id = system->tracked->id[i];
+  return id >= 0 && id <= INT_MAX ? (int)id : -1;
+}
+
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE])
 {
@@ -182,10 +189,7 @@ void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_e
   const nsdae_output item = {.row = kind, .column = -1};
   if (!error) return;
   append_label(system, &item, kind, i, ": ", error);
-  error->index = i;
-  if (kind != NSDAE_NAME_CONTACT || !in_slot(system, i)) return;
-  long id = system->tracked->id[i];
-  error->index = id >= 0 && id <= INT_MAX ? (int)id : -1;
+  error->index = nsdae_system_index(system, kind, i);
 }
 
 /* What an output is about: of W_N, its contacts. */

@@ -132,6 +132,8 @@ static inline int nsdae_system_is_listed(const nsdae_system *system)
 enum { NSDAE_CALLED_SIZE = 128 + NSDAE_NAME_SIZE };
 const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
                                 char text[NSDAE_CALLED_SIZE]);
+/* The index of an error: i, of a contact in a slot its id, or -1 where that is no int. */
+int nsdae_system_index(const nsdae_system *system, int kind, int i);
 /* 'contact of id 7', of a list. */
 const char *nsdae_system_called_id(const nsdae_system *system, long id,
                                    char text[NSDAE_CALLED_SIZE]);

@@ -145,6 +145,8 @@ static double compare(const run *fixed, const run *list)
   return fmax(most, compare_contacts(fixed, list));
 }
 
+static long fallbacks; /* of the list that was followed last */
+
 /* The largest difference in a number of steps; counts impacts and changes. */
 static double follow(const char *name, const scene *s, int steps, double near, int *events)
 {
@@ -174,6 +176,11 @@ static double follow(const char *name, const scene *s, int steps, double near, i
     if (!(most <= near)) print_message("%s, step %d: %.3g apart\n", name, i, most);
     assert_true(most <= near);
   }
+  nsdae_stats of[2] = {{0}};
+  if (a.sim) nsdae_sim_get_stats(a.sim, &of[0]);
+  if (b.sim) nsdae_sim_get_stats(b.sim, &of[1]);
+  assert_int_equal(of[0].fallback_steps, of[1].fallback_steps);
+  fallbacks = of[1].fallback_steps;
   nsdae_sim_destroy(&a.sim);
   nsdae_sim_destroy(&b.sim);
   as_list_destroy(copy);
@@ -265,6 +272,30 @@ static void test_random(void **state)
   assert_true(events > 50);
 }
 
+/* ---- steps by implicit where event gives up, and event after them */
+
+static void test_fallbacks(void **state)
+{
+  int events = 0;
+  long steps = 0;
+  (void)state;
+  for (uint64_t seed = 0; seed < 3 * SEEDS; seed++) {
+    static scene s;
+    random_system r;
+    char name[32];
+    snprintf(name, sizeof name, "few instants, seed %d", (int)seed);
+    make_random(&s, &r, seed, NSDAE_INTEGRATOR_AUTO);
+    s.options.events_max = 1;
+    if (r.dims.k > 0 && r.dims.f == 0 && is_exact(&r)) {
+      follow(name, &s, STEPS / 2, NEAR, &events);
+      steps += fallbacks;
+    }
+    nsdae_system_destroy(&s.system);
+  }
+  print_message("%ld steps by implicit\n", steps);
+  assert_true(steps > 10);
+}
+
 /* ---- a state put back */
 
 /* Where a simulation of the same list goes on from a block it has the same bytes. */
@@ -308,9 +339,32 @@ static void test_resumed(void **state)
   }
 }
 
+/* ---- names */
+
+/* A start that overlaps: the contact is named by its id, whatever its slot. */
+static void test_named(void **state)
+{
+  static scene s;
+  nsdae_error error;
+  nsdae_sim *sim = NULL;
+  (void)state;
+  make_model(&s, &newtons_cradle_model);
+  as_list *copy = as_list_create(s.system, 0, NULL, NULL);
+  as_list_hide(copy, 0); /* contact 1 is in the first slot */
+  s.q[1] += 0.5;
+  assert_int_equal(nsdae_sim_create(as_list_system(copy), &s.options, &sim, &error), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, s.q, s.v), NSDAE_E_ARGUMENT);
+  assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact of id 1"));
+  assert_int_equal(nsdae_sim_error(sim)->index, 1);
+  nsdae_sim_destroy(&sim);
+  as_list_destroy(copy);
+  nsdae_system_destroy(&s.system);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_examples), cmocka_unit_test(test_random),
-                                     cmocka_unit_test(test_resumed)};
+                                     cmocka_unit_test(test_fallbacks),
+                                     cmocka_unit_test(test_resumed), cmocka_unit_test(test_named)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
