@@ -112,9 +112,13 @@ static void run(const char *name, nsdae_system *system, const double *q, const d
     hash = UINT64_C(14695981039346656037);
     int status = nsdae_sim_create(system, &options, &sim, &error);
     if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, q, v);
-    /* event has one dense problem for all contacts that touch: few steps of a list */
-    if (status >= 0)
-      impacts = steps(sim, by[run] == NSDAE_METHOD_EVENT && d.k == 0 && most > FEW ? FEW : most);
+    /* event has one dense problem for all contacts that touch, penalty asks for the list thousands
+     * of times an impact: few steps of a list */
+    int few = d.k > 0                           ? most
+              : by[run] == NSDAE_METHOD_EVENT   ? FEW
+              : by[run] == NSDAE_METHOD_PENALTY ? 1
+                                                : most;
+    if (status >= 0) impacts = steps(sim, few < most ? few : most);
     printf("%-32s %d %016llx %d\n", name, run, (unsigned long long)hash, impacts);
     nsdae_sim_destroy(&sim);
   }
