@@ -100,6 +100,8 @@ static int event_most = INT_MAX;
 static void run(const char *name, nsdae_system *system, const double *q, const double *v,
                 nsdae_sim_options options, int most)
 {
+  nsdae_dims d = {0};
+  if (system) nsdae_system_get_dims(system, &d);
   for (int run = 0; system && run < 8; run++) {
     static const int by[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED,
                              NSDAE_METHOD_MOREAU,   NSDAE_METHOD_PENALTY,
