@@ -5,6 +5,7 @@
  * The integrals of the forces are integrated along, so that a step's impulses are as accurate as
  * its state. A gap that closes starts a contact (its d'_0 is the velocity there); when it opens
  * again, what happened in between is an impact. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +27,9 @@ static const double FIRST = 0.1;
 /* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
+/* Of a time: two crossings nearer to each other are one (fall.c). */
+static const double ROUNDING = 100 * DBL_EPSILON;
+
 typedef struct penalty {
   nsdae_penalty_equations equations;
   nsdae_smooth integrator;
@@ -35,7 +39,7 @@ typedef struct penalty {
   nsdae_arena arena;
   double *qv, *z[2];     /* nq + nv: at `ahead`; n: between which the step is accounted for */
   double *peak, *force;  /* k: largest force of each contact until `ahead`; force there */
-  double *shift;         /* k: where a gap counts as zero */
+  double *shift, depth;  /* k: where a gap counts as zero; the largest overlap at `ahead` */
   int *found, *keep;     /* k: contacts that close or open at `ahead`; whose slots are not freed */
   int pending, replays;  /* any does; steps are those of before */
   double ahead, reached; /* integrated, accounted for up to here */
@@ -212,10 +216,11 @@ static void keep_table(const penalty *p, nsdae_memory *memory)
   memory->slots = nsdae_system_contacts(p->equations.stepper->system);
 }
 
-/* Within which contacts close and open: as far as a zero is moved, and rounding. */
+/* Within which contacts close and open: as far as a zero is moved, and rounding. One that overlaps
+ * may go on with another id, as where a corner leaves an edge, at a depth up to twice that. */
 static double near(const penalty *p, const nsdae_terms *at)
 {
-  double most = nsdae_terms_touch(at);
+  double most = fmax(nsdae_terms_touch(at), 2 * p->depth);
   for (int i = 0; i < dims(p)->k; i++) most = fmax(most, fabs(p->shift[i]));
   return most;
 }
@@ -330,8 +335,10 @@ static int start_integrator(penalty *p)
   if (status < 0) return status;
   p->integrator.steps.force = force_of(p);
   memcpy(p->force, p->equations.at.normal, (size_t)dims(p)->k * sizeof *p->force);
+  p->depth = 0;
   for (int i = 0; i < dims(p)->k; i++) {
     double gap = T->gap[i];
+    if (b->closed[i]) p->depth = fmax(p->depth, -gap);
     int wrong = b->closed[i] ? gap >= 0 : gap <= 0;
     p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
@@ -429,7 +436,8 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
 
 /* Gaps that crossed zero: contacts begin and end, and the integrator starts anew. A gap within its
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
- * while it does not. One that is no longer listed has opened. */
+ * while it does not. One that is no longer listed has opened; one that was not before closes
+ * wherever it is, as another feature of two bodies. */
 static int switch_contacts(penalty *p, nsdae_result *result, double t)
 {
   int status = move_base(p, t);
@@ -438,10 +446,11 @@ static int switch_contacts(penalty *p, nsdae_result *result, double t)
     double v_n = p->equations.at.v_n[i];
     int closed = p->equations.base.closed[i];
     int listed = p->equations.stepper->middle.gap[i] < NSDAE_FAR;
+    int appears = is_tracked(p) && p->fall.low[i] >= NSDAE_FAR;
     if (!p->found[i]) continue;
     if (closed && (v_n > 0 || !listed))
       open_contact(p, result, i);
-    else if (!closed && v_n <= 0 && listed)
+    else if (!closed && (v_n <= 0 || appears) && listed)
       status = close_contact(p, i, t);
   }
   return status < 0 ? status : start(p, t, 0);
@@ -515,6 +524,7 @@ static int search(penalty *p, double from)
 {
   const nsdae_smooth *g = &p->integrator;
   const double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
+  const double h = p->ahead - from;
   double hidden;
   int contact = -1, k = dims(p)->k;
   p->pending = 0;
@@ -524,14 +534,18 @@ static int search(penalty *p, double from)
   if (status < 0) return status;
   int found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
   if (found < 0) return found;
+  p->depth = 0;
+  for (int i = 0; i < k; i++)
+    if (p->equations.base.closed[i]) p->depth = fmax(p->depth, p->fall.high[i] - p->shift[i]);
   status = nsdae_dip_find(&p->dip, from, p->ahead, nsdae_smooth_pieces(g), p->equations.base.closed,
                           deep, &hidden, &contact);
-  if (contact >= 0) {
+  if (contact >= 0 && (found == 0 || p->ahead - hidden > ROUNDING * (fabs(p->ahead) + h))) {
     p->ahead = hidden;
+    found = 1;
     memset(p->found, 0, (size_t)k * sizeof *p->found);
     p->found[contact] = 1;
   }
-  p->pending = found > 0 || contact >= 0;
+  p->pending = found > 0;
   return status;
 }
 

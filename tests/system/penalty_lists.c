@@ -430,13 +430,104 @@ static void test_flores(void **state)
   end(&r);
 }
 
+/* ---- features */
+
+/* A ball that rolls over tiles, a contact of each: its id is the tile's, and one is listed. */
+static int tiles(double t, const double *q, const double *v, double reach, nsdae_contact_list *list,
+                 void *user)
+{
+  const int *many = user;
+  nsdae_contact c = {.id = *many ? (long)floor(q[0] / 0.01) : 0,
+                     .block = {0, -1},
+                     .gap = q[1] + 0.002 * sin(20 * q[0]),
+                     .mu = 0.1,
+                     .e_n = 1};
+  double slope = 0.04 * cos(20 * q[0]), size = sqrt(1 + slope * slope);
+  (void)t, (void)v;
+  if (c.gap > reach) return 0;
+  c.direction[0][0][0] = slope, c.direction[0][0][1] = 1;
+  c.direction[0][1][0] = 1 / size, c.direction[0][1][1] = -slope / size;
+  nsdae_contact_add(list, &c);
+  return 0;
+}
+
+static int two_masses(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[3] = 1;
+  return 0;
+}
+
+static int weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[1] = -10;
+  return 0;
+}
+
+static void roll(int many, int integrator, double *q, int *impacts, int *ids)
+{
+  const nsdae_dims dims = {.nq = 2, .nt = 1};
+  const double q0[] = {0.0003, 1e-5}, v0[] = {0.5, 0};
+  const int two = 2;
+  nsdae_sim_options o = penalty_by(integrator);
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record r;
+  long last = -1;
+  o.dt = 2e-3, o.rtol = 1e-9, o.atol = 1e-12;
+  o.penalty_law = NSDAE_PENALTY_HERTZ;
+  o.penalty_stiffness = 1e7;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_user(system, &many);
+  nsdae_system_set_blocks(system, 1, &two, &two);
+  nsdae_system_set_mass_blocks(system, two_masses);
+  nsdae_system_set_force(system, weight);
+  nsdae_system_set_contacts(system, tiles);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  *impacts = *ids = 0;
+  for (int i = 0; i < 100; i++) {
+    int status = nsdae_sim_step(sim);
+    if (status < 0) print_message("step %d: %s\n", i, nsdae_sim_error(sim)->text);
+    assert_true(status >= 0);
+    nsdae_sim_get_record(sim, &r);
+    *impacts += r.impacts;
+    for (int j = 0; j < r.contacts.count; j++) *ids += r.contacts.id[j] > last;
+    for (int j = 0; j < r.contacts.count; j++)
+      if (r.contacts.id[j] > last) last = r.contacts.id[j];
+  }
+  memcpy(q, r.q, 2 * sizeof *q);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+/* The force of Hertz does not depend on how the contact began: the same motion as on one contact,
+ * to the integrator's tolerance over some thousand steps. */
+static void test_features(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 4; i++) {
+    double one[2], many[2];
+    int impacts, ids;
+    if (!has_integrator(integrators[i])) continue;
+    roll(0, integrators[i], one, &impacts, &ids);
+    roll(1, integrators[i], many, &impacts, &ids);
+    print_message("integrator %d: %d tiles, %d impacts, off by %.1e, %.1e\n", integrators[i], ids,
+                  impacts, many[0] - one[0], many[1] - one[1]);
+    assert_true(ids > 5);
+    assert_near(many[0], one[0], 1e-6);
+    assert_near(many[1], one[1], 1e-6);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_random),      cmocka_unit_test(test_examples),
       cmocka_unit_test(test_go_on),       cmocka_unit_test(test_twins),
       cmocka_unit_test(test_not_in_time), cmocka_unit_test(test_restitution),
-      cmocka_unit_test(test_flores),
+      cmocka_unit_test(test_flores),      cmocka_unit_test(test_features),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
