@@ -318,7 +318,7 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   if (nsdae_bodies_has_list(b) && b->own.dims.k > 0)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies_system", "pair",
                            "the system has a contact list: the user rows have %d fixed contacts; "
-                           "list them with the callback contacts of nsdae_bodies_set_user_rows",
+                           "list them with their callback contacts",
                            b->own.dims.k);
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);

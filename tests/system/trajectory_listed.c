@@ -255,15 +255,20 @@ static void expect_same(int n)
   }
 }
 
-static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_EVENT};
+enum { METHODS = NSDAE_METHOD_EVENT + 1 };
 
-enum { METHODS = sizeof methods / sizeof *methods };
+/* The law of penalty has another restitution than e_N, which is a warning. */
+static void run(fixture *f, int steps)
+{
+  int status = nsdae_sim_run(f->sim, steps * f->options.dt);
+  assert_true(status == NSDAE_OK || status == NSDAE_WARN_RESTITUTION);
+}
 
 static void write_whole(int method, int every, int compress, int steps)
 {
   fixture f;
   create(&f, whole_path, method, every, compress);
-  check_ok(nsdae_sim_run(f.sim, steps * f.options.dt));
+  run(&f, steps);
   leave(&f, NSDAE_OK);
 }
 
@@ -272,7 +277,7 @@ static void go_on(int method, int steps)
   fixture f;
   prepare(&f, method);
   check_ok(nsdae_trajectory_resume(f.sim, path, &f.info, &f.trajectory, &f.error));
-  check_ok(nsdae_sim_run(f.sim, steps * f.options.dt));
+  run(&f, steps);
   leave(&f, NSDAE_OK);
 }
 
@@ -282,10 +287,10 @@ static void test_parts(void **state)
   (void)state;
   for (int i = 0; i < 4 * METHODS; i++) {
     fixture f;
-    int every = i & 1 ? 9 : 1, compress = i & 2 ? 4 : 0, method = methods[i / 4];
+    int every = i & 1 ? 9 : 1, compress = i & 2 ? 4 : 0, method = i / 4;
     write_whole(method, every, compress, STEPS);
     create(&f, path, method, every, compress);
-    check_ok(nsdae_sim_run(f.sim, 50 * f.options.dt));
+    run(&f, 50);
     leave(&f, NSDAE_OK);
     for (int steps = 100; steps <= STEPS; steps += 50) go_on(method, steps);
     go_on(method, STEPS); /* nothing left to do */
@@ -298,7 +303,7 @@ static void test_killed(void **state)
 {
   (void)state;
   for (int i = 0; i < 4 * METHODS; i++) {
-    int every = i & 1 ? 5 : 1, method = methods[i / 4], left;
+    int every = i & 1 ? 5 : 1, method = i / 4, left;
     write_whole(method, every, 0, STEPS / 2);
     pid_t child = fork();
     if (child == 0) {
