@@ -129,10 +129,8 @@ static int build(faults *f, int d, int listed, int own, nsdae_bodies **b, nsdae_
   nsdae_bodies_set_gravity(*b, gravity);
   nsdae_bodies_add_solid(*b, NSDAE_GROUND, &ground);
   for (int i = 0; i < 2; i++) nsdae_bodies_add_solid(*b, i, &ball);
-  if (listed)
-    nsdae_bodies_set_pair(*b, 0, 0, 0.3, 0.5, 0);
-  else
-    for (int i = 1; i < 3; i++) nsdae_bodies_add_contact(*b, 0, i, 0.3, 0.5, 0);
+  if (listed) nsdae_bodies_set_pair(*b, 0, 0, 0.3, 0.5, 0); /* the second; the first is named */
+  for (int i = 1; i < (listed ? 2 : 3); i++) nsdae_bodies_add_contact(*b, 0, i, 0.3, 0.5, 0);
   nsdae_user_rows mine = {.dims = {.nq = 1, .m = 1},
                           .mass = own_mass,
                           .force = own_force,
@@ -241,7 +239,7 @@ static void test_failing_callbacks(void **state)
 {
   (void)state;
   for (int form = 0; form < 8; form++)
-    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++)
       for (long at = 0; fail_call(form, method, at, at % 2 ? 2 : -2); at += 1 + at / 8) continue;
 }
 
@@ -297,7 +295,7 @@ static void test_spoiled_callbacks(void **state)
   const double value[] = {NAN, INFINITY, 1e308, -1e308, 1e-310};
   (void)state;
   for (int form = 0; form < 8; form++)
-    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++)
       for (long at = 0; spoil_call(form, method, at, value[at % 5]); at += 1 + at / 8) continue;
 }
 

@@ -171,6 +171,29 @@ static scene shaken_discs(int form)
   return s;
 }
 
+/* A bar on a pin, a disc that slides along it with friction to a stop on the ground. */
+static scene slot(int form)
+{
+  scene s = begin(2, form, 2, 0.3, 0.5);
+  nsdae_bodies_add(s.b, &(nsdae_rigid_body){.mass = 2, .inertia = {0, 0, 0.2}});
+  nsdae_bodies_add(
+      s.b, &(nsdae_rigid_body){.mass = 1, .inertia = {0, 0, 0.005}, .position = {0.2, -0.1}});
+  nsdae_bodies_add_joint(s.b, &(nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE,
+                                             .body = {NSDAE_GROUND, 0},
+                                             .point = {-0.5, 0.25}});
+  nsdae_bodies_add_joint(s.b, &(nsdae_joint){.kind = NSDAE_JOINT_SLOT,
+                                             .body = {0, 1},
+                                             .point = {0.2, -0.1},
+                                             .axis = {2, -1},
+                                             .mu = 0.2});
+  add_solid(&s, NSDAE_GROUND,
+            (nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .position = {0, -0.6}, .angle = -0.1}, 0);
+  add_solid(&s, 1, (nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = 0.1}, 1);
+  touch(&s, 0, 1, 1);
+  pair(&s, 0, 1);
+  return s;
+}
+
 /* ---- runs */
 
 typedef struct run {
@@ -292,8 +315,9 @@ static void check_all(int method, int events)
   check_scene(planar_box, method, events);
   check_scene(spatial_box, method, events);
   check_scene(cradle, method, events);
-  check_scene(rolling_ball, method, events);
+  check_scene(rolling_ball, method, events && method == NSDAE_METHOD_EVENT); /* mode transitions */
   check_scene(shaken_discs, method, events);
+  check_scene(slot, method, events);
 }
 
 static void test_event(void **state)
@@ -302,8 +326,14 @@ static void test_event(void **state)
   check_all(NSDAE_METHOD_EVENT, 1);
 }
 
+static void test_penalty(void **state)
+{
+  (void)state;
+  check_all(NSDAE_METHOD_PENALTY, 1);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_event)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_event), cmocka_unit_test(test_penalty)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
