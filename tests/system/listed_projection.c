@@ -346,6 +346,36 @@ static void test_depths(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* Event starts at gaps >= 0: within start_tol by the same regression, beyond it is refused. */
+static void test_event(void **state)
+{
+  (void)state;
+  fault none = {.at = 1L << 40};
+  nsdae_system *system = column(&none);
+  nsdae_sim_options options;
+  nsdae_sim *sim;
+  double q[BALLS], v[BALLS] = {0}, x[BALLS];
+  nsdae_record r;
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_EVENT;
+  draw_column(12, q);
+  for (int i = 0; i < BALLS; i++) q[i] = 1.5 * i + (i % 3 ? 1e-7 * (q[i] - i) - 0.5 * (i % 3) : 0);
+  regression(q, x);
+  int status = nsdae_sim_create(system, &options, &sim, NULL);
+  if (status == NSDAE_OK) {
+    if (nsdae_sim_init(sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+    nsdae_sim_get_record(sim, &r);
+    for (int i = 0; i < BALLS; i++) assert_near(r.q[i], x[i], 1e-12 * BALLS);
+    q[40] = q[39] + 0.9;
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_ARGUMENT);
+    assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact of id 87 overlaps by 0.1"));
+    assert_int_equal(nsdae_sim_project(sim, 0, q, v), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+    nsdae_sim_destroy(&sim);
+  }
+  nsdae_system_destroy(&system);
+}
+
 /* ---- what can go wrong */
 
 static void expect(const fault *f, int contacts_max, int status, const char *argument,
@@ -460,9 +490,10 @@ static void test_restart(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_twins),   cmocka_unit_test(test_random), cmocka_unit_test(test_rod),
-      cmocka_unit_test(test_columns), cmocka_unit_test(test_depths), cmocka_unit_test(test_faults),
-      cmocka_unit_test(test_no_room), cmocka_unit_test(test_restart)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_twins),  cmocka_unit_test(test_random),
+                                     cmocka_unit_test(test_rod),    cmocka_unit_test(test_columns),
+                                     cmocka_unit_test(test_depths), cmocka_unit_test(test_event),
+                                     cmocka_unit_test(test_faults), cmocka_unit_test(test_no_room),
+                                     cmocka_unit_test(test_restart)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
