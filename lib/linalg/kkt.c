@@ -48,8 +48,9 @@ int nsdae_kkt_reserve(nsdae_kkt *kkt, const nsdae_rows *J)
   const nsdae_kkt_part all = whole(kkt, J);
   if (!kkt->is_sparse) return NSDAE_OK;
   int status = nsdae_sparse_kkt_analyse(&kkt->sparse, &all);
-  /* a part may be factored by the other method */
-  return status < 0 ? status : nsdae_sparse_ldl_analyse(&kkt->sparse.ldl, &kkt->sparse.schur);
+  /* a part may be factored by the other method, if there is one */
+  if (status == NSDAE_OK) status = nsdae_sparse_ldl_analyse(&kkt->sparse.ldl, &kkt->sparse.schur);
+  return status == NSDAE_E_UNSUPPORTED ? NSDAE_OK : status;
 }
 
 static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_coupling *coupling,

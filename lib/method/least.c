@@ -92,7 +92,10 @@ int nsdae_least_reserve(nsdae_least *p, const nsdae_terms *T, enum nsdae_least_r
   const nsdae_by_blocks *by = &T->by;
   const nsdae_dims *d = &T->system->dims;
   int all = rows == NSDAE_LEAST_ALL, nt = all ? d->nt : 0;
-  if (p->most == 0 || !(p->kkt.is_sparse || p->grows)) return NSDAE_OK;
+  unsigned terms = NSDAE_TERM_JACOBIAN;
+  if (rows != NSDAE_LEAST_CONSTRAINTS) terms |= NSDAE_TERM_NORMAL;
+  if (all) terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE;
+  if (p->most == 0 || !(p->kkt.is_sparse || p->grows) || (terms & ~T->have)) return NSDAE_OK;
   nsdae_least_start(p);
   for (int i = 0; i < d->m; i++) nsdae_least_append(p, &by->jacobian, i, 0);
   for (int i = 0; rows != NSDAE_LEAST_CONSTRAINTS && i < by->normal.count; i++) {
