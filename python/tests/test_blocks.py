@@ -210,7 +210,7 @@ def test_rows_of_frictional_joints():
                         constraint_rows=lambda t, q, rows: rows.add(0, 1, [1.0]), joint_friction_rows=joint_friction_rows)
     slot.set_frictional_joint(0, 0, 0.25)
     run = nsdae.solve(slot, 1, [0, 0], [1, 0], method="moreau", dt=0.01)
-    assert np.allclose(run.v[:, 0], np.maximum(1 - 0.25 * G * run.t, -0.5), atol=1e-12)
+    assert np.allclose(run.v[:, 0], np.maximum(1 - 0.25 * G * run.time, -0.5), atol=1e-12)
 
 
 def springs(n, **given):
