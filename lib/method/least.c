@@ -98,10 +98,11 @@ int nsdae_least_reserve(nsdae_least *p, const nsdae_terms *T, enum nsdae_least_r
   if (p->most == 0 || !(p->kkt.is_sparse || p->grows) || (terms & ~T->have)) return NSDAE_OK;
   /* Independent rows are nv at most. Of many more, as of the contacts of all pairs of bodies, few
    * are closed together, and the Schur complement of all would be dense. */
-  if (d->m + by->normal.count * (1 + nt) > 2 * d->nv) return NSDAE_OK;
+  int contacts = rows != NSDAE_LEAST_CONSTRAINTS ? by->normal.count : 0;
+  if (d->m + contacts * (1 + nt) > 2 * d->nv) return NSDAE_OK;
   nsdae_least_start(p);
   for (int i = 0; i < d->m; i++) nsdae_least_append(p, &by->jacobian, i, 0);
-  for (int i = 0; rows != NSDAE_LEAST_CONSTRAINTS && i < by->normal.count; i++) {
+  for (int i = 0; i < contacts; i++) {
     nsdae_least_append(p, &by->normal, i, 0);
     for (int j = i * nt; j < (i + 1) * nt; j++) nsdae_least_append(p, &by->tangent, j, 0);
   }
