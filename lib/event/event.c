@@ -688,7 +688,9 @@ static int prepare(void *own)
 static int start_run(void *own, const nsdae_terms *at)
 {
   event *e = own;
-  return e->integrator.smooth.ida ? nsdae_stepper_start(e->tools, &e->phase.newton, at) : NSDAE_OK;
+  int status = nsdae_least_reserve(&e->instant.projection.least, at, NSDAE_LEAST_ALL);
+  if (status < 0 || !e->integrator.smooth.ida) return status;
+  return nsdae_stepper_start(e->tools, &e->phase.newton, at);
 }
 
 /* The memory of the result is that of the method, from here on. */

@@ -38,11 +38,26 @@ void nsdae_kkt_release(nsdae_kkt *kkt)
 
 /* ---- the sparse method, of all blocks and rows */
 
+static nsdae_kkt_part whole(const nsdae_kkt *kkt, const nsdae_rows *J)
+{
+  return (nsdae_kkt_part){kkt->blocks, J, kkt->blocks->count, kkt->m, kkt->each, kkt->each};
+}
+
+int nsdae_kkt_reserve(nsdae_kkt *kkt, const nsdae_rows *J)
+{
+  const nsdae_kkt_part all = whole(kkt, J);
+  if (!kkt->is_sparse) return NSDAE_OK;
+  int status = nsdae_sparse_kkt_analyse(&kkt->sparse, &all);
+  /* a part may be factored by the other method, if there is one */
+  if (status == NSDAE_OK) status = nsdae_sparse_ldl_analyse(&kkt->sparse.ldl, &kkt->sparse.schur);
+  return status == NSDAE_E_UNSUPPORTED ? NSDAE_OK : status;
+}
+
 static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_coupling *coupling,
                          const nsdae_rows *J, int fixed, const double *basis)
 {
   nsdae_sparse_kkt *s = &kkt->sparse;
-  const nsdae_kkt_part all = {kkt->blocks, J, kkt->blocks->count, kkt->m, kkt->each, kkt->each};
+  const nsdae_kkt_part all = whole(kkt, J);
   s->rank_tol = kkt->rank_tol;
   int status = nsdae_sparse_kkt_analyse(s, &all);
   if (status == NSDAE_OK)

@@ -19,6 +19,10 @@
 void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena);
 void nsdae_kkt_release(nsdae_kkt *kkt);
 
+/* Sparse, memory of the analysis of these rows, which that of a part of them finds there: NSDAE_OK
+ * or NSDAE_E_MEMORY. A part needs more only if its order of elimination fills more. */
+int nsdae_kkt_reserve(nsdae_kkt *kkt, const nsdae_rows *J);
+
 /* Factors M (its lower triangles) and J [m rows]. NSDAE_OK, also with rank < m: the caller decides
  * what that means; NSDAE_E_MASS: M is not positive definite, see pivot. Sparse, also
  * NSDAE_E_NONFINITE, and NSDAE_E_MEMORY if the pattern of J is new. */

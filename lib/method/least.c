@@ -87,6 +87,31 @@ void nsdae_least_append(nsdae_least *p, const nsdae_rows *rows, int i, double mi
   J->first[p->rows] = part;
 }
 
+int nsdae_least_reserve(nsdae_least *p, const nsdae_terms *T, enum nsdae_least_rows rows)
+{
+  const nsdae_by_blocks *by = &T->by;
+  const nsdae_dims *d = &T->system->dims;
+  int all = rows == NSDAE_LEAST_ALL, nt = all ? d->nt : 0;
+  unsigned terms = NSDAE_TERM_JACOBIAN;
+  if (rows != NSDAE_LEAST_CONSTRAINTS) terms |= NSDAE_TERM_NORMAL;
+  if (all) terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE;
+  if (p->most == 0 || !(p->kkt.is_sparse || p->grows) || (terms & ~T->have)) return NSDAE_OK;
+  /* Independent rows are nv at most. Of many more, as of the contacts of all pairs of bodies, few
+   * are closed together, and the Schur complement of all would be dense. */
+  int contacts = rows != NSDAE_LEAST_CONSTRAINTS ? by->normal.count : 0;
+  if (d->m + contacts * (1 + nt) > 2 * d->nv) return NSDAE_OK;
+  nsdae_least_start(p);
+  for (int i = 0; i < d->m; i++) nsdae_least_append(p, &by->jacobian, i, 0);
+  for (int i = 0; i < contacts; i++) {
+    nsdae_least_append(p, &by->normal, i, 0);
+    for (int j = i * nt; j < (i + 1) * nt; j++) nsdae_least_append(p, &by->tangent, j, 0);
+  }
+  for (int j = 0; all && j < d->f; j++) nsdae_least_append(p, &by->frictional_joint, j, 0);
+  p->kkt.m = p->J.count = p->rows;
+  int status = p->status == NSDAE_OK ? nsdae_kkt_reserve(&p->kkt, &p->J) : p->status;
+  return status < 0 ? nsdae_error_memory(T->error, "nsdae_sim_init") : NSDAE_OK;
+}
+
 int nsdae_least_solve(nsdae_least *p, const nsdae_terms *T)
 {
   if (p->status < 0) return nsdae_error_memory(T->error, "nsdae_sim");

@@ -32,6 +32,13 @@ void nsdae_least_start(nsdae_least *least);
 /* Appends row i, row_i . d = -missing. */
 void nsdae_least_append(nsdae_least *least, const nsdae_rows *rows, int i, double missing);
 
+/* So that no step takes memory: for the rows of the constraints at the terms' point, of the normals
+ * of its contacts, and of their tangents and the frictional joints, or a part of them. Nothing if
+ * these terms are not there, or if there are more than 2 nv rows. NSDAE_OK or NSDAE_E_MEMORY with
+ * the record. */
+enum nsdae_least_rows { NSDAE_LEAST_CONSTRAINTS, NSDAE_LEAST_NORMALS, NSDAE_LEAST_ALL };
+int nsdae_least_reserve(nsdae_least *least, const nsdae_terms *terms, enum nsdae_least_rows rows);
+
 /* change and c, with the terms' M. A status of nsdae_kkt_solve, with the record. */
 int nsdae_least_solve(nsdae_least *least, const nsdae_terms *terms);
 

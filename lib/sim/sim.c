@@ -300,6 +300,10 @@ static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
   sim->model.epoch = t0;
   while (status == NSDAE_OK && (status = start_at(sim, t0, q0, v0)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
+  if (status == NSDAE_OK)
+    status = nsdae_least_reserve(&sim->projection.least, &sim->next->result.end,
+                                 sim->projection.contacts.any ? NSDAE_LEAST_NORMALS
+                                                              : NSDAE_LEAST_CONSTRAINTS);
   if (status == NSDAE_OK && sim->method->start)
     status = sim->method->start(sim->own, &sim->next->result.end);
   if (status < 0) return status;

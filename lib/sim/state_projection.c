@@ -87,7 +87,7 @@ int nsdae_projector_grow(nsdae_projector *p, const nsdae_room *contacts, const n
   made.contacts.ids = p->contacts.ids;
   if (status == NSDAE_OK) status = nsdae_arena_build(&made.contacts.arena, lay_out_rows, &made);
   if (status < 0) return status;
-  nsdae_least_release(&p->least);
+  made.least.kkt.sparse = p->least.kkt.sparse; /* its memory */
   nsdae_arena_release(&p->contacts.arena);
   *p = made;
   p->least.given = &p->contacts.rows;
