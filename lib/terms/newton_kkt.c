@@ -20,7 +20,8 @@ void nsdae_newton_kkt_layout(nsdae_newton_kkt *b, const nsdae_system *system, in
   b->border.kkt = &b->kkt;
   nsdae_newton_matrix_layout(&b->matrix, arena);
   nsdae_kkt_layout(&b->kkt, arena);
-  nsdae_border_layout(&b->border, &system->dims, most, arena);
+  nsdae_border_layout(&b->border, system, most, arena);
+  b->border.coupling = &b->matrix.coupling;
 }
 
 int nsdae_newton_kkt_make(nsdae_newton_kkt *b)

@@ -25,7 +25,7 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->moved = NSDAE_ARENA_DOUBLES(arena, p->setting->at.lambda);
   p->border.kkt = p->setting->kkt;
-  nsdae_border_layout(&p->border, d, (int)forces, arena);
+  nsdae_border_layout(&p->border, p->setting->system, (int)forces, arena);
   nsdae_newton_kkt_layout(&p->newton, p->setting->system, (int)forces,
                           p->setting->options->rank_tol, arena);
 }
@@ -231,15 +231,7 @@ double nsdae_event_yield(const nsdae_event_phase *p, int i)
 
 double nsdae_event_determinant(const nsdae_event_phase *p, int *sign)
 {
-  const nsdae_border *b = &p->border;
-  double sum = 0;
-  *sign = 1;
-  for (int a = 0; a < b->count; a++) {
-    double entry = b->B[(size_t)a * (size_t)(b->most + 1)];
-    if ((entry < 0) != (b->pivot[a] != a + 1)) *sign = -*sign;
-    sum += log(fabs(entry));
-  }
-  return sum;
+  return nsdae_border_determinant(&p->border, sign);
 }
 
 double nsdae_event_force_that_gives(const nsdae_event_phase *p, int force, double a)
@@ -248,7 +240,7 @@ double nsdae_event_force_that_gives(const nsdae_event_phase *p, int force, doubl
   int place = p->rows.place[force];
   if (place < 0) return 0;
   const nsdae_event_row *r = &p->rows.row[place];
-  const double *x = p->border.V + (size_t)place * (size_t)s->dims.nv;
+  const double *x = nsdae_border_response(&p->border, place);
   double G = nsdae_rows_dot(&s->blocks, r->rows, r->index, x);
   return G > 0 ? a / G : 0;
 }
