@@ -171,6 +171,7 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   p->closed = closed;
   p->results = results;
   p->home = terms;
+  p->dispatch.factorisation.closed++;
   if (p->system->by_list) return close_list(p, terms, last, was);
   close_fixed(p, terms, was);
   return NSDAE_OK;
@@ -317,7 +318,7 @@ void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, dou
   int nt = p->system->dims.nt;
   for (int a = 0; a < p->count; a++) {
     int i = nsdae_problem_contact(p, a);
-    if (skip_impacts && r->impact[i]) continue;
+    if (r->normal[i] == 0 || (skip_impacts && r->impact[i])) continue;
     nsdae_rows_add(blocks, &T->by.normal, i, scale * r->normal[i], y);
     for (int j = i * nt; j < (i + 1) * nt; j++)
       nsdae_rows_add(blocks, &T->by.tangent, j, scale * r->tangential[j], y);

@@ -372,16 +372,18 @@ static void assemble_block(nsdae_contacts *c, int row, int column)
   }
 }
 
-/* Where none has friction E_P = E_Q = 1, and A is G; a few are assembled sooner one by one. */
+/* Where none has friction E_P = E_Q = 1, and A is G. */
 static void assemble(nsdae_contacts *c)
 {
   size_t n = (size_t)c->columns;
-  int plain = c->columns == c->active_count && c->active_count > 3;
-  if (plain) memcpy(c->lcp.A, c->delassus.G, n * n * sizeof *c->lcp.A);
+  if (c->columns == c->active_count && c->columns > 1) {
+    memcpy(c->lcp.A, c->delassus.G, n * n * sizeof *c->lcp.A);
+    memcpy(c->lcp.b, c->delassus.offset, n * sizeof *c->lcp.b);
+    return;
+  }
   for (int a = 0; a < c->active_count; a++) {
     const nsdae_law *law = &c->law[a];
-    for (int other = plain ? c->active_count : 0; other < c->active_count; other++)
-      assemble_block(c, other, a);
+    for (int other = 0; other < c->active_count; other++) assemble_block(c, other, a);
     size_t first = (size_t)c->first_row[a];
     nsdae_law_add_coupling(law, c->lcp.A + first * (size_t)c->rows + first, c->rows);
     nsdae_law_velocity(law, c->delassus.offset + c->first_column[a], c->lcp.b + first);

@@ -23,7 +23,7 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
   c->rows_most = of->system->by_list ? nsdae_law_rows(nt, 1, of->edges) : of->rows_most;
   c->part.J = &l->gathered.J;
   l->kkt.rank_tol = rank_tol;
-  l->factored = -1;
+  l->factored = l->closed = -1;
 }
 
 /* ---- room */
@@ -107,7 +107,7 @@ int nsdae_dense_island_grow(nsdae_dense_island *l, const nsdae_room *rows)
   widen(&size, &l->need);
   if (l->arena.base && memcmp(&size, &l->most, sizeof size) == 0) return NSDAE_OK;
   l->most = size;
-  l->factored = -1;
+  l->factored = l->closed = -1;
   nsdae_arena_release(&l->arena);
   int status = nsdae_arena_build(&l->arena, layout, l);
   c->active_count = 0;
@@ -319,7 +319,7 @@ static void take_joints(nsdae_dense_island *l, const nsdae_island_equations *w, 
   const nsdae_contact_islands *is = w->islands;
   nsdae_contact_slides *s = &l->contacts.slides;
   const int *row = is->row.of + is->row.first[island];
-  s->count = w->with_contacts ? nsdae_members_count(&is->joint, island) : 0;
+  s->count = nsdae_members_count(&is->joint, island);
   for (int i = 0; i < s->count; i++) {
     s->place[i] = is->joint.of[is->joint.first[island] + i];
     s->number[i] = is->joint_number[s->place[i]];
@@ -333,11 +333,13 @@ static void close_contacts(nsdae_dense_island *l, const nsdae_island_equations *
 {
   const nsdae_members *members = &w->islands->contact;
   nsdae_contacts *c = &l->contacts;
+  if (l->at.whole && l->closed == w->factorisation->closed) return;
+  l->closed = l->at.whole ? w->factorisation->closed : -1;
   c->part.coefficient = w->law;
   c->part.id = w->id;
   c->warm = w->warm;
   take_joints(l, w, island);
-  nsdae_contacts_close_these(c, w->with_contacts ? nsdae_members_count(members, island) : 0,
+  nsdae_contacts_close_these(c, nsdae_members_count(members, island),
                              members->of + members->first[island], w->results);
 }
 
@@ -402,29 +404,41 @@ static void measure(const nsdae_dense_island *l, int j, double u_j, double *diag
 
 /* What is left of a law with velocities along columns of W, beside their rounding: v is as good as
  * contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN. */
-static void leave(const nsdae_dense_island *l, int column, int columns, double left,
+static void leave(const nsdae_dense_island *l, int rounded, int column, int columns, double left,
                   nsdae_natural_residual *residual)
 {
   const double *W = l->contacts.delassus.W + (size_t)column * (size_t)l->kkt.n;
   double most = 0;
-  if (left == 0) return;
-  for (int c = 0; c < columns; c++) {
+  for (int c = 0; c < columns && rounded; c++) {
     double sum = 0;
     for (int j = 0; j < l->kkt.n; j++) sum += fabs(*W++) * l->at.size[j];
     most = fmax(most, sum);
   }
-  left -= 32 * DBL_EPSILON * most + DBL_MIN;
+  if (rounded) left -= 32 * DBL_EPSILON * most + DBL_MIN;
   nsdae_natural_residual_row(residual, left > 0 || left != left ? left : 0);
 }
 
 /* Residual of the a-th contact: impulses in units of velocity by the mean diagonal of G, against
  * the law. */
-static void fit_contact(const nsdae_dense_island *l, int a, nsdae_natural_residual *residual)
+static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
+                        nsdae_natural_residual *residual)
 {
   const nsdae_contacts *c = &l->contacts;
   const nsdae_impulses *r = c->results;
   int i = c->active[a], nt = c->system->dims.nt, columns = c->law[a].columns;
   const nsdae_coefficients *law = &c->part.coefficient[i];
+  if (columns == 1 && l->kkt.m == 0) { /* the most of many */
+    size_t column = (size_t)c->first_column[a];
+    double xi = r->after[i] + law->e_n * r->before[i];
+    double scaled = r->normal[i] * c->delassus.G[column * (size_t)(c->columns + 1)];
+    nsdae_natural_residual_speed(residual, c->delassus.offset[column]);
+    double left = fabs(scaled - xi > 0 ? xi : scaled);
+    if (rounded)
+      leave(l, rounded, c->first_column[a], 1, left, residual);
+    else
+      nsdae_natural_residual_row(residual, left);
+    return;
+  }
   double x[3] = {r->normal[i]}, u[3] = {r->after[i] + law->e_n * r->before[i]}, d = 0;
   for (int j = 1, t = i * nt; j < columns; j++, t++) {
     x[j] = r->tangential[t];
@@ -441,11 +455,12 @@ static void fit_contact(const nsdae_dense_island *l, int a, nsdae_natural_residu
   for (int j = 0; j < columns; j++) x[j] *= d;
   nsdae_natural_residual one = {0};
   nsdae_natural_residual_contact(&one, columns > 1 ? law->mu : 0, x, u);
-  leave(l, c->first_column[a], columns, one.left, residual);
+  leave(l, rounded, c->first_column[a], columns, one.left, residual);
 }
 
 /* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto the friction that |lambda| bounds. */
-static void fit_joint(const nsdae_dense_island *l, int i, nsdae_natural_residual *residual)
+static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
+                      nsdae_natural_residual *residual)
 {
   const nsdae_contacts *c = &l->contacts;
   int j = c->slides.number[i];
@@ -454,22 +469,25 @@ static void fit_joint(const nsdae_dense_island *l, int i, nsdae_natural_residual
   measure(l, column, u, &d, &q);
   nsdae_natural_residual_speed(residual, q);
   double most = d * c->system->frictional_joint[j].mu * fabs(l->at.lambda[c->slides.constraint[i]]);
-  leave(l, column, 1, fabs(d * x - fmax(-most, fmin(most, d * x - u))), residual);
+  leave(l, rounded, column, 1, fabs(d * x - fmax(-most, fmin(most, d * x - u))), residual);
 }
 
-static void fit_row(const nsdae_dense_island *l, int i, nsdae_natural_residual *residual)
+static void fit_row(const nsdae_dense_island *l, int i, int rounded,
+                    nsdae_natural_residual *residual)
 {
   const nsdae_island_view *at = &l->at;
   double u = nsdae_rows_add_dot(at->blocks, at->J, i, at->v, -l->asked[i]);
-  double rounding =
-      32 * DBL_EPSILON * nsdae_rows_dot_sizes(at->blocks, at->J, i, at->size) + DBL_MIN;
+  double rounding = rounded ? 32 * DBL_EPSILON *
+                                      nsdae_rows_dot_sizes(at->blocks, at->J, i, at->size) +
+                                  DBL_MIN
+                            : 0;
   nsdae_natural_residual_row(residual, fabs(u) <= rounding ? 0 : u);
   nsdae_natural_residual_speed(residual, u + nsdae_rows_dot(at->blocks, at->J, i, l->free));
 }
 
-/* Of v as it is, and what it would be without any impulse. A polygon is no cone: it leaves what its
+/* rounded: less what rounding explains. Of v as it is, and what it would be without any impulse. A polygon is no cone: it leaves what its
  * complementarity problem leaves, in parts of the fastest. */
-static nsdae_natural_residual fit(const nsdae_dense_island *l)
+static nsdae_natural_residual fit(const nsdae_dense_island *l, int rounded)
 {
   const nsdae_contacts *c = &l->contacts;
   nsdae_natural_residual residual = {0};
@@ -478,9 +496,9 @@ static nsdae_natural_residual fit(const nsdae_dense_island *l)
     nsdae_kkt_solve_mass(&l->kkt, l->free);
     for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->at.v[j];
   }
-  for (int a = 0; a < c->active_count; a++) fit_contact(l, a, &residual);
-  for (int i = 0; i < c->slides.count; i++) fit_joint(l, i, &residual);
-  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, &residual);
+  for (int a = 0; a < c->active_count; a++) fit_contact(l, a, rounded, &residual);
+  for (int i = 0; i < c->slides.count; i++) fit_joint(l, i, rounded, &residual);
+  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, rounded, &residual);
   if (has_polygons(c)) nsdae_natural_residual_row(&residual, c->lcp.info.residual * residual.speed);
   return residual;
 }
@@ -520,8 +538,10 @@ static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
   int status =
       nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, at->r, at->v, at->size, at->lambda);
   if (status < 0) return status;
-  if (!driven(l, w) && stands(l)) stand(l);
-  *residual = fit(l);
+  if (stands(l) && !driven(l, w)) stand(l);
+  *residual = fit(l, 0);
+  if (!(nsdae_natural_residual_scaled(residual) <= l->contacts.lcp.options.tol))
+    *residual = fit(l, 1);
   return status;
 }
 
@@ -540,10 +560,10 @@ static void copy_bases(nsdae_dense_island *l, int back)
 {
   const nsdae_contacts *c = &l->contacts;
   int *basis = l->basis;
-  size_t rows = (size_t)c->rows_most;
+  int rows = c->rows_most;
   for (int a = 0; a < c->active_count; a++, basis += rows) {
-    int *of = c->warm.basis + (size_t)c->active[a] * rows;
-    memcpy(back ? of : basis, back ? basis : of, rows * sizeof *of);
+    int *of = c->warm.basis + (size_t)c->active[a] * (size_t)rows;
+    for (int i = 0; i < rows; i++) *(back ? of + i : basis + i) = *(back ? basis + i : of + i);
   }
   for (int i = 0; i < c->slides.count; i++, basis += 3) {
     int *of = c->warm.slide_basis + 3 * (size_t)c->slides.place[i];
@@ -574,8 +594,6 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
 int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations *w, int island,
                              int least_norm, nsdae_natural_residual *residual)
 {
-  nsdae_contacts *c = &l->contacts;
-  c->active_count = c->slides.count = 0;
   if (w->system->by_list && !enough(l, w, island)) return NSDAE_ARRAYS_GROW;
   int status = take(l, w, island);
   if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;

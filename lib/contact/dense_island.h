@@ -49,6 +49,7 @@ typedef struct nsdae_dense_island {
   nsdae_gathered gathered;
   nsdae_island_view at;
   long factored;         /* number of the factorisation of kkt */
+  long closed;           /* of the contacts, if they are those of the whole system; else -1 */
   int island;            /* it is of */
   double *free, *column; /* n: M^-1 r less v; M^-1 W of a column */
   double *asked;         /* m: -Phi_t */

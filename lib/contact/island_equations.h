@@ -14,6 +14,7 @@
 /* One factorisation, which a solver may keep from one solution to the next. */
 typedef struct nsdae_factorisation {
   long number; /* it is another one if this changed */
+  long closed; /* other contacts are closed if this changed */
   int hold;    /* of redundant rows those that held in the one before */
   int dropped; /* some were redundant there */
   int *held;   /* rows: 1 for each that was independent */

@@ -245,7 +245,8 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   const nsdae_kkt *kkt = &l->kkt;
   nsdae_natural_residual residual = {0};
   int status = nsdae_dense_island_solve(l, whole, island, w->least_norm, &residual);
-  int any = nsdae_contacts_any(&l->contacts);
+  int any = has_contacts(whole, island) ||
+            (whole->with_contacts && nsdae_members_count(&whole->islands->joint, island) > 0);
   if (status == NSDAE_ARRAYS_GROW) w->error.status = status;
   if (status == NSDAE_ARRAYS_GROW) return status;
   count_rank(s, kkt->rank, kkt->kept, kkt->left);
@@ -364,7 +365,8 @@ int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int
 {
   int status = NSDAE_NEXT, contacts = nsdae_members_count(&whole->islands->contact, island);
   if (contacts > w->solved.contacts) w->solved.contacts = contacts;
-  if (w->all_dense && whole->islands->rows > 0) return solve_dense(w, whole, island);
+  if (w->all_dense && (contacts > 1 || whole->islands->rows > 0))
+    return solve_dense(w, whole, island);
   for (size_t i = 0; status == NSDAE_NEXT && i < sizeof solvers / sizeof *solvers; i++)
     if (solvers[i].pass == pass && solvers[i].fits(w, whole, island))
       status = solvers[i].solve(w, whole, island);

@@ -142,10 +142,6 @@ void nsdae_sim_measure(nsdae_sim *sim)
 
 int nsdae_sim_make_method(nsdae_sim *sim)
 {
-  int status = nsdae_cones_open(&sim->stepper.contacts.cones);
-  if (status < 0)
-    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
-                           "out of memory for a simulation of this size");
   if (sim->method->create) return sim->method->create(&sim->stepper, &sim->own);
   sim->own = &sim->stepper;
   return NSDAE_OK;
