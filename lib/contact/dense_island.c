@@ -402,7 +402,7 @@ static void measure(const nsdae_dense_island *l, int j, double u_j, double *diag
   *q = u_j + nsdae_dot(n, W, l->free);
 }
 
-/* What is left of a law with velocities along columns of W, beside their rounding: v is as good as
+/* The residual of a law with velocities along columns of W, beside their rounding: v is as good as
  * contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN. */
 static void leave(const nsdae_dense_island *l, int rounded, int column, int columns, double left,
                   nsdae_natural_residual *residual)
@@ -477,16 +477,16 @@ static void fit_row(const nsdae_dense_island *l, int i, int rounded,
 {
   const nsdae_island_view *at = &l->at;
   double u = nsdae_rows_add_dot(at->blocks, at->J, i, at->v, -l->asked[i]);
-  double rounding = rounded ? 32 * DBL_EPSILON *
-                                      nsdae_rows_dot_sizes(at->blocks, at->J, i, at->size) +
-                                  DBL_MIN
-                            : 0;
+  double rounding =
+      rounded ? 32 * DBL_EPSILON * nsdae_rows_dot_sizes(at->blocks, at->J, i, at->size) + DBL_MIN
+              : 0;
   nsdae_natural_residual_row(residual, fabs(u) <= rounding ? 0 : u);
   nsdae_natural_residual_speed(residual, u + nsdae_rows_dot(at->blocks, at->J, i, l->free));
 }
 
-/* rounded: less what rounding explains. Of v as it is, and what it would be without any impulse. A polygon is no cone: it leaves what its
- * complementarity problem leaves, in parts of the fastest. */
+/* rounded: less what rounding explains. Of v as it is, and what it would be without any impulse. A
+ * polygon is no cone: it leaves what its complementarity problem leaves, in parts of the fastest.
+ */
 static nsdae_natural_residual fit(const nsdae_dense_island *l, int rounded)
 {
   const nsdae_contacts *c = &l->contacts;

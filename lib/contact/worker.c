@@ -365,7 +365,8 @@ int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int
 {
   int status = NSDAE_NEXT, contacts = nsdae_members_count(&whole->islands->contact, island);
   if (contacts > w->solved.contacts) w->solved.contacts = contacts;
-  if (w->all_dense && (contacts > 1 || whole->islands->rows > 0))
+  /* the first that fits, found sooner */
+  if (w->all_dense && ((contacts > 1 && whole->with_contacts) || whole->islands->rows > 0))
     return solve_dense(w, whole, island);
   for (size_t i = 0; status == NSDAE_NEXT && i < sizeof solvers / sizeof *solvers; i++)
     if (solvers[i].pass == pass && solvers[i].fits(w, whole, island))

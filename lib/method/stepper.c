@@ -146,8 +146,8 @@ static int solve(const nsdae_step *step, const nsdae_terms *terms, const double 
 {
   nsdae_stepper *s = step->tools;
   nsdae_counters *c = &step->result->counters;
-  const nsdae_solved *solved = s->problem.dispatch.solved;
   int status = nsdae_problem_solve(&s->problem, terms, M, r, with_contacts, v, s->size, lambda);
+  const nsdae_solved *solved = s->problem.dispatch.solved;
   count_rank(step);
   c->islands = solved->islands;
   c->island_contacts = solved->contacts;

@@ -61,8 +61,8 @@ int nsdae_stepper_start(nsdae_stepper *stepper, nsdae_newton_kkt *newton, const 
 /* Where the evaluations of the step from state into result are counted. */
 void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);
 
-/* The memory of a method that keeps the bases of its contacts alone; them, which another problem may
- * have, too. */
+/* The memory of a method that keeps the bases of its contacts alone; them, which another problem
+ * may have, too. */
 void nsdae_stepper_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
 int *nsdae_stepper_lay_basis(const nsdae_stepper *stepper, nsdae_memory_part *part);
 

@@ -337,8 +337,10 @@ static int start_integrator(penalty *p)
   }
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
   if (status < 0) return integrator_failed(p, status, p->ahead);
+  const nsdae_counters counted = *s->counters; /* a start is no work of the step */
   status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  *s->counters = counted;
   if (status < 0) return status;
   nsdae_penalty_start_newton(&p->equations);
   return NSDAE_OK;

@@ -165,8 +165,7 @@ static int build(nsdae_sim *sim)
   nsdae_sim_measure(sim);
   for (int i = 0; i < 3; i++) nsdae_stepper_prepare_terms(stepper, &sim->point[i].result.end);
   for (int i = 0; i < 3; i++)
-    sim->point[i].result.closed.rows =
-        nsdae_law_rows(sim->model.dims.nt, 1, sim->options.polygon);
+    sim->point[i].result.closed.rows = nsdae_law_rows(sim->model.dims.nt, 1, sim->options.polygon);
   if (nsdae_arena_build(&sim->arena, nsdae_sim_layout, sim) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
                            "out of memory for a simulation of this size");
