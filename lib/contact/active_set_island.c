@@ -298,7 +298,7 @@ static int settle(nsdae_active_set_island *c, const nsdae_island_equations *w, i
   double left = HUGE_VAL;
   for (int i = 0; i < c->count; i++) {
     int a = c->contact[c->order[i]];
-    c->active[i] = w->results->normal[a] > 0 || (w->closed->fresh[a] && c->b[c->order[i]] < 0);
+    c->active[i] = w->results->normal[a] > 0 || (w->fresh[a] && c->b[c->order[i]] < 0);
   }
   for (c->rounds = 0; c->rounds < ROUNDS; c->rounds++) {
     if (!solve_set(c, w, island)) return 0;
@@ -364,9 +364,12 @@ static void velocities_after(nsdae_active_set_island *c, const nsdae_island_equa
 int nsdae_active_set_fits(const nsdae_island_equations *w, int island)
 {
   const nsdae_members *contacts = &w->islands->contact;
+  const int *first = normals(w)->first;
   if (nsdae_members_count(&w->islands->row, island) > 0) return 0;
-  for (int i = contacts->first[island]; i < contacts->first[island + 1]; i++)
-    if (w->law[contacts->of[i]].mu > 0) return 0;
+  for (int i = contacts->first[island]; i < contacts->first[island + 1]; i++) {
+    int a = contacts->of[i];
+    if (w->law[a].mu > 0 || first[a + 1] - first[a] > 2 || first[a + 1] == first[a]) return 0;
+  }
   return 1;
 }
 

@@ -11,7 +11,7 @@ int nsdae_closed_grow(nsdae_closed *c, nsdae_impulses *r, int room)
                              NSDAE_ARRAY(c->block, 2),
                              NSDAE_ARRAY(c->gap, 1),
                              NSDAE_ARRAY(c->fresh, 1),
-                             NSDAE_ARRAY(c->basis, NSDAE_CLOSED_BASIS),
+                             NSDAE_ARRAY(c->basis, c->rows),
                              NSDAE_ARRAY(r->impact, 1),
                              NSDAE_ARRAY(r->mode, 1),
                              NSDAE_ARRAY(r->before, 1),

@@ -6,15 +6,13 @@
 #include "impulses.h"
 #include "terms.h"
 
-enum { NSDAE_CLOSED_BASIS = 3 }; /* rows of a contact in a complementarity problem */
-
 typedef struct nsdae_closed {
-  int count, room, nt;
+  int count, room, nt, rows; /* rows: of a contact in a complementarity problem, at most */
   long *id;
   int *block;  /* 2 count */
   double *gap; /* count */
   int *fresh;  /* no impulse in the step before */
-  int *basis;  /* NSDAE_CLOSED_BASIS count */
+  int *basis;  /* rows count */
 } nsdae_closed;
 
 /* Places of ids: a table of twice as many and more, each holding a place or -1. */

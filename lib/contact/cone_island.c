@@ -10,6 +10,10 @@
 #include "friction_solver.h"
 #include "vector.h"
 
+/* Newton steps after the solution of islands with few contacts, until rounding rules: what sticks
+ * there does not creep. */
+enum { FEW = 16, REFINE = 4 };
+
 void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, nsdae_arena *arena)
 {
   const nsdae_blocks *blocks = &system->blocks;
@@ -26,7 +30,7 @@ int nsdae_cone_island_grow(nsdae_cone_island *c, const nsdae_system *system,
 {
   nsdae_cone_arrays *at = &c->at;
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
-  size_t items = contacts->entries + m;
+  size_t items = contacts->entries + m, parts = system->by_list ? 2 : (size_t)system->blocks.count;
   const nsdae_array by_item[] = {NSDAE_ARRAY(at->item, 1),       NSDAE_ARRAY(at->rows, 1),
                                  NSDAE_ARRAY(at->mu, 1),         NSDAE_ARRAY(at->w, columns),
                                  NSDAE_ARRAY(at->r, columns),    NSDAE_ARRAY(at->u, columns),
@@ -37,7 +41,7 @@ int nsdae_cone_island_grow(nsdae_cone_island *c, const nsdae_system *system,
   int status = nsdae_arrays_grow(by_item, sizeof by_item / sizeof *by_item, items);
   if (status == NSDAE_OK) status = nsdae_arrays_grow(by_end, 1, items + 1);
   if (status == NSDAE_OK)
-    status = nsdae_arrays_grow(by_part, 1, 2 * contacts->entries + rows->entries);
+    status = nsdae_arrays_grow(by_part, 1, parts * contacts->entries + rows->entries);
   return status < 0 ? status : nsdae_arrays_grow(by_value, 1, contacts->values + rows->values);
 }
 
@@ -73,31 +77,46 @@ static void add_blocks(nsdae_cone_island *c, const nsdae_island_equations *w, in
   }
 }
 
-/* Entry of row i whose block has the least number above last. */
-static int next_entry(const nsdae_cone_island *c, const nsdae_rows *rows, int i, int last)
+/* A direction of an item: a row by blocks. */
+typedef struct direction {
+  const nsdae_rows *rows;
+  int i;
+} direction;
+
+/* The least number above last of a block that the item touches; -1: none. */
+static int next_number(const nsdae_cone_island *c, const direction *d, int count, int last)
 {
   int next = -1;
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
-    int number = c->number[rows->block[p]];
-    if (number > last && (next < 0 || number < c->number[rows->block[next]])) next = p;
-  }
+  for (const direction *end = d + count; d < end; d++)
+    for (int p = d->rows->first[d->i]; p < d->rows->first[d->i + 1]; p++) {
+      int number = c->number[d->rows->block[p]];
+      if (number > last && (next < 0 || number < next)) next = number;
+    }
   return next;
 }
 
-/* Row i with that number of columns, which are one behind the other in each entry. Its entries in
- * the order of their blocks, as files have them: sums then round alike. Returns the end of value.
- */
-static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w,
-                        const nsdae_rows *rows, int i, int columns, double *value)
+/* Its part on block b, of n velocities, to value; returns the end of it. */
+static double *copy_part(const direction *d, int b, int n, double *value)
 {
-  int entry = c->at.first[c->items];
-  for (int p = next_entry(c, rows, i, -1); p >= 0;
-       p = next_entry(c, rows, i, c->number[rows->block[p]])) {
-    int b = rows->block[p];
-    size_t count = (size_t)nsdae_blocks_size(&w->system->blocks, b) * (size_t)columns;
-    c->at.block[entry++] = c->number[b];
-    memcpy(value, rows->value + rows->at[p], count * sizeof *value);
-    value += count;
+  const nsdae_rows *rows = d->rows;
+  int p = rows->first[d->i], end = rows->first[d->i + 1];
+  while (p < end && rows->block[p] != b) p++;
+  const double *from = p < end ? rows->value + rows->at[p] : NULL;
+  for (int j = 0; j < n; j++) *value++ = from ? from[(size_t)j * rows->stride] : 0;
+  return value;
+}
+
+/* An item, number i in the whole, with its directions, which are one behind the other in each
+ * entry. Its entries in the order of their blocks, as files have them: sums then round alike.
+ * Returns the end of value. */
+static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w, const direction *d,
+                        int columns, int i, double *value)
+{
+  int entry = c->at.first[c->items], alike = w->system->by_list ? 1 : columns;
+  for (int at = next_number(c, d, alike, -1); at >= 0; at = next_number(c, d, alike, at)) {
+    int b = c->at.member[at], n = nsdae_blocks_size(&w->system->blocks, b);
+    c->at.block[entry++] = at;
+    for (int l = 0; l < columns; l++) value = copy_part(&d[l], b, n, value);
   }
   c->at.item[c->items++] = i;
   c->at.first[c->items] = entry;
@@ -105,7 +124,6 @@ static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w,
   return value;
 }
 
-/* The directions of a contact are one behind the other in its list. */
 static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w, int a,
                            double *value)
 {
@@ -113,6 +131,7 @@ static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w
   const nsdae_terms *T = w->terms;
   const nsdae_impulses *r = w->results;
   int nt = w->system->dims.nt, columns = law->mu > 0 ? 1 + nt : 1;
+  direction along[3] = {{&T->by.normal, a}};
   c->at.rows[c->items] = columns;
   c->at.mu[c->items] = law->mu;
   c->at.w[c->m] = T->w_N[a] + law->e_n * r->before[a];
@@ -120,20 +139,23 @@ static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w
   c->driven |= T->w_N[a] != 0;
   for (int d = 1; d < columns; d++) {
     int j = a * nt + d - 1;
+    along[d].rows = &T->by.tangent;
+    along[d].i = j;
     c->at.w[c->m + d] = T->w_T[j] + law->e_t * r->before_t[j];
     c->at.r[c->m + d] = r->tangential[j];
     c->driven |= T->w_T[j] != 0;
   }
-  return add_item(c, w, &T->by.normal, a, columns, value);
+  return add_item(c, w, along, columns, a, value);
 }
 
 static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, int row,
                        double *value)
 {
+  const direction along = {&w->terms->by.jacobian, row};
   c->at.w[c->m] = -w->lambda[row];
   c->driven |= w->lambda[row] != 0;
   c->at.r[c->m] = 0;
-  return add_item(c, w, &w->terms->by.jacobian, row, 1, value);
+  return add_item(c, w, &along, 1, row, value);
 }
 
 static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
@@ -162,16 +184,52 @@ static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int is
     value = add_row(c, w, row->of[i], value);
 }
 
+int nsdae_cone_island_reserve(nsdae_cone_island *c, const nsdae_system *system,
+                              nsdae_friction_solver *solver)
+{
+  const nsdae_dims *d = &system->dims;
+  const nsdae_cone_arrays *at = &c->at;
+  int n = d->nv, columns = d->m;
+  c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL,
+                                        .contacts = d->k,
+                                        .bilateral = d->m,
+                                        .blocks = 1,
+                                        .rows = at->rows,
+                                        .mu = at->mu,
+                                        .w = at->w,
+                                        .size = at->size,
+                                        .M = at->M,
+                                        .f = at->f,
+                                        .first = at->first,
+                                        .block = at->block,
+                                        .value = at->value};
+  for (int i = 0; i < d->k; i++) {
+    at->mu[i] = system->contact[i].mu;
+    at->rows[i] = at->mu[i] > 0 ? 1 + d->nt : 1;
+    columns += at->rows[i];
+  }
+  at->size[0] = n;
+  memset(at->M, 0, (size_t)n * (size_t)n * sizeof *at->M);
+  for (int j = 0; j < n; j++) at->M[j * (n + 1)] = 1;
+  memset(at->f, 0, (size_t)n * sizeof *at->f);
+  memset(at->w, 0, (size_t)columns * sizeof *at->w);
+  for (int i = 0; i <= d->k + d->m; i++) at->first[i] = i;
+  for (int i = 0; i < d->k + d->m; i++) at->block[i] = 0;
+  for (size_t i = 0; i < (size_t)columns * (size_t)n; i++) at->value[i] = 1;
+  return nsdae_fc_reserve(solver, &c->problem);
+}
+
 /* ---- solving */
 
 static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w, int status,
                     const nsdae_cone_work *work)
 {
-  long id = c->problem.contacts > 0 ? w->closed->id[c->at.item[0]] : -1;
+  char first[NSDAE_CALLED_SIZE] = "none";
+  if (c->problem.contacts > 0) nsdae_island_called(w, c->at.item[0], first);
   nsdae_error_set(work->error, status, "nsdae_contacts", "",
-                  "contact problem of %d contacts (first id %ld) and %d constraints at t = %.17g: "
+                  "contact problem of %d contacts (first %s) and %d constraints at t = %.17g: "
                   "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
-                  c->problem.contacts, id, c->problem.bilateral, nsdae_terms_time(w->terms),
+                  c->problem.contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
                   nsdae_status_message(status), work->info.residual, work->tol);
   work->error->time = nsdae_terms_time(w->terms);
   return status;
@@ -352,6 +410,7 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
   nsdae_friction_options options;
   nsdae_friction_options_default(&options);
   options.tol = work->tol;
+  if (nsdae_members_count(&w->islands->contact, island) <= FEW) options.refine = REFINE;
   gather(c, w, island);
   int status = solve_with(c, work, &options);
   if (status == NSDAE_E_LCP) status = polish(c, work);

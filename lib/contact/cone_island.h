@@ -41,6 +41,10 @@ void nsdae_cone_island_layout(nsdae_cone_island *cones, const nsdae_system *syst
 int nsdae_cone_island_grow(nsdae_cone_island *cones, const nsdae_system *system,
                            const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_cone_island_release(nsdae_cone_island *cones);
+/* Memory of the solver for all contacts and rows of a system of one block: NSDAE_OK or
+ * NSDAE_E_MEMORY. */
+int nsdae_cone_island_reserve(nsdae_cone_island *cones, const nsdae_system *system,
+                              nsdae_friction_solver *solver);
 
 /* What it is solved with, L has room for a block; info: of the solver; residual: its residual, not
  * scaled. */

@@ -100,28 +100,16 @@ static void set_values(nsdae_contacts *c)
   }
 }
 
-static double *warm_of(const nsdae_contacts *c, int a)
-{
-  return c->warm.impulse + (size_t)c->active[a] * (size_t)(1 + c->system->dims.nt);
-}
-
-static size_t bytes_of(const nsdae_contacts *c, int a)
-{
-  return (size_t)c->law[a].columns * sizeof *c->warm.impulse;
-}
-
-/* ---- warm starts */
-
+/* The impulses before. */
 static void recall(nsdae_contacts *c)
 {
-  for (int a = 0; a < c->active_count; a++)
-    memcpy(c->cones.r + c->first_column[a], warm_of(c, a), bytes_of(c, a));
-}
-
-static void keep(nsdae_contacts *c)
-{
-  for (int a = 0; a < c->active_count; a++)
-    memcpy(warm_of(c, a), c->cones.r + c->first_column[a], bytes_of(c, a));
+  int nt = c->system->dims.nt;
+  for (int a = 0; a < c->active_count; a++) {
+    double *r = c->cones.r + c->first_column[a];
+    r[0] = c->results->normal[c->active[a]];
+    for (int l = 1; l < c->law[a].columns; l++)
+      r[l] = c->results->tangential[c->active[a] * nt + l - 1];
+  }
 }
 
 /* ---- contacts and frictional joints in turn */
@@ -133,13 +121,13 @@ static int contact_columns(const nsdae_contacts *c)
 }
 
 /* From s->r on. */
-static int solve_contacts(nsdae_contacts *c)
+static int solve_contacts(nsdae_contacts *c, double tol)
 {
   nsdae_cones *s = &c->cones;
   size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
   memcpy(s->q, c->delassus.offset, bytes);
   memcpy(s->guess, s->r, bytes);
-  s->options.tol = c->lcp.options.tol;
+  s->options.tol = tol;
   int status =
       nsdae_friction_solver_solve(s->solver, &s->problem, &s->options, s->r, s->u, &s->info);
   c->lcp.info.outcome = s->info.outcome;
@@ -160,7 +148,7 @@ static void hold(nsdae_contacts *c, int first, int count, const double *impulse)
 static int solve_slides(nsdae_contacts *c, const double *lambda)
 {
   nsdae_cones *s = &c->cones;
-  int contacts = c->active_count, columns = contact_columns(c), m = c->system->dims.m;
+  int contacts = c->active_count, columns = contact_columns(c), m = c->part.m;
   hold(c, 0, columns, s->r);
   memcpy(s->lambda, lambda, (size_t)m * sizeof *lambda);
   nsdae_add_product(m, columns, c->delassus.D, s->r, s->lambda);
@@ -201,7 +189,9 @@ static int solve_in_turn(nsdae_contacts *c, const double *lambda)
   memset(impulse, 0, bytes);
   for (int round = 0; round < ROUNDS && !(change <= enough); round++) {
     hold(c, contact_columns(c), c->slides.count, impulse);
-    int status = solve_contacts(c);
+    /* sharper than what the joints are held to, else neither stands */
+    int status = solve_contacts(c, 0.1 * enough);
+    if (status == NSDAE_E_LCP) status = solve_contacts(c, c->lcp.options.tol);
     if (status < 0) return status;
     worst = s->info.residual;
     memcpy(s->held, impulse, bytes);
@@ -223,10 +213,10 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
   recall(c);
-  int status = c->slides.count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c);
+  int status =
+      c->slides.count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c, c->lcp.options.tol);
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
-  keep(c);
   return NSDAE_OK;
 }
 
@@ -244,7 +234,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   s->options.refine = REFINE;
   s->options.budget = IMPROVE;
   memcpy(s->r, impulse, bytes);
-  if (solve_contacts(c) < 0) return 0;
+  if (solve_contacts(c, c->lcp.options.tol) < 0) return 0;
   memcpy(impulse, s->r, bytes);
   return 1;
 }
@@ -269,6 +259,24 @@ int nsdae_cones_describe(nsdae_contacts *c)
   nsdae_friction_options_default(&s->options);
   s->options.tol = c->lcp.options.tol;
   return NSDAE_OK;
+}
+
+void nsdae_cones_describe_one(nsdae_cones *s, int rows, double mu, const double *G, const double *q,
+                              const double *x)
+{
+  set_pattern(s, 1);
+  s->rows[0] = rows;
+  s->mu[0] = mu;
+  for (int i = 0; i < rows; i++) {
+    s->q[i] = s->u[i] = q[i];
+    s->r[i] = x[i];
+    s->guess[i] = 0;
+    for (int j = 0; j < rows; j++) {
+      s->W[j * rows + i] = G[i * rows + j];
+      s->u[i] += G[i * rows + j] * x[j];
+    }
+  }
+  nsdae_friction_options_default(&s->options);
 }
 
 /* Where the slip is nearer to zero than the impulse to the edge of the cone, it sticks; so it does

@@ -59,6 +59,10 @@ int nsdae_cones_improve(struct nsdae_contacts *contacts, double *impulse);
  * NSDAE_E_STATE where there were slides and no cones, or contacts whose direction was known. */
 int nsdae_cones_describe(struct nsdae_contacts *contacts);
 
+/* The problem of one contact: its rows, G and q by rows, Lambda. */
+void nsdae_cones_describe_one(nsdae_cones *cones, int rows, double mu, const double *G,
+                              const double *q, const double *x);
+
 /* enum nsdae_mode of the a-th closed contact. */
 int nsdae_cones_mode(const struct nsdae_contacts *contacts, int a);
 

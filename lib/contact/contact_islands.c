@@ -4,17 +4,37 @@
 
 #include "disjoint_sets.h"
 
-void nsdae_contact_islands_layout(nsdae_contact_islands *islands, nsdae_arena *arena)
+void nsdae_contact_islands_layout(nsdae_contact_islands *is, const nsdae_system *system,
+                                  nsdae_arena *arena)
 {
-  long blocks = islands->blocks;
-  islands->of = NSDAE_ARENA_INTS(arena, blocks);
-  islands->parent = NSDAE_ARENA_INTS(arena, blocks);
-  islands->block.first = NSDAE_ARENA_INTS(arena, blocks + 2);
-  islands->block.of = NSDAE_ARENA_INTS(arena, blocks);
-  islands->contact.first = NSDAE_ARENA_INTS(arena, blocks + 2);
-  islands->row.first = NSDAE_ARENA_INTS(arena, blocks + 2);
-  islands->row.of = NSDAE_ARENA_INTS(arena, islands->rows);
+  long blocks = system->blocks.count;
+  is->blocks = (int)blocks;
+  is->rows = system->dims.m;
+  is->joints = 0;
+  for (int j = 0; j < system->dims.f; j++) is->joints += system->frictional_joint[j].mu > 0;
+  is->of = NSDAE_ARENA_INTS(arena, blocks);
+  is->parent = NSDAE_ARENA_INTS(arena, blocks);
+  is->block.first = NSDAE_ARENA_INTS(arena, blocks + 2);
+  is->block.of = NSDAE_ARENA_INTS(arena, blocks);
+  is->contact.first = NSDAE_ARENA_INTS(arena, blocks + 2);
+  is->row.first = NSDAE_ARENA_INTS(arena, blocks + 2);
+  is->row.of = NSDAE_ARENA_INTS(arena, is->rows);
+  is->joint.first = NSDAE_ARENA_INTS(arena, blocks + 2);
+  is->joint.of = NSDAE_ARENA_INTS(arena, is->joints);
+  is->joint_number = NSDAE_ARENA_INTS(arena, is->joints);
+  if (!is->of) return; /* measuring */
+  is->block.first[1] = 1;
+  is->row.first[1] = is->rows;
+  is->joint.first[1] = is->joints;
+  for (int i = 0; i < is->rows; i++) is->row.of[i] = i;
+  for (int j = 0, count = 0; j < system->dims.f; j++) {
+    if (!(system->frictional_joint[j].mu > 0)) continue;
+    is->joint.of[count] = count;
+    is->joint_number[count++] = j;
+  }
 }
+
+/* ---- blocks that are joined */
 
 /* -1: in no set yet. */
 static void join(int *parent, int a, int b)
@@ -24,28 +44,49 @@ static void join(int *parent, int a, int b)
   nsdae_sets_join(parent, a, b);
 }
 
-static int anchor(const int *pair)
+/* The first block of row i, which is the first of all where it touches none: that of no motion. */
+static int first_block(const nsdae_rows *rows, int i)
 {
-  return pair[0] >= 0 ? pair[0] : pair[1];
+  return rows->first[i] < rows->first[i + 1] ? rows->block[rows->first[i]] : 0;
 }
 
-static int join_all(nsdae_contact_islands *is, int contacts, const int *pair,
-                    const nsdae_rows *rows)
+static void join_row(int *parent, const nsdae_rows *rows, int i, int anchor)
 {
+  join(parent, anchor, anchor);
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) join(parent, anchor, rows->block[p]);
+}
+
+static int block_of_contact(const nsdae_terms *T, int i)
+{
+  return first_block(&T->by.normal, i);
+}
+
+static int constraint_of(const nsdae_terms *T, const nsdae_contact_islands *is, int i)
+{
+  return T->system->frictional_joint[is->joint_number[i]].constraint;
+}
+
+/* The directions of a listed contact touch the same blocks. */
+static void join_contact(nsdae_contact_islands *is, const nsdae_terms *T, int i)
+{
+  int nt = T->system->by_list ? 0 : T->system->dims.nt, anchor = block_of_contact(T, i);
+  join_row(is->parent, &T->by.normal, i, anchor);
+  for (int j = i * nt; j < (i + 1) * nt; j++) join_row(is->parent, &T->by.tangent, j, anchor);
+}
+
+static void join_all(nsdae_contact_islands *is, const nsdae_terms *T, int contacts,
+                     const int *number)
+{
+  const nsdae_rows *J = &T->by.jacobian;
   memset(is->parent, -1, (size_t)is->blocks * sizeof *is->parent);
-  for (int a = 0; a < contacts; a++) {
-    const int *p = pair + 2 * (size_t)a;
-    join(is->parent, anchor(p), p[1] >= 0 ? p[1] : p[0]);
-  }
-  for (int i = 0; i < is->rows; i++) {
-    if (rows->first[i] == rows->first[i + 1]) return i;
-    for (int p = rows->first[i]; p < rows->first[i + 1]; p++)
-      join(is->parent, rows->block[rows->first[i]], rows->block[p]);
-  }
-  return -1;
+  for (int a = 0; a < contacts; a++) join_contact(is, T, number ? number[a] : a);
+  for (int i = 0; i < is->rows; i++) join_row(is->parent, J, i, first_block(J, i));
+  for (int i = 0; i < is->joints; i++)
+    join_row(is->parent, &T->by.frictional_joint, is->joint_number[i],
+             first_block(J, constraint_of(T, is, i)));
 }
 
-static void number(nsdae_contact_islands *is)
+static void number_islands(nsdae_contact_islands *is)
 {
   is->count = 0;
   for (int b = 0; b < is->blocks; b++) {
@@ -54,47 +95,66 @@ static void number(nsdae_contact_islands *is)
   }
 }
 
-/* Lists members by counting: block_of says a block of member i, whose island is meant. */
-static void list_members(nsdae_contact_islands *is, nsdae_members *m, int count,
-                         int (*block_of)(const void *from, int i), const void *from)
+/* ---- members */
+
+int nsdae_island_of_contact(const nsdae_contact_islands *is, const nsdae_terms *T, int i)
+{
+  return is->of[is->blocks == 1 ? 0 : block_of_contact(T, i)];
+}
+
+int nsdae_island_of_row(const nsdae_contact_islands *is, const nsdae_terms *T, int i)
+{
+  return is->of[is->blocks == 1 ? 0 : first_block(&T->by.jacobian, i)];
+}
+
+int nsdae_island_of_joint(const nsdae_contact_islands *is, const nsdae_terms *T, int i)
+{
+  return nsdae_island_of_row(is, T, constraint_of(T, is, i));
+}
+
+static int of_block(const nsdae_contact_islands *is, const nsdae_terms *T, int b)
+{
+  (void)T;
+  return is->of[b];
+}
+
+/* Lists members by counting, each from the numbers that it goes by. */
+static void list_members(nsdae_contact_islands *is, nsdae_members *m, int count, const int *number,
+                         int (*island_of)(const nsdae_contact_islands *, const nsdae_terms *, int),
+                         const nsdae_terms *T)
 {
   memset(m->first, 0, ((size_t)is->count + 2) * sizeof *m->first);
-  for (int i = 0; i < count; i++) {
-    int island = is->of[block_of(from, i)];
+  for (int a = 0; a < count; a++) {
+    int island = island_of(is, T, number ? number[a] : a);
     if (island >= 0) m->first[island + 2]++;
   }
   for (int i = 0; i < is->count; i++) m->first[i + 2] += m->first[i + 1];
-  for (int i = 0; i < count; i++) {
-    int island = is->of[block_of(from, i)];
+  for (int a = 0; a < count; a++) {
+    int i = number ? number[a] : a, island = island_of(is, T, i);
     if (island >= 0) m->of[m->first[island + 1]++] = i;
   }
 }
 
-static int itself(const void *from, int i)
+/* The block, rows and joints are listed since the layout. */
+static void find_one(nsdae_contact_islands *is, int contacts, const int *number)
 {
-  (void)from;
-  return i;
+  is->count = contacts + is->rows > 0;
+  is->of[0] = is->count - 1;
+  is->contact.first[1] = contacts;
+  for (int a = 0; a < contacts; a++) is->contact.of[a] = number ? number[a] : a;
 }
 
-static int block_of_pair(const void *pairs, int i)
+void nsdae_contact_islands_find(nsdae_contact_islands *is, const nsdae_terms *T, int contacts,
+                                const int *number)
 {
-  return anchor((const int *)pairs + 2 * (size_t)i);
-}
-
-static int block_of_row(const void *rows, int i)
-{
-  const nsdae_rows *r = rows;
-  return r->block[r->first[i]];
-}
-
-int nsdae_contact_islands_find(nsdae_contact_islands *is, int contacts, const int *pair,
-                               const nsdae_rows *rows)
-{
-  int loose = join_all(is, contacts, pair, rows);
-  if (loose >= 0) return loose;
-  number(is);
-  list_members(is, &is->block, is->blocks, itself, NULL);
-  list_members(is, &is->contact, contacts, block_of_pair, pair);
-  list_members(is, &is->row, is->rows, block_of_row, rows);
-  return -1;
+  if (is->blocks == 1) {
+    find_one(is, contacts, number);
+    return;
+  }
+  join_all(is, T, contacts, number);
+  number_islands(is);
+  list_members(is, &is->block, is->blocks, NULL, of_block, T);
+  list_members(is, &is->contact, contacts, number, nsdae_island_of_contact, T);
+  list_members(is, &is->row, is->rows, NULL, nsdae_island_of_row, T);
+  list_members(is, &is->joint, is->joints, NULL, nsdae_island_of_joint, T);
 }

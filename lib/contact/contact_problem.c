@@ -11,17 +11,16 @@ int nsdae_problem_make(nsdae_problem *p, const nsdae_system *system, int threads
 {
   p->system = system;
   p->error = error;
-  return system->by_list ? nsdae_island_dispatch_make(&p->dispatch, system, threads, error)
-                         : NSDAE_OK;
+  return nsdae_island_dispatch_make(&p->dispatch, system, threads, error);
 }
 
 /* The arrays of the closed contacts. */
 enum { ARRAYS = 4 };
 
-#define EACH(p)                                                                      \
-  {                                                                                  \
-    NSDAE_ARRAY((p)->item, 1), NSDAE_ARRAY((p)->place, 1), NSDAE_ARRAY((p)->law, 1), \
-        NSDAE_ARRAY((p)->dispatch.islands.contact.of, 1)                             \
+#define EACH(p)                                                                  \
+  {                                                                              \
+    NSDAE_ARRAY((p)->dispatch.islands.contact.of, 1), NSDAE_ARRAY((p)->item, 1), \
+        NSDAE_ARRAY((p)->place, 1), NSDAE_ARRAY((p)->law, 1)                     \
   }
 
 void nsdae_problem_release(nsdae_problem *p)
@@ -32,25 +31,35 @@ void nsdae_problem_release(nsdae_problem *p)
   nsdae_island_dispatch_release(&p->dispatch);
 }
 
-void nsdae_problem_prepare(nsdae_problem *p, const nsdae_lcp_options *options, double rank_tol)
+void nsdae_problem_prepare(nsdae_problem *p, nsdae_contacts *contacts, double rank_tol,
+                           int least_norm)
 {
-  nsdae_island_dispatch_prepare(&p->dispatch, p->system, options, rank_tol, p->least_norm);
+  p->contacts = contacts;
+  nsdae_island_dispatch_prepare(&p->dispatch, contacts, rank_tol, least_norm);
 }
 
 void nsdae_problem_layout(nsdae_problem *p, nsdae_arena *arena)
 {
-  if (!p->system->by_list) return;
-  p->hit = NSDAE_ARENA_INTS(arena, p->dispatch.islands.blocks);
-  nsdae_island_dispatch_layout(&p->dispatch, p->system, arena);
+  const nsdae_system *s = p->system;
+  p->hit = NSDAE_ARENA_INTS(arena, s->blocks.count);
+  p->number = NSDAE_ARENA_INTS(arena, s->by_list ? 0 : s->dims.k);
+  p->fresh = NSDAE_ARENA_INTS(arena, s->by_list ? 0 : s->dims.k);
+  nsdae_island_dispatch_layout(&p->dispatch, s, arena);
 }
 
+/* Fixed contacts and rows of a matrix have all the room that they can take. */
 int nsdae_problem_grow(nsdae_problem *p, const nsdae_room *contacts, const nsdae_room *rows)
 {
+  const nsdae_system *s = p->system;
   const nsdae_array each[ARRAYS] = EACH(p);
-  if (!p->system->by_list) return NSDAE_OK;
-  int status = nsdae_arrays_grow(each, ARRAYS, contacts->entries);
-  if (status == NSDAE_OK) status = nsdae_ids_grow(&p->ids, (int)contacts->entries);
-  return status < 0 ? status : nsdae_island_dispatch_grow(&p->dispatch, p->system, contacts, rows);
+  size_t k = (size_t)s->dims.k, m = (size_t)s->dims.m, nv = (size_t)s->dims.nv;
+  nsdae_room all = {k, k * (size_t)(1 + s->dims.nt) * nv},
+             matrix = {m * (size_t)s->blocks.count, m * nv};
+  if (s->by_list) all = *contacts;
+  if (s->call.constraint_rows) matrix = *rows;
+  int status = nsdae_arrays_grow(each, s->by_list ? ARRAYS : 1, all.entries);
+  if (status == NSDAE_OK && s->by_list) status = nsdae_ids_grow(&p->ids, (int)all.entries);
+  return status < 0 ? status : nsdae_island_dispatch_grow(&p->dispatch, s, &all, &matrix);
 }
 
 /* ---- what is closed */
@@ -68,14 +77,14 @@ static void recall(nsdae_problem *p, int a, const nsdae_closed *last, const nsda
                    int from)
 {
   nsdae_closed *c = p->closed;
-  size_t nt = (size_t)c->nt, basis = NSDAE_CLOSED_BASIS * sizeof *c->basis;
+  size_t nt = (size_t)c->nt, rows = (size_t)c->rows, bytes = rows * sizeof *c->basis;
+  int *basis = c->basis + (size_t)a * rows;
   c->fresh[a] = from < 0 || was->normal[from] == 0;
   if (from < 0) {
-    memset(c->basis + (size_t)a * NSDAE_CLOSED_BASIS, 0, basis);
+    memset(basis, 0, bytes);
     return;
   }
-  memcpy(c->basis + (size_t)a * NSDAE_CLOSED_BASIS, last->basis + (size_t)from * NSDAE_CLOSED_BASIS,
-         basis);
+  memcpy(basis, last->basis + (size_t)from * rows, bytes);
   p->results->normal[a] = was->normal[from];
   memcpy(p->results->tangential + (size_t)a * nt, was->tangential + (size_t)from * nt,
          nt * sizeof *was->tangential);
@@ -114,8 +123,8 @@ static void pick(nsdae_problem *p, const nsdae_contact_list *list, double touch)
   }
 }
 
-int nsdae_problem_close_list(nsdae_problem *p, nsdae_terms *terms, const nsdae_closed *last,
-                             const nsdae_impulses *was)
+static int close_list(nsdae_problem *p, nsdae_terms *terms, const nsdae_closed *last,
+                      const nsdae_impulses *was)
 {
   double touch = nsdae_terms_touch(terms);
   int status = nsdae_terms_contacts(terms, touch);
@@ -124,8 +133,47 @@ int nsdae_problem_close_list(nsdae_problem *p, nsdae_terms *terms, const nsdae_c
   status = distinct(p, p->closed, terms);
   if (status < 0) return status;
   nsdae_closed_clear(p->closed, p->results);
+  nsdae_impulses_clear_joints(p->results, p->system->dims.f);
   recall_all(p, last, was);
   nsdae_terms_select(terms, p->closed->count, p->item);
+  p->count = p->closed->count;
+  return NSDAE_OK;
+}
+
+static void recall_fixed(nsdae_problem *p, int i, const nsdae_impulses *was)
+{
+  int nt = p->system->dims.nt;
+  p->number[p->count++] = i;
+  p->fresh[i] = was->normal[i] == 0;
+  p->results->normal[i] = was->normal[i];
+  for (int j = i * nt; j < (i + 1) * nt; j++) p->results->tangential[j] = was->tangential[j];
+}
+
+/* One that is open forgets its basis, as one that leaves a list. */
+static void close_fixed(nsdae_problem *p, const nsdae_terms *terms, const nsdae_impulses *was)
+{
+  int k = p->system->dims.k, rows = p->contacts->rows_most, *basis = p->contacts->warm.basis;
+  double touch = k > 0 ? nsdae_terms_touch(terms) : 0;
+  nsdae_impulses_clear(p->results, &p->system->dims);
+  p->count = 0;
+  for (int i = 0; i < k; i++, basis += rows) {
+    if (!(terms->gap[i] > touch))
+      recall_fixed(p, i, was);
+    else
+      for (int l = 0; l < rows; l++) basis[l] = 0;
+  }
+}
+
+int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *closed,
+                        nsdae_impulses *results, const nsdae_closed *last,
+                        const nsdae_impulses *was)
+{
+  p->closed = closed;
+  p->results = results;
+  p->home = terms;
+  p->dispatch.factorisation.closed++;
+  if (p->system->by_list) return close_list(p, terms, last, was);
+  close_fixed(p, terms, was);
   return NSDAE_OK;
 }
 
@@ -168,12 +216,19 @@ int nsdae_problem_update(nsdae_problem *p, nsdae_terms *terms, double reach)
   return NSDAE_OK;
 }
 
+static const int *numbers(const nsdae_problem *p)
+{
+  return p->system->by_list ? NULL : p->number;
+}
+
 void nsdae_problem_before(nsdae_problem *p, const nsdae_terms *T, const double *v, int impacts_only)
 {
-  if (p->contacts)
-    nsdae_contacts_before(p->contacts, T, v, impacts_only);
-  else
-    nsdae_contacts_approach(T, p->closed->count, NULL, v, impacts_only, p->results);
+  const nsdae_contact_islands *is = &p->dispatch.islands;
+  nsdae_contacts_approach(T, p->count, numbers(p), v, impacts_only, p->results);
+  for (int i = 0; i < is->joints && !impacts_only; i++) {
+    int j = is->joint_number[i];
+    p->results->slide_before[j] = nsdae_terms_slide_rate(T, j, v);
+  }
 }
 
 /* ---- the equations */
@@ -190,66 +245,57 @@ static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
   return NSDAE_E_RANK;
 }
 
-int nsdae_problem_find_islands(nsdae_problem *p, const nsdae_terms *T)
+int nsdae_problem_factor(nsdae_problem *p, const nsdae_terms *T, int hold)
 {
-  nsdae_contact_islands *islands = &p->dispatch.islands;
-  int row =
-      nsdae_contact_islands_find(islands, p->closed->count, p->closed->block, &T->by.jacobian);
-  memset(p->hit, 0, (size_t)islands->count * sizeof *p->hit);
-  return row < 0 ? NSDAE_OK : no_block(p, T, row);
+  nsdae_island_dispatch *d = &p->dispatch;
+  const nsdae_rows *J = &T->by.jacobian;
+  for (int i = 0; T->system->call.constraint_rows && i < J->count; i++)
+    if (J->first[i] == J->first[i + 1]) return no_block(p, T, i);
+  d->factorisation.number++;
+  d->factorisation.hold = hold;
+  if (!hold && d->factorisation.dropped) {
+    for (int i = 0; i < J->count; i++) d->factorisation.held[i] = 1;
+    d->factorisation.dropped = 0;
+  }
+  nsdae_contact_islands_find(&d->islands, T, p->count, numbers(p));
+  for (int i = 0; i < d->islands.count; i++) p->hit[i] = 0;
+  return NSDAE_OK;
 }
 
-void nsdae_problem_mark_hit(nsdae_problem *p)
+void nsdae_problem_mark_hit(nsdae_problem *p, const nsdae_terms *T)
 {
-  for (int a = 0; !p->contacts && a < p->closed->count; a++) {
-    const int *pair = p->closed->block + 2 * (size_t)a;
-    if (p->results->impact[a]) p->hit[p->dispatch.islands.of[pair[0] >= 0 ? pair[0] : pair[1]]] = 1;
+  for (int a = 0; a < p->count; a++) {
+    int i = nsdae_problem_contact(p, a);
+    if (p->results->impact[i]) p->hit[nsdae_island_of_contact(&p->dispatch.islands, T, i)] = 1;
   }
-}
-
-/* The system as one island, which is factored. */
-static int solve_system(nsdae_problem *p, const nsdae_terms *terms, const double *r,
-                        int with_contacts, double *v, double *size, double *lambda)
-{
-  nsdae_contacts *c = p->contacts;
-  nsdae_solved *s = &p->dispatch.solved;
-  int any = with_contacts && nsdae_contacts_any(c);
-  s->problem = any ? c : NULL;
-  s->lcps = any;
-  s->pivots = 0;
-  if (any) {
-    int status = nsdae_contacts_step(c, terms, p->kkt, r, v, size, lambda);
-    s->pivots = c->lcp.info.pivots;
-    return status;
-  }
-  memcpy(v, r, (size_t)p->kkt->n * sizeof *v);
-  return nsdae_terms_solve(terms, p->kkt, 1, v, lambda);
 }
 
 int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double *M,
                         const double *r, int with_contacts, double *v, double *size, double *lambda)
 {
-  if (p->kkt) return solve_system(p, terms, r, with_contacts, v, size, lambda);
+  int listed = p->system->by_list;
   nsdae_island_equations whole = {.system = p->system,
                                   .islands = &p->dispatch.islands,
                                   .terms = terms,
-                                  .law = p->law,
+                                  .law = nsdae_problem_laws(p),
+                                  .id = listed ? p->closed->id : NULL,
+                                  .fresh = listed ? p->closed->fresh : p->fresh,
+                                  .warm = p->contacts->warm,
+                                  .factorisation = &p->dispatch.factorisation,
                                   .M = M,
                                   .r = r,
-                                  .closed = p->closed,
                                   .results = p->results,
                                   .v = v,
                                   .size = size,
                                   .lambda = lambda,
                                   .with_contacts = with_contacts};
+  if (listed) whole.warm.basis = p->closed->basis;
   return nsdae_island_dispatch_solve(&p->dispatch, &whole);
 }
 
-int nsdae_problem_solve_mass(nsdae_problem *p, const double *M, double *r)
+int nsdae_problem_solve_mass(nsdae_problem *p, const nsdae_terms *terms, double *r)
 {
-  if (!p->kkt) return nsdae_island_dispatch_solve_mass(&p->dispatch, p->system, M, r);
-  nsdae_kkt_solve_mass(p->kkt, r);
-  return NSDAE_OK;
+  return nsdae_island_dispatch_solve_mass(&p->dispatch, terms, r);
 }
 
 /* ---- what the impulses did */
@@ -258,10 +304,8 @@ void nsdae_problem_add_constraints(const nsdae_problem *p, const nsdae_terms *T,
                                    int any_impact, const double *lambda, double *y)
 {
   const nsdae_rows *J = &T->by.jacobian;
-  const nsdae_contact_islands *islands = &p->dispatch.islands;
-  if (p->kkt && !any_impact) nsdae_terms_add_constraints(T, scale, lambda, y);
-  for (int i = 0; !p->kkt && i < J->count; i++)
-    if (!p->hit[islands->of[J->block[J->first[i]]]])
+  for (int i = 0; i < J->count; i++)
+    if (!any_impact || !p->hit[nsdae_island_of_row(&p->dispatch.islands, T, i)])
       nsdae_rows_add(&p->system->blocks, J, i, scale * lambda[i], y);
 }
 
@@ -270,37 +314,61 @@ void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, dou
 {
   const nsdae_impulses *r = p->results;
   const nsdae_blocks *blocks = &p->system->blocks;
-  int nt = p->system->dims.nt, skipped = 0;
-  for (int a = 0; a < nsdae_problem_count(p); a++) {
-    int i = nsdae_problem_contact(p, a), skip = skip_impacts && r->impact[i];
-    skipped |= skip;
-    if (skip) continue;
+  const nsdae_contact_islands *is = &p->dispatch.islands;
+  int nt = p->system->dims.nt;
+  for (int a = 0; a < p->count; a++) {
+    int i = nsdae_problem_contact(p, a);
+    if (r->normal[i] == 0 || (skip_impacts && r->impact[i])) continue;
     nsdae_rows_add(blocks, &T->by.normal, i, scale * r->normal[i], y);
     for (int j = i * nt; j < (i + 1) * nt; j++)
       nsdae_rows_add(blocks, &T->by.tangent, j, scale * r->tangential[j], y);
   }
-  for (int i = 0; p->contacts && !skipped && i < p->contacts->slides.count; i++) {
-    int j = p->contacts->slides.number[i];
+  for (int i = 0; i < is->joints; i++) {
+    int j = is->joint_number[i];
+    if (skip_impacts && p->hit[nsdae_island_of_joint(is, T, i)]) continue;
     nsdae_rows_add(blocks, &T->by.frictional_joint, j, scale * r->frictional_joint_impulse[j], y);
   }
 }
 
 double nsdae_problem_work(const nsdae_problem *p)
 {
-  if (p->contacts) return nsdae_contacts_work(p->contacts);
-  return nsdae_impulses_work(p->results, p->system->dims.nt, p->closed->count, NULL);
+  const nsdae_contact_islands *is = &p->dispatch.islands;
+  const nsdae_impulses *r = p->results;
+  double work = nsdae_impulses_work(r, p->system->dims.nt, p->count, numbers(p));
+  for (int i = 0; i < is->joints; i++) {
+    int j = is->joint_number[i];
+    work += r->frictional_joint_impulse[j] * (r->slide_after[j] + r->slide_before[j]) / 2;
+  }
+  return work;
 }
 
 double nsdae_problem_carried(const nsdae_problem *p, const nsdae_terms *T)
 {
-  if (p->contacts) return 0;
-  int k = p->closed->count;
+  int k = p->count;
+  if (!p->system->by_list) return 0;
   return nsdae_dot(k, p->results->normal, T->w_N) +
          nsdae_dot(k * p->system->dims.nt, p->results->tangential, T->w_T);
 }
 
-double nsdae_problem_residual(const nsdae_problem *p)
+/* Of the dense island of the first worker, which has room for the description. */
+int nsdae_problem_describe(nsdae_problem *p, const nsdae_contacts *dense,
+                           const nsdae_single *single, const nsdae_cone_island *l,
+                           nsdae_step_friction *friction)
 {
-  return p->contacts ? p->contacts->lcp.info.residual
-                     : nsdae_natural_residual_scaled(&p->dispatch.solved.residual);
+  nsdae_contacts *c = &p->dispatch.worker[0].dense.contacts;
+  const nsdae_cones *s = &c->cones;
+  if (l) {
+    *friction = (nsdae_step_friction){l->problem, l->options, l->at.guess, l->at.r, l->at.u};
+    return NSDAE_OK;
+  }
+  if (single) {
+    double G[4];
+    for (int i = 0; i < single->columns; i++)
+      for (int j = 0; j < single->columns; j++) G[i * single->columns + j] = single->G[i][j];
+    nsdae_cones_describe_one(&c->cones, single->columns, single->mu, G, single->b, single->x);
+  } else if (dense != c || c->active_count == 0 || nsdae_cones_describe(c) < 0) {
+    return NSDAE_E_STATE;
+  }
+  *friction = (nsdae_step_friction){s->problem, s->options, s->guess, s->r, s->u};
+  return NSDAE_OK;
 }

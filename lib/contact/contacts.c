@@ -32,6 +32,7 @@ void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
 {
   const nsdae_system *s = c->system;
   c->part.coefficient = s->contact;
+  c->part.m = s->dims.m;
   c->part.place = s->blocks.first;
   c->edges = polygon_edges;
   nsdae_law_edges(polygon_edges, c->lcp.edge);
@@ -96,7 +97,8 @@ void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_aren
   c->lcp.work = NSDAE_ARENA_DOUBLES(arena, c->lcp.lwork);
   c->lcp.other = NSDAE_ARENA_DOUBLES(arena, 4 * rows);
   c->lcp.iwork = NSDAE_ARENA_INTS(arena, c->lcp.liwork);
-  c->slides.number = NSDAE_ARENA_INTS(arena, f);
+  nsdae_arena_ints(arena, f,
+                   (int **[]){&c->slides.number, &c->slides.constraint, &c->slides.place, NULL});
   c->map.Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
   c->map.GZ = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
   c->map.z0 = NSDAE_ARENA_DOUBLES(arena, columns);
@@ -107,8 +109,12 @@ void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_aren
   c->map.pivot = NSDAE_ARENA_INTS(arena, f);
   c->slides.row = NSDAE_ARENA_INTS(arena, f + 1);
   nsdae_cones_layout(&c->cones, k, columns, dims->m, arena);
-  for (int j = 0, count = 0; c->slides.number && j < dims->f; j++)
-    if (c->system->frictional_joint[j].mu > 0) c->slides.number[count++] = j;
+  for (int j = 0, count = 0; c->slides.number && j < dims->f; j++) {
+    if (!(c->system->frictional_joint[j].mu > 0)) continue;
+    c->slides.constraint[count] = c->system->frictional_joint[j].constraint;
+    c->slides.place[count] = count;
+    c->slides.number[count++] = j;
+  }
 }
 
 size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
@@ -116,15 +122,9 @@ size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
   return (size_t)c->system->dims.k * (size_t)c->rows_most + 3 * (size_t)c->slides.count;
 }
 
-size_t nsdae_contacts_warm_size(const nsdae_contacts *c)
-{
-  return (size_t)c->cones.most * (size_t)(1 + c->system->dims.nt);
-}
-
-void nsdae_contacts_remember(nsdae_contacts *c, int *memory, double *warm)
+void nsdae_contacts_remember(nsdae_contacts *c, int *memory)
 {
   c->warm.basis = memory;
-  c->warm.impulse = warm;
   c->warm.slide_basis = memory + (size_t)c->system->dims.k * (size_t)c->rows_most;
 }
 
@@ -164,16 +164,6 @@ static void end(nsdae_contacts *c)
   c->first_row[c->active_count] = c->rows;
   c->columns += c->slides.count;
   nsdae_contacts_place_slides(c, c->rows);
-}
-
-void nsdae_contacts_close(nsdae_contacts *c, const nsdae_terms *terms, nsdae_impulses *results)
-{
-  double touch = c->system->dims.k > 0 ? nsdae_terms_touch(terms) : 0;
-  nsdae_impulses_clear(results, &c->system->dims);
-  begin(c, results);
-  for (int i = 0; i < c->system->dims.k; i++)
-    if (!(terms->gap[i] > touch)) add_contact(c, i);
-  end(c);
 }
 
 void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_impulses *results)
@@ -319,12 +309,24 @@ static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, const nsda
   }
 }
 
+/* nsdae_kkt_solve with the record where the problem has it. */
+static int solve_equations(const nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
+                           int nrhs, double *R, double *C)
+{
+  nsdae_terms T;
+  int status = nsdae_kkt_solve(kkt, nrhs, R, kkt->n, C, kkt->m);
+  if (status == NSDAE_OK) return status;
+  T = *terms;
+  T.error = c->error;
+  return nsdae_terms_unsolved(&T, kkt, status);
+}
+
 static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)
 {
   int n = kkt->n, m = kkt->m;
   memcpy(c->delassus.U, c->delassus.W, (size_t)n * (size_t)c->columns * sizeof *c->delassus.U);
   memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
-  int status = nsdae_terms_solve(terms, kkt, c->columns, c->delassus.U, c->delassus.D);
+  int status = solve_equations(c, terms, kkt, c->columns, c->delassus.U, c->delassus.D);
   if (status < 0) return status;
   if (m > 0) clear_jammed(c, terms, kkt);
   nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
@@ -370,16 +372,18 @@ static void assemble_block(nsdae_contacts *c, int row, int column)
   }
 }
 
-/* Where none has friction E_P = E_Q = 1, and A is G; a few are assembled sooner one by one. */
+/* Where none has friction E_P = E_Q = 1, and A is G. */
 static void assemble(nsdae_contacts *c)
 {
   size_t n = (size_t)c->columns;
-  int plain = c->columns == c->active_count && c->active_count > 3;
-  if (plain) memcpy(c->lcp.A, c->delassus.G, n * n * sizeof *c->lcp.A);
+  if (c->columns == c->active_count && c->columns > 1) {
+    memcpy(c->lcp.A, c->delassus.G, n * n * sizeof *c->lcp.A);
+    memcpy(c->lcp.b, c->delassus.offset, n * sizeof *c->lcp.b);
+    return;
+  }
   for (int a = 0; a < c->active_count; a++) {
     const nsdae_law *law = &c->law[a];
-    for (int other = plain ? c->active_count : 0; other < c->active_count; other++)
-      assemble_block(c, other, a);
+    for (int other = 0; other < c->active_count; other++) assemble_block(c, other, a);
     size_t first = (size_t)c->first_row[a];
     nsdae_law_add_coupling(law, c->lcp.A + first * (size_t)c->rows + first, c->rows);
     nsdae_law_velocity(law, c->delassus.offset + c->first_column[a], c->lcp.b + first);
@@ -398,7 +402,7 @@ static void recall_basis(nsdae_contacts *c)
     memcpy(c->lcp.basis + c->first_row[a], memory_of(c, a),
            (size_t)c->law[a].rows * sizeof *c->warm.basis);
   for (int j = 0; j < c->slides.count; j++)
-    memcpy(c->lcp.basis + c->slides.row[j], c->warm.slide_basis + 3 * (size_t)j,
+    memcpy(c->lcp.basis + c->slides.row[j], c->warm.slide_basis + 3 * (size_t)c->slides.place[j],
            (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
 }
 
@@ -408,7 +412,7 @@ static void keep_basis(nsdae_contacts *c)
     memcpy(memory_of(c, a), c->lcp.basis + c->first_row[a],
            (size_t)c->law[a].rows * sizeof *c->warm.basis);
   for (int j = 0; j < c->slides.count; j++)
-    memcpy(c->warm.slide_basis + 3 * (size_t)j, c->lcp.basis + c->slides.row[j],
+    memcpy(c->warm.slide_basis + 3 * (size_t)c->slides.place[j], c->lcp.basis + c->slides.row[j],
            (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
 }
 
@@ -416,11 +420,11 @@ static int unsolved(nsdae_contacts *c, double t, int status)
 {
   char first[NSDAE_CALLED_SIZE];
   int contact = c->active_count > 0;
-  if (c->part.id)
+  if (c->part.id && contact)
     nsdae_system_called_id(c->system, c->part.id[c->active[0]], first);
   else
     nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT,
-                        contact ? c->active[0] : 0, first);
+                        contact ? c->active[0] : c->slides.number[0], first);
   nsdae_error_set(
       c->error, status, "nsdae_contacts", "",
       "contact problem of %d rows (first %s) at t = %.17g: %s, residual %.3g above %.3g; a "
@@ -529,7 +533,7 @@ int nsdae_contacts_step(nsdae_contacts *c, const nsdae_terms *terms, const nsdae
 {
   size_t bytes = (size_t)kkt->n * sizeof *v;
   memcpy(v, r, bytes);
-  int status = nsdae_terms_solve(terms, kkt, 1, v, lambda);
+  int status = solve_equations(c, terms, kkt, 1, v, lambda);
   if (status < 0) return status;
   memcpy(size, r, bytes);
   nsdae_kkt_solve_mass(kkt, size);

@@ -55,6 +55,8 @@ typedef struct nsdae_slide_map {
 /* Slides with mu > 0: their columns and rows come after those of the contacts. */
 typedef struct nsdae_contact_slides {
   int count, *number; /* of them; their numbers */
+  int *constraint;    /* count: the row of Phi_q of each in the part */
+  int *place;         /* count: of its basis in the warm start */
   int *row;           /* count: first row of each, three or, with a known sense, one */
   const int *sense;   /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
 } nsdae_contact_slides;
@@ -62,7 +64,6 @@ typedef struct nsdae_contact_slides {
 /* The warm start of a problem: the caller's arrays. */
 typedef struct nsdae_contact_warm {
   int *basis, *slide_basis; /* k x rows_most, 3 slides.count: the last basis of each */
-  double *impulse;          /* with cones, k (1 + nt): the last impulses of each */
 } nsdae_contact_warm;
 
 /* The system of the problem, or an island of it. */
@@ -71,6 +72,7 @@ typedef struct nsdae_contact_part {
   const int *place;                      /* of a block: where its velocities begin in v */
   const long *id;                        /* of the contacts; NULL: numbers are all they have */
   const nsdae_rows *J; /* Phi_q of an island, over the blocks of kkt; NULL: the terms' */
+  int m;               /* its rows */
   double *reaction;    /* nv */
 } nsdae_contact_part;
 
@@ -110,11 +112,10 @@ void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, ns
 long nsdae_contacts_rows(const nsdae_system *system, int polygon_edges);
 int nsdae_contacts_rows_limit(void);
 
-/* The warm start that problems read and leave is the caller's: a number of integers and of reals,
- * zero where there is none yet. */
+/* The bases that problems begin from and leave are the caller's: a number of integers, zero where
+ * there is none yet. Cones begin from the impulses in the results. */
 size_t nsdae_contacts_memory_size(const nsdae_contacts *contacts);
-size_t nsdae_contacts_warm_size(const nsdae_contacts *contacts);
-void nsdae_contacts_remember(nsdae_contacts *contacts, int *memory, double *warm);
+void nsdae_contacts_remember(nsdae_contacts *contacts, int *memory);
 
 /* Slides take rows from first on, and are the last of them. */
 void nsdae_contacts_place_slides(nsdae_contacts *contacts, int first);
@@ -122,16 +123,12 @@ void nsdae_contacts_place_slides(nsdae_contacts *contacts, int first);
 /* The complementarity problem as it is assembled; status of nsdae_lcp_solve. */
 int nsdae_contacts_solve_lcp(nsdae_contacts *contacts);
 
-/* A new problem: closes the contacts with a gap that is not above zero; the others are open. The
- * results go to the given place, which is cleared. The terms must have the gap. */
-void nsdae_contacts_close(nsdae_contacts *contacts, const nsdae_terms *terms,
-                          nsdae_impulses *results);
-
-/* The same with the contacts [k] that are marked. */
+/* A new problem: closes the contacts [k] that are marked; the others are open. The results go to
+ * the given place, which is cleared. */
 void nsdae_contacts_close_marked(nsdae_contacts *contacts, const int *closed,
                                  nsdae_impulses *results);
 
-/* The same with these contacts; results has room for every one of the whole. */
+/* The same with these contacts; the results are not cleared. */
 void nsdae_contacts_close_these(nsdae_contacts *contacts, int count, const int *contact,
                                 nsdae_impulses *results);
 

@@ -1,101 +1,331 @@
 #include "dense_island.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "errors.h"
+#include "listed.h"
 #include "vector.h"
 
-void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_system *system,
-                                nsdae_error *error, const nsdae_lcp_options *options,
+/* Whether polygons are solved as they are asked for. */
+static int has_polygons(const nsdae_contacts *c)
+{
+  return c->system->dims.nt == 2 && c->edges > 0;
+}
+
+void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of, nsdae_error *error,
                                 double rank_tol)
 {
-  l->blocks = (nsdae_blocks){1, l->ends, l->squares};
-  l->contacts.system = system;
-  l->contacts.error = error;
-  l->contacts.lcp.options = *options;
-  l->contacts.rows_most = NSDAE_CLOSED_BASIS;
-  l->contacts.part.J = &l->J;
+  nsdae_contacts *c = &l->contacts;
+  int nt = of->system->dims.nt;
+  nsdae_contacts_set(c, of->system, error, of->lcp.options.tol, of->edges);
+  c->rows_most = of->system->by_list ? nsdae_law_rows(nt, 1, of->edges) : of->rows_most;
+  c->part.J = &l->gathered.J;
   l->kkt.rank_tol = rank_tol;
-  l->kkt.blocks = &l->blocks;
+  l->factored = l->closed = -1;
 }
 
-void nsdae_dense_island_layout(nsdae_dense_island *l, nsdae_arena *arena)
+/* ---- room */
+
+static int least(int a, int b)
 {
-  const nsdae_system *s = l->contacts.system;
-  int planar = s->dims.nt == 1 ? 3 : 1;
-  const nsdae_dims most = {
-      .nv = NSDAE_DENSE_V, .m = NSDAE_DENSE_M, .k = NSDAE_DENSE_ROWS / planar, .nt = s->dims.nt};
-  l->kkt.n = l->ends[1] = most.nv;
-  l->kkt.m = most.m;
-  l->contacts.rows_in_all = NSDAE_DENSE_ROWS;
-  double **vector[] = {&l->r, &l->v, &l->size, &l->free, &l->column};
-  for (int i = 0; i < 5; i++) *vector[i] = NSDAE_ARENA_DOUBLES(arena, most.nv);
-  l->gathered = NSDAE_ARENA_DOUBLES(arena, most.nv * most.nv);
-  l->lambda = NSDAE_ARENA_DOUBLES(arena, most.m);
-  l->asked = NSDAE_ARENA_DOUBLES(arena, most.m);
-  l->place = NSDAE_ARENA_INTS(arena, s->blocks.count);
-  l->contacts.part.place = l->place;
-  nsdae_terms_layout_rows(&l->J, &l->blocks, most.m, 1, most.m, arena);
-  nsdae_kkt_layout(&l->kkt, arena);
-  nsdae_contacts_layout(&l->contacts, &most, arena);
+  return a < b ? a : b;
 }
 
-int nsdae_dense_island_fits(const nsdae_island_equations *w, int island)
+/* What no island that fits exceeds, but those of any size of contact lists. */
+static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *rows)
+{
+  const nsdae_system *s = c->system;
+  const nsdae_dims *d = &s->dims;
+  int one = s->blocks.count == 1, planar = d->nt == 1 ? 3 : 1;
+  int all = !s->by_list && (c->slides.count > 0 || has_polygons(c)); /* of any size */
+  int few = one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS;
+  nsdae_dense_size size = {.n = d->nv, .m = d->m, .contacts = few / planar, .rows = few};
+  if (!one && !all) size.n = least(d->nv, d->m > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
+  if (!one && !all) size.m = least(d->m, NSDAE_DENSE_JOINTED);
+  if (!s->by_list) size.contacts = all ? d->k : least(d->k, size.contacts);
+  long rows_in_all = nsdae_contacts_rows(s, c->edges);
+  if (!s->by_list && (all || rows_in_all < few)) size.rows = (int)rows_in_all;
+  if (s->by_list) size.rows += 3 * c->slides.count;
+  if (!one && s->call.constraint_rows) size.parts = (int)rows->entries;
+  if (!one && !s->call.constraint_rows) size.parts = size.m * s->blocks.count;
+  return size;
+}
+
+static void layout(void *object, nsdae_arena *arena)
+{
+  nsdae_dense_island *l = object;
+  const nsdae_dense_size *most = &l->most;
+  nsdae_contacts *c = &l->contacts;
+  nsdae_gathered *g = &l->gathered;
+  const nsdae_system *s = c->system;
+  const nsdae_dims dims = {
+      .nv = most->n, .m = most->m, .k = most->contacts, .nt = s->dims.nt, .f = s->dims.f};
+  long blocks = s->blocks.count > 1 ? s->blocks.count : 0, n = blocks > 0 ? most->n : 0;
+  int joints = c->slides.count;
+  nsdae_arena_doubles(arena, n, (double **[]){&g->r, &g->v, &g->size, NULL});
+  g->M = NSDAE_ARENA_DOUBLES(arena, n * n);
+  g->lambda = NSDAE_ARENA_DOUBLES(arena, n > 0 ? most->m : 0);
+  g->start = NSDAE_ARENA_INTS(arena, blocks);
+  g->blocks.first = NSDAE_ARENA_INTS(arena, n + 1);
+  g->blocks.square = nsdae_arena_take(arena, n + 1, sizeof *g->blocks.square);
+  g->J.first = NSDAE_ARENA_INTS(arena, most->m + 1L);
+  g->J.block = NSDAE_ARENA_INTS(arena, most->parts);
+  g->J.at = nsdae_arena_take(arena, most->parts, sizeof *g->J.at);
+  nsdae_arena_doubles(arena, most->n, (double **[]){&l->free, &l->column, NULL});
+  l->asked = NSDAE_ARENA_DOUBLES(arena, most->m);
+  l->was = NSDAE_ARENA_DOUBLES(arena, most->contacts);
+  l->basis = NSDAE_ARENA_INTS(arena, most->contacts * (long)c->rows_most + 3L * joints);
+  l->kkt.n = most->n;
+  l->kkt.m = most->m;
+  l->kkt.blocks = &s->blocks;
+  nsdae_kkt_layout_most(&l->kkt, arena);
+  c->rows_in_all = most->rows;
+  c->cones.most = joints > 0 && s->dims.nt == 2 && c->edges == 0 ? most->contacts : 0;
+  nsdae_contacts_layout(c, &dims, arena);
+}
+
+static void widen(nsdae_dense_size *to, const nsdae_dense_size *other)
+{
+  if (other->n > to->n) to->n = other->n;
+  if (other->m > to->m) to->m = other->m;
+  if (other->parts > to->parts) to->parts = other->parts;
+  if (other->contacts > to->contacts) to->contacts = other->contacts;
+  if (other->rows > to->rows) to->rows = other->rows;
+}
+
+int nsdae_dense_island_grow(nsdae_dense_island *l, const nsdae_room *rows)
+{
+  nsdae_contacts *c = &l->contacts;
+  nsdae_dense_size size = l->most, first;
+  c->slides.count = 0;
+  for (int j = 0; j < c->system->dims.f; j++)
+    c->slides.count += c->system->frictional_joint[j].mu > 0;
+  first = first_size(c, rows);
+  widen(&size, &first);
+  widen(&size, &l->need);
+  if (l->arena.base && memcmp(&size, &l->most, sizeof size) == 0) return NSDAE_OK;
+  l->most = size;
+  l->factored = l->closed = -1;
+  nsdae_arena_release(&l->arena);
+  int status = nsdae_arena_build(&l->arena, layout, l);
+  c->active_count = 0;
+  return status < 0 ? status : nsdae_cones_open(&c->cones);
+}
+
+void nsdae_dense_island_release(nsdae_dense_island *l)
+{
+  nsdae_arena_release(&l->arena);
+  nsdae_kkt_release(&l->kkt);
+  nsdae_cones_close(&l->contacts.cones);
+}
+
+/* Rows of the complementarity problem of an island. */
+static int count_rows(const nsdae_dense_island *l, const nsdae_island_equations *w, int island)
+{
+  const nsdae_members *m = &w->islands->contact;
+  int rows = 3 * nsdae_members_count(&w->islands->joint, island);
+  for (int i = m->first[island]; i < m->first[island + 1]; i++)
+    rows += nsdae_law_rows(w->system->dims.nt, w->law[m->of[i]].mu, l->contacts.edges);
+  return rows;
+}
+
+/* Of islands of any size, whether there is room. */
+static int enough(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   const nsdae_contact_islands *is = w->islands;
-  int k = nsdae_members_count(&is->contact, island), nt = w->system->dims.nt, n = 0;
-  if (nsdae_members_count(&is->row, island) > NSDAE_DENSE_M) return 0;
-  if (k * (nt == 1 ? 3 : 1) > NSDAE_DENSE_ROWS) return 0;
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
-    n += nsdae_blocks_size(&w->system->blocks, is->block.of[i]);
-  if (n > NSDAE_DENSE_V) return 0;
-  for (int i = is->contact.first[island]; nt == 2 && i < is->contact.first[island + 1]; i++)
-    if (w->law[is->contact.of[i]].mu > 0) return 0; /* a true cone */
-  return 1;
+  const nsdae_dense_size *most = &l->most;
+  nsdae_dense_size size = {.contacts = nsdae_members_count(&is->contact, island),
+                           .m = nsdae_members_count(&is->row, island)};
+  if (l->contacts.edges == 0 && is->joints == 0) return 1;
+  size.n = nsdae_island_size(w, island);
+  size.rows = count_rows(l, w, island);
+  if (size.n <= most->n && size.m <= most->m && size.contacts <= most->contacts &&
+      size.rows <= most->rows)
+    return 1;
+  size.contacts += size.contacts / 2;
+  size.rows += size.rows / 2;
+  widen(&l->need, &size);
+  return 0;
 }
 
-/* ---- gathering */
+static int with_friction(const nsdae_island_equations *w, int island)
+{
+  const nsdae_members *m = &w->islands->contact;
+  for (int i = m->first[island]; i < m->first[island + 1]; i++)
+    if (w->law[m->of[i]].mu > 0) return 1;
+  return 0;
+}
 
-/* Of one block M is that of the whole. */
-static void gather_blocks(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
+int nsdae_dense_island_fits(const nsdae_dense_island *l, const nsdae_island_equations *w,
+                            int island)
+{
+  const nsdae_contact_islands *is = w->islands;
+  int k = nsdae_members_count(&is->contact, island);
+  int nt = w->system->dims.nt, one = is->blocks == 1, closed = w->with_contacts ? k : 0;
+  int rows = closed * (nt == 1 ? 3 : 1);
+  if (nsdae_members_count(&is->joint, island) > 0) return 1;
+  if (nt == 2 && closed > 0 && with_friction(w, island)) return has_polygons(&l->contacts);
+  if (rows > (one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS)) return 0;
+  if (one) return 1;
+  int m = nsdae_members_count(&is->row, island);
+  if (k > 0 && m > 0)
+    return m <= NSDAE_DENSE_JOINTED && nsdae_island_size(w, island) <= NSDAE_DENSE_JOINTED;
+  return m <= NSDAE_DENSE_M && nsdae_island_size(w, island) <= NSDAE_DENSE_V;
+}
+
+int nsdae_dense_island_fits_all(const nsdae_dense_island *l)
+{
+  const nsdae_system *s = l->contacts.system;
+  if (s->by_list || s->blocks.count > 1 || (s->tracked && s->dims.nt == 2)) return 0;
+  if (l->contacts.slides.count > 0 || has_polygons(&l->contacts)) return 1;
+  for (int i = 0; i < s->dims.k && s->dims.nt == 2; i++)
+    if (s->contact[i].mu > 0) return 0;
+  return s->dims.k * (s->dims.nt == 1 ? 3 : 1) <= NSDAE_DENSE_ONE;
+}
+
+/* ---- the island at hand */
+
+static int gather_blocks(nsdae_gathered *g, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *members = &w->islands->block;
   const nsdae_blocks *blocks = &w->system->blocks;
   const int *block = members->of + members->first[island];
-  int count = nsdae_members_count(members, island), n = 0;
-  for (int i = 0; i < count; i++) {
-    l->place[block[i]] = n;
-    memcpy(l->r + n, w->r + blocks->first[block[i]],
-           (size_t)nsdae_blocks_size(blocks, block[i]) * sizeof *w->r);
-    n += nsdae_blocks_size(blocks, block[i]);
+  int n = 0;
+  size_t square = 0;
+  g->blocks.count = nsdae_members_count(members, island);
+  for (int i = 0; i < g->blocks.count; i++) {
+    size_t size = (size_t)nsdae_blocks_size(blocks, block[i]);
+    g->start[block[i]] = g->blocks.first[i] = n;
+    g->blocks.square[i] = square;
+    if (g->blocks.count > 1)
+      memcpy(g->M + square, w->M + blocks->square[block[i]], size * size * sizeof *g->M);
+    n += (int)size;
+    square += size * size;
   }
-  l->kkt.n = l->ends[1] = n;
-  l->squares[1] = (size_t)n * (size_t)n;
-  l->M = count == 1 ? w->M + blocks->square[*block] : l->gathered;
-  if (count == 1) return;
-  memset(l->gathered, 0, l->squares[1] * sizeof *l->gathered);
-  for (int i = 0; i < count; i++) {
-    int at = l->place[block[i]], size = nsdae_blocks_size(blocks, block[i]);
-    const double *M = w->M + blocks->square[block[i]];
-    for (int j = 0; j < size; j++)
-      memcpy(l->gathered + (size_t)(at + j) * (size_t)n + at, M + (size_t)j * (size_t)size,
-             (size_t)size * sizeof *M);
+  g->blocks.first[g->blocks.count] = n;
+  g->blocks.square[g->blocks.count] = square;
+  return n;
+}
+
+/* The number in the island of the block whose velocities start there. */
+static int block_at(const nsdae_blocks *blocks, int start)
+{
+  int low = 0, high = blocks->count;
+  while (high - low > 1) {
+    int middle = (low + high) / 2;
+    if (blocks->first[middle] <= start)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+static int gather_rows(nsdae_gathered *g, const nsdae_island_equations *w, int island)
+{
+  const nsdae_members *members = &w->islands->row;
+  const nsdae_rows *J = &w->terms->by.jacobian;
+  int m = nsdae_members_count(members, island), part = 0;
+  g->J.count = m;
+  g->J.stride = J->stride;
+  g->J.value = J->value;
+  g->J.first[0] = 0;
+  for (int i = 0; i < m; i++) {
+    int row = members->of[members->first[island] + i];
+    for (int p = J->first[row]; p < J->first[row + 1]; p++) {
+      g->J.block[part] = block_at(&g->blocks, g->start[J->block[p]]);
+      g->J.at[part++] = J->at[p];
+    }
+    g->J.first[i + 1] = part;
+  }
+  return m;
+}
+
+static void gather_right_hand_side(nsdae_gathered *g, const nsdae_island_equations *w, int island)
+{
+  const nsdae_contact_islands *is = w->islands;
+  const nsdae_blocks *blocks = &w->system->blocks;
+  for (int i = 0; i < g->blocks.count; i++) {
+    int b = is->block.of[is->block.first[island] + i];
+    memcpy(g->r + g->blocks.first[i], w->r + blocks->first[b],
+           (size_t)nsdae_blocks_size(blocks, b) * sizeof *g->r);
+  }
+  for (int i = 0; i < g->J.count; i++)
+    g->lambda[i] = w->lambda[is->row.of[is->row.first[island] + i]];
+}
+
+static void copy_held(nsdae_dense_island *l, const nsdae_island_equations *w, int island, int back)
+{
+  const nsdae_members *row = &w->islands->row;
+  int *held = l->kkt.dense.pivoted.held;
+  for (int i = 0; i < l->kkt.m; i++) {
+    int *of = w->factorisation->held + row->of[row->first[island] + i];
+    *(back ? of : held + i) = *(back ? held + i : of);
   }
 }
 
-static void gather_rows(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
+static int factor(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
+{
+  const nsdae_factorisation *f = w->factorisation;
+  l->kkt.hold = f->hold && f->dropped && !l->kkt.is_sparse;
+  if (l->kkt.hold) copy_held(l, w, island, 0);
+  int status = nsdae_kkt_factor(&l->kkt, l->at.M, l->at.J);
+  if (status < 0 || l->kkt.is_sparse || (l->kkt.rank == l->kkt.m && !f->dropped)) return status;
+  for (int i = 0; l->kkt.rank == l->kkt.m && i < l->kkt.m; i++) l->kkt.dense.pivoted.held[i] = 1;
+  copy_held(l, w, island, 1);
+  return status;
+}
+
+/* Its blocks and rows, factored. */
+static int take(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
+{
+  const nsdae_system *s = w->system;
+  nsdae_gathered *g = &l->gathered;
+  const nsdae_rows *J = &w->terms->by.jacobian;
+  nsdae_contacts *c = &l->contacts;
+  int whole = nsdae_members_count(&w->islands->block, island) == s->blocks.count;
+  int same = l->factored == w->factorisation->number && l->island == island;
+  if (whole)
+    l->at = (nsdae_island_view){&s->blocks, J, w->M, w->r, w->v, w->size, w->lambda, 1};
+  else
+    l->at = (nsdae_island_view){&g->blocks, &g->J, g->M, g->r, g->v, g->size, g->lambda, 0};
+  int n = s->dims.nv, m = s->dims.m, status = NSDAE_OK;
+  if (!whole && !same) {
+    n = gather_blocks(g, w, island);
+    m = gather_rows(g, w, island);
+  }
+  if (!whole && g->blocks.count == 1)
+    l->at.M = w->M + s->blocks.square[w->islands->block.of[w->islands->block.first[island]]];
+  if (!same) {
+    l->factored = -1;
+    nsdae_kkt_turn_to(&l->kkt, l->at.blocks, n, m);
+    status = factor(l, w, island);
+  }
+  if (status < 0) return status;
+  l->factored = w->factorisation->number;
+  l->island = island;
+  c->part.J = l->at.J;
+  c->part.m = l->kkt.m;
+  c->part.place = whole ? s->blocks.first : g->start;
+  if (!whole) gather_right_hand_side(g, w, island);
+  return NSDAE_OK;
+}
+
+/* Frictional joints of the island, with their rows of Phi_q in it. */
+static void take_joints(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   const nsdae_contact_islands *is = w->islands;
+  nsdae_contact_slides *s = &l->contacts.slides;
   const int *row = is->row.of + is->row.first[island];
-  int m = nsdae_members_count(&is->row, island);
-  l->kkt.m = l->J.count = m;
-  l->J.stride = (size_t)m;
-  memset(l->J.value, 0, (size_t)m * (size_t)l->kkt.n * sizeof *l->J.value);
-  for (int i = 0; i < m; i++) {
-    nsdae_rows_gather(&w->system->blocks, &w->terms->by.jacobian, row[i], l->place, l->J.value + i,
-                      (size_t)m);
-    l->asked[i] = w->lambda[row[i]];
+  s->count = nsdae_members_count(&is->joint, island);
+  for (int i = 0; i < s->count; i++) {
+    s->place[i] = is->joint.of[is->joint.first[island] + i];
+    s->number[i] = is->joint_number[s->place[i]];
+    s->constraint[i] = 0;
+    while (row[s->constraint[i]] != w->system->frictional_joint[s->number[i]].constraint)
+      s->constraint[i]++;
   }
 }
 
@@ -103,14 +333,19 @@ static void close_contacts(nsdae_dense_island *l, const nsdae_island_equations *
 {
   const nsdae_members *members = &w->islands->contact;
   nsdae_contacts *c = &l->contacts;
+  if (l->at.whole && l->closed == w->factorisation->closed) return;
+  l->closed = l->at.whole ? w->factorisation->closed : -1;
   c->part.coefficient = w->law;
-  c->part.id = w->closed->id;
-  nsdae_contacts_remember(c, w->closed->basis, NULL);
-  nsdae_contacts_close_these(c, w->with_contacts ? nsdae_members_count(members, island) : 0,
+  c->part.id = w->id;
+  c->warm = w->warm;
+  take_joints(l, w, island);
+  nsdae_contacts_close_these(c, nsdae_members_count(members, island),
                              members->of + members->first[island], w->results);
 }
 
-/* Whether something drives the island: a velocity is asked of a row or a contact. */
+/* ---- an island at rest */
+
+/* Whether something drives the island: a velocity is asked of a row, a contact or a joint. */
 static int driven(const nsdae_dense_island *l, const nsdae_island_equations *w)
 {
   const nsdae_contacts *c = &l->contacts;
@@ -118,6 +353,8 @@ static int driven(const nsdae_dense_island *l, const nsdae_island_equations *w)
   int nt = w->system->dims.nt, any = nsdae_largest(l->kkt.m, l->asked) > 0;
   for (int a = 0; a < c->active_count && !any; a++)
     any = T->w_N[c->active[a]] != 0 || nsdae_largest(nt, T->w_T + c->active[a] * nt) > 0;
+  for (int i = 0; i < c->slides.count && !any; i++)
+    any = T->frictional_joint.w[c->slides.number[i]] != 0;
   return any;
 }
 
@@ -127,7 +364,7 @@ static int stands(const nsdae_dense_island *l)
 {
   const nsdae_contacts *c = &l->contacts;
   const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, NSDAE_STILL);
-  double fastest = nsdae_largest(l->kkt.n, l->v),
+  double fastest = nsdae_largest(l->kkt.n, l->at.v),
          speed = nsdae_largest(c->columns, c->delassus.offset);
   if (!(fastest <= digits * speed)) return 0;
   double lever = nsdae_largest(c->columns * l->kkt.n, W);
@@ -139,11 +376,12 @@ static void stand(nsdae_dense_island *l)
 {
   const nsdae_contacts *c = &l->contacts;
   int nt = c->system->dims.nt;
-  memset(l->v, 0, (size_t)l->kkt.n * sizeof *l->v);
+  memset(l->at.v, 0, (size_t)l->kkt.n * sizeof *l->at.v);
   for (int a = 0; a < c->active_count; a++) {
     c->results->after[c->active[a]] = 0;
     for (int j = 0; j < nt; j++) c->results->after_t[c->active[a] * nt + j] = 0;
   }
+  for (int i = 0; i < c->slides.count; i++) c->results->slide_after[c->slides.number[i]] = 0;
 }
 
 /* ---- residuals of the laws */
@@ -164,14 +402,43 @@ static void measure(const nsdae_dense_island *l, int j, double u_j, double *diag
   *q = u_j + nsdae_dot(n, W, l->free);
 }
 
+/* The residual of a law with velocities along columns of W, beside their rounding: v is as good as
+ * contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN. */
+static void leave(const nsdae_dense_island *l, int rounded, int column, int columns, double left,
+                  nsdae_natural_residual *residual)
+{
+  const double *W = l->contacts.delassus.W + (size_t)column * (size_t)l->kkt.n;
+  double most = 0;
+  for (int c = 0; c < columns && rounded; c++) {
+    double sum = 0;
+    for (int j = 0; j < l->kkt.n; j++) sum += fabs(*W++) * l->at.size[j];
+    most = fmax(most, sum);
+  }
+  if (rounded) left -= 32 * DBL_EPSILON * most + DBL_MIN;
+  nsdae_natural_residual_row(residual, left > 0 || left != left ? left : 0);
+}
+
 /* Residual of the a-th contact: impulses in units of velocity by the mean diagonal of G, against
  * the law. */
-static void fit_contact(const nsdae_dense_island *l, int a, nsdae_natural_residual *residual)
+static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
+                        nsdae_natural_residual *residual)
 {
   const nsdae_contacts *c = &l->contacts;
   const nsdae_impulses *r = c->results;
   int i = c->active[a], nt = c->system->dims.nt, columns = c->law[a].columns;
   const nsdae_coefficients *law = &c->part.coefficient[i];
+  if (columns == 1 && l->kkt.m == 0) { /* the most of many */
+    size_t column = (size_t)c->first_column[a];
+    double xi = r->after[i] + law->e_n * r->before[i];
+    double scaled = r->normal[i] * c->delassus.G[column * (size_t)(c->columns + 1)];
+    nsdae_natural_residual_speed(residual, c->delassus.offset[column]);
+    double left = fabs(scaled - xi > 0 ? xi : scaled);
+    if (rounded)
+      leave(l, rounded, c->first_column[a], 1, left, residual);
+    else
+      nsdae_natural_residual_row(residual, left);
+    return;
+  }
   double x[3] = {r->normal[i]}, u[3] = {r->after[i] + law->e_n * r->before[i]}, d = 0;
   for (int j = 1, t = i * nt; j < columns; j++, t++) {
     x[j] = r->tangential[t];
@@ -183,62 +450,98 @@ static void fit_contact(const nsdae_dense_island *l, int a, nsdae_natural_residu
     nsdae_natural_residual_speed(residual, q);
     d += diagonal;
   }
+  if (c->law[a].kind == NSDAE_POLYGON) return;
   if (columns > 1) d /= columns;
   for (int j = 0; j < columns; j++) x[j] *= d;
-  nsdae_natural_residual_contact(residual, columns > 1 ? law->mu : 0, x, u);
+  nsdae_natural_residual one = {0};
+  nsdae_natural_residual_contact(&one, columns > 1 ? law->mu : 0, x, u);
+  leave(l, rounded, c->first_column[a], columns, one.left, residual);
 }
 
-static void fit_row(const nsdae_dense_island *l, int i, nsdae_natural_residual *residual)
+/* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto the friction that |lambda| bounds. */
+static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
+                      nsdae_natural_residual *residual)
 {
-  const double *J = l->J.value + i;
-  double u = -l->asked[i], change = 0;
-  for (int j = 0; j < l->kkt.n; j++, J += l->kkt.m) {
-    u += *J * l->v[j];
-    change += *J * l->free[j];
-  }
-  nsdae_natural_residual_row(residual, u);
-  nsdae_natural_residual_speed(residual, u + change);
+  const nsdae_contacts *c = &l->contacts;
+  int j = c->slides.number[i];
+  double u = c->results->slide_after[j], x = c->results->frictional_joint_impulse[j], d, q;
+  int column = c->columns - c->slides.count + i;
+  measure(l, column, u, &d, &q);
+  nsdae_natural_residual_speed(residual, q);
+  double most = d * c->system->frictional_joint[j].mu * fabs(l->at.lambda[c->slides.constraint[i]]);
+  leave(l, rounded, column, 1, fabs(d * x - fmax(-most, fmin(most, d * x - u))), residual);
 }
 
-/* Of v as it is, and what it would be without any impulse. */
-static nsdae_natural_residual fit(const nsdae_dense_island *l)
+static void fit_row(const nsdae_dense_island *l, int i, int rounded,
+                    nsdae_natural_residual *residual)
 {
+  const nsdae_island_view *at = &l->at;
+  double u = nsdae_rows_add_dot(at->blocks, at->J, i, at->v, -l->asked[i]);
+  double rounding =
+      rounded ? 32 * DBL_EPSILON * nsdae_rows_dot_sizes(at->blocks, at->J, i, at->size) + DBL_MIN
+              : 0;
+  nsdae_natural_residual_row(residual, fabs(u) <= rounding ? 0 : u);
+  nsdae_natural_residual_speed(residual, u + nsdae_rows_dot(at->blocks, at->J, i, l->free));
+}
+
+/* rounded: less what rounding explains. Of v as it is, and what it would be without any impulse. A
+ * polygon is no cone: it leaves what its complementarity problem leaves, in parts of the fastest.
+ */
+static nsdae_natural_residual fit(const nsdae_dense_island *l, int rounded)
+{
+  const nsdae_contacts *c = &l->contacts;
   nsdae_natural_residual residual = {0};
   if (l->kkt.m > 0) {
-    memcpy(l->free, l->r, (size_t)l->kkt.n * sizeof *l->free);
+    memcpy(l->free, l->at.r, (size_t)l->kkt.n * sizeof *l->free);
     nsdae_kkt_solve_mass(&l->kkt, l->free);
-    for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->v[j];
+    for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->at.v[j];
   }
-  for (int a = 0; a < l->contacts.active_count; a++) fit_contact(l, a, &residual);
-  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, &residual);
+  for (int a = 0; a < c->active_count; a++) fit_contact(l, a, rounded, &residual);
+  for (int i = 0; i < c->slides.count; i++) fit_joint(l, i, rounded, &residual);
+  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, rounded, &residual);
+  if (has_polygons(c)) nsdae_natural_residual_row(&residual, c->lcp.info.residual * residual.speed);
   return residual;
 }
 
-/* ---- and back */
+/* ---- solution */
 
 static void scatter(const nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   const nsdae_contact_islands *is = w->islands;
   const nsdae_blocks *blocks = &w->system->blocks;
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
-    int b = is->block.of[i];
+  for (int i = 0; i < l->at.blocks->count; i++) {
+    int b = is->block.of[is->block.first[island] + i], from = l->at.blocks->first[i];
     size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof *w->v;
-    memcpy(w->v + blocks->first[b], l->v + l->place[b], bytes);
-    memcpy(w->size + blocks->first[b], l->size + l->place[b], bytes);
+    memcpy(w->v + blocks->first[b], l->at.v + from, bytes);
+    memcpy(w->size + blocks->first[b], l->at.size + from, bytes);
   }
   for (int i = 0; i < l->kkt.m; i++)
-    w->lambda[is->row.of[is->row.first[island] + i]] = l->lambda[i];
+    w->lambda[is->row.of[is->row.first[island] + i]] = l->at.lambda[i];
+}
+
+static int solve_alone(nsdae_dense_island *l)
+{
+  const nsdae_island_view *at = &l->at;
+  int n = l->kkt.n;
+  for (int j = 0; j < n; j++) at->v[j] = at->r[j];
+  int status = nsdae_kkt_solve(&l->kkt, 1, at->v, n, at->lambda, l->kkt.m);
+  for (int j = 0; j < n; j++) at->size[j] = at->v[j];
+  return status;
 }
 
 /* v, lambda, the impulses and the residuals of the laws, from the bases in memory. */
 static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
                  nsdae_natural_residual *residual)
 {
-  memcpy(l->lambda, l->asked, (size_t)l->kkt.m * sizeof *l->lambda);
-  int status = nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, l->r, l->v, l->size, l->lambda);
-  if (status < 0 || !nsdae_contacts_any(&l->contacts)) return status;
-  if (!driven(l, w) && stands(l)) stand(l);
-  *residual = fit(l);
+  const nsdae_island_view *at = &l->at;
+  memcpy(at->lambda, l->asked, (size_t)l->kkt.m * sizeof *at->lambda);
+  int status =
+      nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, at->r, at->v, at->size, at->lambda);
+  if (status < 0) return status;
+  if (stands(l) && !driven(l, w)) stand(l);
+  *residual = fit(l, 0);
+  if (!(nsdae_natural_residual_scaled(residual) <= l->contacts.lcp.options.tol))
+    *residual = fit(l, 1);
   return status;
 }
 
@@ -252,13 +555,19 @@ static int same_impulses(const nsdae_dense_island *l, const double *was)
   return apart <= 1e-3 * most;
 }
 
-/* Bases of the closed contacts, from or to their place. */
-static void copy_bases(nsdae_contacts *c, int *basis, int back)
+/* Bases of the contacts and joints, from or to their places. */
+static void copy_bases(nsdae_dense_island *l, int back)
 {
-  const size_t bytes = NSDAE_CLOSED_BASIS * sizeof *basis;
-  for (int a = 0; a < c->active_count; a++, basis += NSDAE_CLOSED_BASIS) {
-    int *of = c->warm.basis + (size_t)c->active[a] * NSDAE_CLOSED_BASIS;
-    memcpy(back ? of : basis, back ? basis : of, bytes);
+  const nsdae_contacts *c = &l->contacts;
+  int *basis = l->basis;
+  int rows = c->rows_most;
+  for (int a = 0; a < c->active_count; a++, basis += rows) {
+    int *of = c->warm.basis + (size_t)c->active[a] * (size_t)rows;
+    for (int i = 0; i < rows; i++) *(back ? of + i : basis + i) = *(back ? basis + i : of + i);
+  }
+  for (int i = 0; i < c->slides.count; i++, basis += 3) {
+    int *of = c->warm.slide_basis + 3 * (size_t)c->slides.place[i];
+    memcpy(back ? of : basis, back ? basis : of, 3 * sizeof *of);
   }
 }
 
@@ -268,29 +577,39 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
                       nsdae_natural_residual *residual)
 {
   nsdae_contacts *c = &l->contacts;
-  int basis[NSDAE_DENSE_ROWS * NSDAE_CLOSED_BASIS];
-  double was[NSDAE_DENSE_ROWS], *tol = &c->lcp.options.tol, asked = *tol;
-  copy_bases(c, basis, 0);
+  double *tol = &c->lcp.options.tol, asked = *tol;
+  memcpy(l->asked, l->at.lambda, (size_t)l->kkt.m * sizeof *l->asked);
+  copy_bases(l, 0);
   int status = solve(l, w, residual);
   if (status < 0 || nsdae_natural_residual_scaled(residual) <= asked) return status;
-  for (int a = 0; a < c->active_count; a++) was[a] = c->results->normal[c->active[a]];
+  for (int a = 0; a < c->active_count; a++) l->was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
   status = solve(l, w, residual);
   *tol = asked;
-  if (status == NSDAE_OK && same_impulses(l, was)) return status;
-  copy_bases(c, basis, 1);
+  if (status == NSDAE_OK && same_impulses(l, l->was)) return status;
+  copy_bases(l, 1);
   return solve(l, w, residual);
 }
 
 int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations *w, int island,
                              int least_norm, nsdae_natural_residual *residual)
 {
-  gather_blocks(l, w, island);
-  gather_rows(l, w, island);
-  close_contacts(l, w, island);
-  int status = nsdae_kkt_factor(&l->kkt, l->M, &l->J);
+  if (w->system->by_list && !enough(l, w, island)) return NSDAE_ARRAYS_GROW;
+  int status = take(l, w, island);
   if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;
-  if (status == NSDAE_OK) status = solve_laws(l, w, residual);
-  if (status == NSDAE_OK) scatter(l, w, island);
+  if (status < 0) return status;
+  int any = w->with_contacts && nsdae_members_count(&w->islands->contact, island) +
+                                        nsdae_members_count(&w->islands->joint, island) >
+                                    0;
+  if (any) close_contacts(l, w, island);
+  status = any ? solve_laws(l, w, residual) : solve_alone(l);
+  if (status == NSDAE_OK && !l->at.whole) scatter(l, w, island);
   return status;
+}
+
+int nsdae_dense_island_solve_mass(const nsdae_dense_island *l, long factorisation, double *r)
+{
+  if (l->factored != factorisation || !l->at.whole) return 0;
+  nsdae_kkt_solve_mass(&l->kkt, r);
+  return 1;
 }

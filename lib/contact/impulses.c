@@ -41,6 +41,21 @@ void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)
   memset(r->impact, 0, wholes(dims) * sizeof *r->impact);
 }
 
+void nsdae_impulses_layout_joints(nsdae_impulses *r, int f, nsdae_arena *arena)
+{
+  double **const each[] = {&r->slide_before, &r->slide_after, &r->frictional_joint_impulse, NULL};
+  nsdae_arena_doubles(arena, f, each);
+  r->frictional_joint_mode = NSDAE_ARENA_INTS(arena, f);
+}
+
+void nsdae_impulses_clear_joints(nsdae_impulses *r, int f)
+{
+  for (int j = 0; j < f; j++) {
+    r->slide_before[j] = r->slide_after[j] = r->frictional_joint_impulse[j] = 0;
+    r->frictional_joint_mode[j] = 0;
+  }
+}
+
 double nsdae_impulses_work(const nsdae_impulses *r, int nt, int count, const int *contact)
 {
   double work = 0;

@@ -10,8 +10,8 @@ int nsdae_island_dispatch_make(nsdae_island_dispatch *d, const nsdae_system *sys
                                nsdae_error *error)
 {
   d->error = error;
-  d->islands.blocks = system->blocks.count;
-  d->islands.rows = system->dims.m;
+  d->solved = &d->sum;
+  if (system->blocks.count == 1) threads = 1;
   d->worker = calloc((size_t)threads, sizeof *d->worker);
   if (d->worker) d->workers = threads;
   if (d->worker) d->pool = nsdae_thread_pool_make(threads);
@@ -26,18 +26,19 @@ void nsdae_island_dispatch_release(nsdae_island_dispatch *d)
   nsdae_cone_island_release(&d->kept);
 }
 
-void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_system *system,
-                                   const nsdae_lcp_options *options, double rank_tol,
-                                   int least_norm)
+void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_contacts *of,
+                                   double rank_tol, int least_norm)
 {
   for (int i = 0; i < d->workers; i++)
-    nsdae_worker_prepare(&d->worker[i], system, options, rank_tol, least_norm);
+    nsdae_worker_prepare(&d->worker[i], of, rank_tol, least_norm);
 }
 
 void nsdae_island_dispatch_layout(nsdae_island_dispatch *d, const nsdae_system *system,
                                   nsdae_arena *arena)
 {
-  nsdae_contact_islands_layout(&d->islands, arena);
+  nsdae_contact_islands_layout(&d->islands, system, arena);
+  d->factorisation.held = NSDAE_ARENA_INTS(arena, system->dims.m);
+  d->factorisation.dropped = 1; /* held is made with the first one */
   for (int i = 0; i < d->workers; i++) nsdae_worker_layout(&d->worker[i], system, arena);
   nsdae_cone_island_layout(&d->kept, system, arena);
 }
@@ -48,7 +49,8 @@ int nsdae_island_dispatch_grow(nsdae_island_dispatch *d, const nsdae_system *sys
   int status = NSDAE_OK;
   for (int i = 0; i < d->workers && status == NSDAE_OK; i++)
     status = nsdae_worker_grow(&d->worker[i], system, contacts, rows);
-  return status < 0 ? status : nsdae_cone_island_grow(&d->kept, system, contacts, rows);
+  if (status < 0 || nsdae_dense_island_fits_all(&d->worker[0].dense)) return status;
+  return nsdae_cone_island_grow(&d->kept, system, contacts, rows);
 }
 
 /* With the record of the worker that failed. */
@@ -58,28 +60,23 @@ static int carry_out(nsdae_island_dispatch *d, const nsdae_worker *from)
   return from->error.status;
 }
 
-int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *d, const nsdae_system *system,
-                                     const double *M, double *r)
+int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *d, const nsdae_terms *T, double *r)
 {
+  const nsdae_system *s = T->system;
+  nsdae_worker *w = &d->worker[0];
   int status = NSDAE_OK;
-  for (int b = 0; b < system->blocks.count && status == NSDAE_OK; b++)
-    status = nsdae_worker_solve_block(&d->worker[0], system, M, b, r + system->blocks.first[b]);
-  return status < 0 ? carry_out(d, &d->worker[0]) : status;
+  if (nsdae_dense_island_solve_mass(&w->dense, d->factorisation.number, r)) return NSDAE_OK;
+  for (int b = 0; b < s->blocks.count && status == NSDAE_OK; b++)
+    status = nsdae_worker_solve_block(w, s, nsdae_terms_time(T), T->M, b, r + s->blocks.first[b]);
+  return status < 0 ? carry_out(d, w) : status;
 }
 
 /* Blocks that no contact and no constraint touches. */
 static int solve_free(nsdae_island_dispatch *d, const nsdae_island_equations *whole)
 {
-  const nsdae_blocks *blocks = &whole->system->blocks;
   int status = NSDAE_OK;
-  for (int b = 0; b < blocks->count && status == NSDAE_OK; b++) {
-    if (d->islands.of[b] >= 0) continue;
-    int at = blocks->first[b];
-    size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof(double);
-    memcpy(whole->v + at, whole->r + at, bytes);
-    status = nsdae_worker_solve_block(&d->worker[0], whole->system, whole->M, b, whole->v + at);
-    memcpy(whole->size + at, whole->v + at, bytes);
-  }
+  for (int b = 0; b < d->islands.blocks && status == NSDAE_OK; b++)
+    if (d->islands.of[b] < 0) status = nsdae_worker_solve_free(&d->worker[0], whole, b);
   return status < 0 ? carry_out(d, &d->worker[0]) : status;
 }
 
@@ -116,12 +113,13 @@ static int second_pass(void *object, int worker, int item)
 static int share(nsdae_island_dispatch *d, shared *s, int count, int portion,
                  nsdae_thread_pool_pass *pass)
 {
-  int alone = s->whole->closed->count + s->whole->system->dims.m < FEW;
+  const nsdae_contact_islands *is = &d->islands;
+  int alone = is->contact.first[is->count] + is->rows < FEW;
   int failed = nsdae_thread_pool_run(d->pool, alone, count, portion, pass, s);
   if (failed < 0) return NSDAE_OK;
   int by = 0;
   while (d->worker[by].failed != failed) by++;
-  d->solved.problem = d->worker[by].solved.problem;
+  d->sum.problem = d->worker[by].solved.problem;
   return carry_out(d, &d->worker[by]);
 }
 
@@ -139,20 +137,45 @@ static int list_second(nsdae_island_dispatch *d, nsdae_island_equations *whole, 
     whole->kept_island = i;
   }
   whole->kept = &d->kept;
-  if (count > 0) d->solved.cones = &d->kept;
+  if (count > 0) d->sum.cones = &d->kept;
   return count;
 }
 
+/* One island by the thread that calls. */
+static int solve_one(nsdae_island_dispatch *d, nsdae_island_equations *whole)
+{
+  nsdae_worker *w = &d->worker[0];
+  nsdae_worker_begin(w);
+  int status = nsdae_worker_solve(w, whole, 0, 0);
+  if (status == NSDAE_NEXT) {
+    whole->kept = &d->kept;
+    whole->kept_island = 0;
+    w->solved.cones = &d->kept;
+    status = nsdae_worker_solve(w, whole, 0, 1);
+  }
+  w->solved.islands = 1;
+  return status < 0 ? carry_out(d, w) : status;
+}
+
 /* The marks are in place of the parents, which are not read after the islands are found. */
-int nsdae_island_dispatch_solve(nsdae_island_dispatch *d, nsdae_island_equations *whole)
+static int solve_all(nsdae_island_dispatch *d, nsdae_island_equations *whole)
 {
   shared s = {d, whole, d->islands.parent};
-  d->solved = (nsdae_solved){.islands = d->islands.count, .kept = 1};
-  int status = solve_free(d, whole);
-  if (status < 0) return status;
   for (int i = 0; i < d->workers; i++) nsdae_worker_begin(&d->worker[i]);
-  status = share(d, &s, d->islands.count, PORTION, first_pass);
+  int status = share(d, &s, d->islands.count, PORTION, first_pass);
   if (status == NSDAE_OK) status = share(d, &s, list_second(d, whole, s.second), 1, second_pass);
-  for (int i = 0; i < d->workers; i++) nsdae_solved_add(&d->solved, &d->worker[i].solved);
+  for (int i = 0; i < d->workers; i++) nsdae_solved_add(&d->sum, &d->worker[i].solved);
+  return status;
+}
+
+int nsdae_island_dispatch_solve(nsdae_island_dispatch *d, nsdae_island_equations *whole)
+{
+  int count = d->islands.count, status = NSDAE_OK;
+  d->solved = count == 1 ? &d->worker[0].solved : &d->sum;
+  if (count != 1) d->sum = (nsdae_solved){.islands = count, .kept = 1};
+  if (count == 0 || d->islands.blocks > 1) status = solve_free(d, whole);
+  if (status < 0 || count == 0) return status;
+  status = count == 1 ? solve_one(d, whole) : solve_all(d, whole);
+  d->factorisation.dropped = d->solved->rank < d->islands.rows;
   return status;
 }

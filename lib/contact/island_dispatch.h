@@ -9,11 +9,13 @@
 typedef struct nsdae_island_dispatch {
   nsdae_error *error;
   nsdae_contact_islands islands;
+  nsdae_factorisation factorisation;
   nsdae_cone_island kept; /* the largest of the second pass */
   nsdae_thread_pool *pool;
   nsdae_worker *worker;
   int workers;
-  nsdae_solved solved; /* of the last equations */
+  nsdae_solved sum;           /* over the workers */
+  const nsdae_solved *solved; /* of the last equations: that, or of one worker */
 } nsdae_island_dispatch;
 
 /* NSDAE_OK; NSDAE_E_MEMORY without memory or threads. Released as far as it was made. */
@@ -21,9 +23,8 @@ int nsdae_island_dispatch_make(nsdae_island_dispatch *dispatch, const nsdae_syst
                                int threads, nsdae_error *error);
 void nsdae_island_dispatch_release(nsdae_island_dispatch *dispatch);
 /* Settings, which may change between runs. */
-void nsdae_island_dispatch_prepare(nsdae_island_dispatch *dispatch, const nsdae_system *system,
-                                   const nsdae_lcp_options *options, double rank_tol,
-                                   int least_norm);
+void nsdae_island_dispatch_prepare(nsdae_island_dispatch *dispatch, const nsdae_contacts *of,
+                                   double rank_tol, int least_norm);
 void nsdae_island_dispatch_layout(nsdae_island_dispatch *dispatch, const nsdae_system *system,
                                   nsdae_arena *arena);
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_system *system,
@@ -33,8 +34,8 @@ int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_syst
  * the first island that failed. */
 int nsdae_island_dispatch_solve(nsdae_island_dispatch *dispatch, nsdae_island_equations *whole);
 
-/* r := M^-1 r by blocks; NSDAE_OK or NSDAE_E_MASS. */
-int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *dispatch, const nsdae_system *system,
-                                     const double *M, double *r);
+/* r := M^-1 r, M of the terms' point and of the last solution; NSDAE_OK or NSDAE_E_MASS. */
+int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *dispatch, const nsdae_terms *terms,
+                                     double *r);
 
 #endif

@@ -11,18 +11,48 @@
  * impulses, if contact_tol is larger. */
 #define NSDAE_STILL 1e-9
 
+/* One factorisation, which a solver may keep from one solution to the next. */
+typedef struct nsdae_factorisation {
+  long number; /* it is another one if this changed */
+  long closed; /* other contacts are closed if this changed */
+  int hold;    /* of redundant rows those that held in the one before */
+  int dropped; /* some were redundant there */
+  int *held;   /* rows: 1 for each that was independent */
+} nsdae_factorisation;
+
+/* Contacts are known by number: their rows in the terms, their places in all that follows. */
 typedef struct nsdae_island_equations {
   const nsdae_system *system;
   const nsdae_contact_islands *islands;
-  const nsdae_terms *terms;      /* rows of Phi_q and of the closed contacts */
-  const nsdae_coefficients *law; /* of the closed contacts, by number */
-  const double *M, *r;           /* by blocks; nv */
-  nsdae_closed *closed;
+  const nsdae_terms *terms;      /* rows of Phi_q, of contacts and frictional joints */
+  const nsdae_coefficients *law; /* by number */
+  const long *id;                /* by number; NULL: the number is all there is */
+  const int *fresh;              /* by number: no impulse in the step before */
+  nsdae_contact_warm warm;
+  nsdae_factorisation *factorisation;
+  const double *M, *r; /* by blocks; nv */
   nsdae_impulses *results;
   double *v, *size, *lambda;      /* nv, nv, m */
   int with_contacts;              /* 0: as if none were closed */
   struct nsdae_cone_island *kept; /* the problem of kept_island, for nsdae_sim_get_friction */
   int kept_island;
 } nsdae_island_equations;
+
+static inline const char *nsdae_island_called(const nsdae_island_equations *w, int contact,
+                                              char *called)
+{
+  return w->id ? nsdae_system_called_id(w->system, w->id[contact], called)
+               : nsdae_system_called(w->system, NSDAE_NAME_CONTACT, contact, called);
+}
+
+/* Velocities of an island. */
+static inline int nsdae_island_size(const nsdae_island_equations *w, int island)
+{
+  const nsdae_members *block = &w->islands->block;
+  int n = 0;
+  for (int i = block->first[island]; i < block->first[island + 1]; i++)
+    n += nsdae_blocks_size(&w->system->blocks, block->of[i]);
+  return n;
+}
 
 #endif

@@ -7,21 +7,7 @@
 #include "dense.h"
 #include "listed.h"
 
-enum { WIDTH = NSDAE_CONTACT_WIDTH, COLUMNS = 2 };
-
-/* One block: its factor, its directions W, U = M^-1 W, the velocity without impulse. */
-typedef struct side {
-  int b, n, at;
-  nsdae_block_factor factor;
-  double L[WIDTH * WIDTH], U[COLUMNS][WIDTH], v[WIDTH];
-} side;
-
-typedef struct single {
-  int sides, columns;
-  side side[2];
-  double mu, G[COLUMNS][COLUMNS], b[COLUMNS]; /* columns by rows; offsets */
-  double x[COLUMNS];                          /* Lambda */
-} single;
+enum { WIDTH = NSDAE_CONTACT_WIDTH };
 
 /* ---- G and b of one contact */
 
@@ -30,6 +16,7 @@ int nsdae_single_fits(const nsdae_island_equations *w, int island)
   const nsdae_contact_islands *is = w->islands;
   if (nsdae_members_count(&is->contact, island) != 1) return 0;
   if (nsdae_members_count(&is->row, island) != 0) return 0;
+  if (nsdae_members_count(&is->block, island) > 2) return 0;
   int a = is->contact.of[is->contact.first[island]];
   if (w->system->dims.nt == 2 && w->law[a].mu > 0) return 0;
   for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
@@ -38,7 +25,7 @@ int nsdae_single_fits(const nsdae_island_equations *w, int island)
 }
 
 /* The factor of M_b and the velocity without impulse; 0 where M_b is not positive definite. */
-static int gather_side(const nsdae_island_equations *w, side *s, int b)
+static int gather_side(const nsdae_island_equations *w, nsdae_single_side *s, int b)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   s->b = b;
@@ -52,10 +39,10 @@ static int gather_side(const nsdae_island_equations *w, side *s, int b)
 }
 
 /* Direction d of contact a on its blocks: U, and its part of G and b. */
-static void gather_direction(single *c, const nsdae_rows *rows, int row, int d)
+static void gather_direction(nsdae_single *c, const nsdae_rows *rows, int row, int d)
 {
   for (int p = rows->first[row]; p < rows->first[row + 1]; p++) {
-    side *s = &c->side[rows->block[p] == c->side[0].b ? 0 : 1];
+    nsdae_single_side *s = &c->side[rows->block[p] == c->side[0].b ? 0 : 1];
     const double *W = rows->value + rows->at[p];
     for (int j = 0; j < s->n; j++) {
       s->U[d][j] = W[j];
@@ -71,11 +58,12 @@ static void gather_direction(single *c, const nsdae_rows *rows, int row, int d)
 }
 
 /* G = W^T M^-1 W and b of contact a, of one or two directions; 0 if M is not positive definite. */
-static int gather(const nsdae_island_equations *w, single *c, int island, int a)
+static int gather(const nsdae_island_equations *w, nsdae_single *c, int island, int a)
 {
   const nsdae_contact_islands *is = w->islands;
   const nsdae_terms *T = w->terms;
   const nsdae_coefficients *law = &w->law[a];
+  c->contact = a;
   c->mu = law->mu;
   c->sides = 0;
   memset(c->G, 0, sizeof c->G);
@@ -94,7 +82,7 @@ static int gather(const nsdae_island_equations *w, single *c, int island, int a)
 
 /* ---- solution by cases */
 
-static int stick(single *c)
+static int stick(nsdae_single *c)
 {
   double det = c->G[0][0] * c->G[1][1] - c->G[0][1] * c->G[1][0];
   if (!(det > 16 * DBL_EPSILON * c->G[0][0] * c->G[1][1])) return 0;
@@ -103,7 +91,7 @@ static int stick(single *c)
   return c->x[0] > 0 && fabs(c->x[1]) <= c->mu * c->x[0];
 }
 
-static int frictional_joint(single *c, double s)
+static int frictional_joint(nsdae_single *c, double s)
 {
   double normal = c->G[0][0] - s * c->mu * c->G[0][1];
   if (!(normal > 16 * DBL_EPSILON * c->G[0][0])) return 0;
@@ -113,7 +101,7 @@ static int frictional_joint(single *c, double s)
 }
 
 /* enum nsdae_mode; -1: in none. */
-static int solve(single *c)
+static int solve(nsdae_single *c)
 {
   c->x[0] = c->x[1] = 0;
   if (c->b[0] >= 0) return NSDAE_MODE_OPEN;
@@ -129,7 +117,8 @@ static int solve(single *c)
 /* ---- velocities */
 
 /* v(+) of a side. What cancels to rounding is zero, as in contacts.c. */
-static void scatter_side(const nsdae_island_equations *w, const single *c, const side *s)
+static void scatter_side(const nsdae_island_equations *w, const nsdae_single *c,
+                         const nsdae_single_side *s)
 {
   const double rounding = 32 * DBL_EPSILON;
   double size_x = fmax(fabs(c->x[0]), fabs(c->x[1]));
@@ -145,7 +134,7 @@ static void scatter_side(const nsdae_island_equations *w, const single *c, const
 }
 
 /* The residual at the velocities xi that v has now. */
-static nsdae_natural_residual left_over(const single *c, const double xi[3])
+static nsdae_natural_residual left_over(const nsdae_single *c, const double xi[3])
 {
   nsdae_natural_residual residual = {0};
   double d = c->columns == 2 ? (c->G[0][0] + c->G[1][1]) / 2 : c->G[0][0];
@@ -155,25 +144,24 @@ static nsdae_natural_residual left_over(const single *c, const double xi[3])
   return residual;
 }
 
-int nsdae_single_solve(const nsdae_island_equations *w, int island,
+int nsdae_single_solve(nsdae_single *c, const nsdae_island_equations *w, int island,
                        nsdae_natural_residual *residual)
 {
   const double most = 1e-13;
-  single c;
   int a = w->islands->contact.of[w->islands->contact.first[island]], nt = w->system->dims.nt;
   nsdae_impulses *to = w->results;
-  int mode = gather(w, &c, island, a) ? solve(&c) : -1;
-  if (mode < 0 || !isfinite(c.x[0]) || !isfinite(c.x[1])) return 0;
-  for (int i = 0; i < c.sides; i++) scatter_side(w, &c, &c.side[i]);
-  to->normal[a] = c.x[0];
+  int mode = gather(w, c, island, a) ? solve(c) : -1;
+  if (mode < 0 || !isfinite(c->x[0]) || !isfinite(c->x[1])) return 0;
+  for (int i = 0; i < c->sides; i++) scatter_side(w, c, &c->side[i]);
+  to->normal[a] = c->x[0];
   to->mode[a] = mode;
   to->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
   for (int j = a * nt; j < (a + 1) * nt; j++) {
-    to->tangential[j] = j == a * nt && c.columns == 2 ? c.x[1] : 0;
+    to->tangential[j] = j == a * nt && c->columns == 2 ? c->x[1] : 0;
     to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
   }
   double xi[3] = {to->after[a] + w->law[a].e_n * to->before[a]};
-  if (c.columns == 2) xi[1] = to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt];
-  *residual = left_over(&c, xi);
+  if (c->columns == 2) xi[1] = to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt];
+  *residual = left_over(c, xi);
   return nsdae_natural_residual_scaled(residual) <= most;
 }

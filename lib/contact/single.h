@@ -12,12 +12,29 @@
 
 #include "island_equations.h"
 
+enum { NSDAE_SINGLE_COLUMNS = 2 };
+
+/* One block: its factor, its directions W, U = M^-1 W, the velocity without impulse. */
+typedef struct nsdae_single_side {
+  int b, n, at;
+  nsdae_block_factor factor;
+  double L[NSDAE_CONTACT_WIDTH * NSDAE_CONTACT_WIDTH], U[NSDAE_SINGLE_COLUMNS][NSDAE_CONTACT_WIDTH],
+      v[NSDAE_CONTACT_WIDTH];
+} nsdae_single_side;
+
+typedef struct nsdae_single {
+  int contact, sides, columns;
+  nsdae_single_side side[2];
+  double mu, G[NSDAE_SINGLE_COLUMNS][NSDAE_SINGLE_COLUMNS], b[NSDAE_SINGLE_COLUMNS]; /* offsets */
+  double x[NSDAE_SINGLE_COLUMNS];                                                    /* Lambda */
+} nsdae_single;
+
 /* Whether an island is of this kind. */
 int nsdae_single_fits(const nsdae_island_equations *whole, int island);
 
 /* v of its blocks, impulse, mode and velocities after. 1 where it is solved, else 0; residual: the
  * residual of the laws, at rounding level. */
-int nsdae_single_solve(const nsdae_island_equations *whole, int island,
+int nsdae_single_solve(nsdae_single *single, const nsdae_island_equations *whole, int island,
                        nsdae_natural_residual *residual);
 
 #endif

@@ -69,13 +69,13 @@ static void basic_map(nsdae_contacts *c)
 /* Q = 1 - D_SS mu, K := S - D_S Z_b, k0 := -lambda_free. */
 static void constraint_rows(nsdae_contacts *c, const double *lambda)
 {
-  int f = c->slides.count, m = c->system->dims.m;
+  int f = c->slides.count, m = c->part.m;
   for (int i = 0; i < f; i++) {
     for (int j = 0; j < c->columns; j++)
-      AT(c->map.D_S, f, i, j) = AT(c->delassus.D, m, slide_of(c, i)->constraint, j);
+      AT(c->map.D_S, f, i, j) = AT(c->delassus.D, m, c->slides.constraint[i], j);
     for (int j = 0; j < f; j++)
       AT(c->map.Q, f, i, j) = (i == j) - AT(c->map.D_S, f, i, column_of(c, j)) * signed_mu(c, j);
-    c->map.k0[i] = -lambda[slide_of(c, i)->constraint];
+    c->map.k0[i] = -lambda[c->slides.constraint[i]];
   }
   for (int j = 0; j < c->rows; j++)
     for (int i = 0; i < f; i++) {

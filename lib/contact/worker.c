@@ -1,23 +1,23 @@
 #include "worker.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "errors.h"
-#include "single.h"
+#include "listed.h"
 
-void nsdae_worker_prepare(nsdae_worker *w, const nsdae_system *system,
-                          const nsdae_lcp_options *options, double rank_tol, int least_norm)
+void nsdae_worker_prepare(nsdae_worker *w, const nsdae_contacts *of, double rank_tol,
+                          int least_norm)
 {
-  nsdae_dense_island_prepare(&w->dense, system, &w->error, options, rank_tol);
-  w->tol = options->tol;
+  nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
+  w->tol = of->lcp.options.tol;
   w->least_norm = least_norm;
   w->sparse.rank_tol = rank_tol;
 }
 
 void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_arena *arena)
 {
-  nsdae_dense_island_layout(&w->dense, arena);
   nsdae_active_set_layout(&w->active_set, system, arena);
   nsdae_cone_island_layout(&w->cones, system, arena);
   w->L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
@@ -26,13 +26,19 @@ void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_aren
 int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_room *contacts,
                       const nsdae_room *rows)
 {
-  int status = w->solver ? NSDAE_OK : nsdae_friction_create(&w->solver);
+  int status = nsdae_dense_island_grow(&w->dense, rows);
+  w->all_dense = nsdae_dense_island_fits_all(&w->dense);
+  if (status < 0 || w->all_dense) return status;
+  if (!w->solver) status = nsdae_friction_create(&w->solver);
   if (status == NSDAE_OK) status = nsdae_active_set_grow(&w->active_set, contacts);
-  return status < 0 ? status : nsdae_cone_island_grow(&w->cones, system, contacts, rows);
+  if (status == NSDAE_OK) status = nsdae_cone_island_grow(&w->cones, system, contacts, rows);
+  if (status < 0 || system->by_list || system->tracked || system->blocks.count > 1) return status;
+  return nsdae_cone_island_reserve(&w->cones, system, w->solver);
 }
 
 void nsdae_worker_release(nsdae_worker *w)
 {
+  nsdae_dense_island_release(&w->dense);
   nsdae_active_set_release(&w->active_set);
   nsdae_cone_island_release(&w->cones);
   nsdae_sparse_kkt_release(&w->sparse);
@@ -41,7 +47,7 @@ void nsdae_worker_release(nsdae_worker *w)
 
 void nsdae_worker_begin(nsdae_worker *w)
 {
-  nsdae_error_clear(&w->error);
+  if (w->error.status) nsdae_error_clear(&w->error);
   w->failed = -1;
   w->solved = (nsdae_solved){.kept = 1};
 }
@@ -51,8 +57,8 @@ void nsdae_worker_begin(nsdae_worker *w)
 static void count_rank(nsdae_solved *s, int rank, double kept, double left)
 {
   s->rank += rank;
-  s->kept = fmin(s->kept, kept);
-  s->left = fmax(s->left, left);
+  if (kept < s->kept) s->kept = kept;
+  if (left > s->left) s->left = left;
 }
 
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
@@ -65,23 +71,28 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
   if (one->contacts > sum->contacts) sum->contacts = one->contacts;
 }
 
-static int bad_mass(nsdae_worker *w, const nsdae_system *system, int b, int pivot)
+/* pivot of block b, from 1. */
+static int bad_mass(nsdae_worker *w, const nsdae_system *system, double t, int b, int pivot)
 {
-  nsdae_error_set(&w->error, NSDAE_E_MASS, "nsdae_terms", "mass_blocks",
-                  "the mass matrix of block %d is not positive definite: pivot %d of %d is not "
-                  "above rounding; check the callback mass_blocks",
-                  b, pivot, nsdae_blocks_size(&system->blocks, b));
+  const char *callback = nsdae_system_mass_name(system);
+  char of[32] = "";
+  if (system->blocks.count > 1) snprintf(of, sizeof of, " of block %d", b);
+  nsdae_error_set(&w->error, NSDAE_E_MASS, "nsdae_terms", callback,
+                  "the mass matrix%s is not positive definite at t = %.17g: pivot %d of %d is not "
+                  "above rounding; check the callback %s",
+                  of, t, pivot, nsdae_blocks_size(&system->blocks, b), callback);
+  w->error.time = t;
   nsdae_system_name_item(system, NSDAE_NAME_VELOCITY, system->blocks.first[b] + pivot - 1,
                          &w->error);
   return NSDAE_E_MASS;
 }
 
-int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, const double *M, int b,
-                             double *x)
+int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, double t, const double *M,
+                             int b, double *x)
 {
   nsdae_block_factor factor = {.L = w->L};
   int pivot = nsdae_blocks_factor(&system->blocks, b, M, &factor);
-  if (pivot) return bad_mass(w, system, b, pivot);
+  if (pivot) return bad_mass(w, system, t, b, pivot);
   nsdae_blocks_solve(&factor, x);
   return NSDAE_OK;
 }
@@ -93,8 +104,41 @@ static int has_contacts(const nsdae_island_equations *whole, int island)
   return whole->with_contacts && nsdae_members_count(&whole->islands->contact, island) > 0;
 }
 
-static int fits_one_contact(const nsdae_island_equations *whole, int island)
+/* Where a factorisation is not worth keeping. */
+static int fits_blocks(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
+  const nsdae_contact_islands *is = whole->islands;
+  (void)w;
+  if (whole->with_contacts || nsdae_members_count(&is->row, island) > 0) return 0;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
+    if (nsdae_blocks_size(&whole->system->blocks, is->block.of[i]) > NSDAE_CONTACT_WIDTH) return 0;
+  return 1;
+}
+
+int nsdae_worker_solve_free(nsdae_worker *w, const nsdae_island_equations *whole, int b)
+{
+  const nsdae_blocks *blocks = &whole->system->blocks;
+  int at = blocks->first[b];
+  size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof(double);
+  memcpy(whole->v + at, whole->r + at, bytes);
+  int status = nsdae_worker_solve_block(w, whole->system, nsdae_terms_time(whole->terms), whole->M,
+                                        b, whole->v + at);
+  memcpy(whole->size + at, whole->v + at, bytes);
+  return status;
+}
+
+static int solve_blocks(nsdae_worker *w, const nsdae_island_equations *whole, int island)
+{
+  const nsdae_members *block = &whole->islands->block;
+  int status = NSDAE_OK;
+  for (int i = block->first[island]; i < block->first[island + 1] && status == NSDAE_OK; i++)
+    status = nsdae_worker_solve_free(w, whole, block->of[i]);
+  return status;
+}
+
+static int fits_one_contact(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
+{
+  (void)w;
   return whole->with_contacts && nsdae_single_fits(whole, island);
 }
 
@@ -102,14 +146,16 @@ static int fits_one_contact(const nsdae_island_equations *whole, int island)
 static int solve_one_contact(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_natural_residual residual;
-  if (!nsdae_single_solve(whole, island, &residual)) return NSDAE_NEXT;
+  if (!nsdae_single_solve(&w->single, whole, island, &residual)) return NSDAE_NEXT;
   w->solved.lcps++;
+  w->solved.single = &w->single;
   nsdae_natural_residual_add(&w->solved.residual, &residual);
   return NSDAE_OK;
 }
 
-static int fits_active_set(const nsdae_island_equations *whole, int island)
+static int fits_active_set(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
+  (void)w;
   return has_contacts(whole, island) && nsdae_active_set_fits(whole, island);
 }
 
@@ -123,32 +169,39 @@ static int solve_active_set(nsdae_worker *w, const nsdae_island_equations *whole
   return NSDAE_OK;
 }
 
+/* Which part of a system of several blocks is meant. */
+static const char *where(const nsdae_island_equations *whole, int island, char text[48])
+{
+  const nsdae_members *block = &whole->islands->block;
+  text[0] = '\0';
+  if (whole->islands->blocks > 1)
+    snprintf(text, 48, "in the island of block %d: ", block->of[block->first[island]]);
+  return text;
+}
+
 static int unsolved(nsdae_worker *w, const nsdae_island_equations *whole, int island, int status)
 {
-  const nsdae_contact_islands *is = whole->islands;
   double t = nsdae_terms_time(whole->terms);
-  nsdae_error_set(
-      &w->error, status, "nsdae_terms", "constraint_rows",
-      "the equations of the island of block %d, with %d constraints, were not solved at "
-      "t = %.17g: %s",
-      is->block.of[is->block.first[island]], nsdae_members_count(&is->row, island), t,
-      nsdae_status_message(status));
+  char in[48];
+  nsdae_error_set(&w->error, status, "nsdae_terms", nsdae_system_jacobian_name(whole->system),
+                  "%sthe equations of %d constraints were not solved at t = %.17g: %s",
+                  where(whole, island, in), nsdae_members_count(&whole->islands->row, island), t,
+                  nsdae_status_message(status));
   w->error.time = t;
   return status;
 }
 
-/* dependent: the first row that depends on others. */
+/* dependent: the first row that depends on others, best first. */
 static int bad_rank(nsdae_worker *w, const nsdae_island_equations *whole, int island, int rank,
                     int dependent)
 {
-  const nsdae_contact_islands *is = whole->islands;
   double t = nsdae_terms_time(whole->terms);
-  nsdae_error_set(&w->error, NSDAE_E_RANK, "nsdae_terms", "constraint_rows",
-                  "in the island of block %d: Phi_q has rank %d of %d at t = %.17g: leave out the "
-                  "redundant constraints or set redundant = least-norm; the first that depends on "
-                  "others",
-                  is->block.of[is->block.first[island]], rank,
-                  nsdae_members_count(&is->row, island), t);
+  char in[48];
+  nsdae_error_set(&w->error, NSDAE_E_RANK, "nsdae_terms", nsdae_system_jacobian_name(whole->system),
+                  "%sPhi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
+                  "redundant = least-norm; the first redundant one",
+                  where(whole, island, in), rank, nsdae_members_count(&whole->islands->row, island),
+                  t);
   w->error.time = t;
   nsdae_system_name_item(whole->system, NSDAE_NAME_CONSTRAINT, dependent, &w->error);
   return NSDAE_E_RANK;
@@ -161,7 +214,7 @@ static int bad_local_mass(nsdae_worker *w, const nsdae_island_equations *whole, 
   const int *block = whole->islands->block.of + whole->islands->block.first[island];
   for (; pivot > nsdae_blocks_size(&whole->system->blocks, *block); block++)
     pivot -= nsdae_blocks_size(&whole->system->blocks, *block);
-  return bad_mass(w, whole->system, *block, pivot);
+  return bad_mass(w, whole->system, nsdae_terms_time(whole->terms), *block, pivot);
 }
 
 /* The record of the contact problem, with the island in front of it. */
@@ -170,13 +223,16 @@ static int name_island(nsdae_worker *w, const nsdae_island_equations *whole, int
   const nsdae_contact_islands *is = whole->islands;
   const nsdae_error was = w->error;
   int b = is->block.of[is->block.first[island]], count = nsdae_members_count(&is->contact, island);
+  char in[48], first[NSDAE_CALLED_SIZE];
+  if (is->blocks == 1) return status;
   if (count == 0)
-    nsdae_error_set(&w->error, status, was.where, was.argument, "in the island of block %d: %.200s",
-                    b, was.text);
+    nsdae_error_set(&w->error, status, was.where, was.argument, "%s%.200s",
+                    where(whole, island, in), was.text);
   else
     nsdae_error_set(&w->error, status, was.where, was.argument,
-                    "in the island of block %d (%d contacts, first id %ld): %.150s", b, count,
-                    whole->closed->id[is->contact.of[is->contact.first[island]]], was.text);
+                    "in the island of block %d (%d contacts, first %s): %.150s", b, count,
+                    nsdae_island_called(whole, is->contact.of[is->contact.first[island]], first),
+                    was.text);
   w->error.time = was.time;
   w->error.index = b;
   return status;
@@ -189,10 +245,15 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   const nsdae_kkt *kkt = &l->kkt;
   nsdae_natural_residual residual = {0};
   int status = nsdae_dense_island_solve(l, whole, island, w->least_norm, &residual);
+  int any = has_contacts(whole, island) ||
+            (whole->with_contacts && nsdae_members_count(&whole->islands->joint, island) > 0);
+  if (status == NSDAE_ARRAYS_GROW) w->error.status = status;
+  if (status == NSDAE_ARRAYS_GROW) return status;
   count_rank(s, kkt->rank, kkt->kept, kkt->left);
-  if (nsdae_contacts_any(&l->contacts)) {
+  if (any) {
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
+    s->problem = &l->contacts;
     nsdae_natural_residual_add(&s->residual, &residual);
   }
   if (status == NSDAE_OK) return status;
@@ -200,8 +261,7 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (status == NSDAE_E_RANK)
     return bad_rank(w, whole, island, kkt->rank,
                     whole->islands->row.of[whole->islands->row.first[island] + kkt->dependent]);
-  s->problem = &l->contacts;
-  return name_island(w, whole, island, status);
+  return any ? name_island(w, whole, island, status) : unsolved(w, whole, island, status);
 }
 
 /* The factors of the constraints of a large island, and their rank. */
@@ -217,7 +277,8 @@ static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, i
                                .row = is->row.of + is->row.first[island]};
   int status = nsdae_sparse_kkt_analyse(k, &part);
   if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(k, whole->M);
-  if (status == NSDAE_E_MASS) return bad_mass(w, whole->system, k->bad_block, k->pivot);
+  if (status == NSDAE_E_MASS)
+    return bad_mass(w, whole->system, nsdae_terms_time(whole->terms), k->bad_block, k->pivot);
   if (status < 0) return unsolved(w, whole, island, status);
   count_rank(&w->solved, k->rank.count, k->rank.kept, k->rank.left);
   return k->rank.count < part.row_count && !w->least_norm
@@ -225,8 +286,9 @@ static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, i
              : NSDAE_OK;
 }
 
-static int fits_constraints(const nsdae_island_equations *whole, int island)
+static int fits_constraints(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
+  (void)w;
   return !has_contacts(whole, island);
 }
 
@@ -253,14 +315,19 @@ static int cause_of(nsdae_worker *w, const nsdae_island_equations *whole, int is
   for (int i = members->first[island]; i < members->first[island + 1]; i++) {
     int b = members->of[i];
     int pivot = nsdae_blocks_factor(&whole->system->blocks, b, whole->M, &factor);
-    if (pivot) return bad_mass(w, whole->system, b, pivot);
+    if (pivot) return bad_mass(w, whole->system, nsdae_terms_time(whole->terms), b, pivot);
   }
   return status;
 }
 
-static int fits_cones(const nsdae_island_equations *whole, int island)
+static int fits_dense(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
-  (void)whole, (void)island;
+  return nsdae_dense_island_fits(&w->dense, whole, island);
+}
+
+static int fits_cones(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
+{
+  (void)w, (void)whole, (void)island;
   return 1;
 }
 
@@ -285,22 +352,24 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
 
 typedef struct island_solver {
   int pass;
-  int (*fits)(const nsdae_island_equations *whole, int island);
+  int (*fits)(const nsdae_worker *worker, const nsdae_island_equations *whole, int island);
   int (*solve)(nsdae_worker *worker, const nsdae_island_equations *whole, int island);
 } island_solver;
 
-static const island_solver solvers[] = {{0, fits_one_contact, solve_one_contact},
-                                        {0, nsdae_dense_island_fits, solve_dense},
-                                        {0, fits_constraints, solve_constraints},
-                                        {0, fits_active_set, solve_active_set},
-                                        {1, fits_cones, solve_cones}};
+static const island_solver solvers[] = {
+    {0, fits_blocks, solve_blocks},         {0, fits_one_contact, solve_one_contact},
+    {0, fits_dense, solve_dense},           {0, fits_constraints, solve_constraints},
+    {0, fits_active_set, solve_active_set}, {1, fits_cones, solve_cones}};
 
 int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int island, int pass)
 {
   int status = NSDAE_NEXT, contacts = nsdae_members_count(&whole->islands->contact, island);
   if (contacts > w->solved.contacts) w->solved.contacts = contacts;
+  /* the first that fits, found sooner */
+  if (w->all_dense && ((contacts > 1 && whole->with_contacts) || whole->islands->rows > 0))
+    return solve_dense(w, whole, island);
   for (size_t i = 0; status == NSDAE_NEXT && i < sizeof solvers / sizeof *solvers; i++)
-    if (solvers[i].pass == pass && solvers[i].fits(whole, island))
+    if (solvers[i].pass == pass && solvers[i].fits(w, whole, island))
       status = solvers[i].solve(w, whole, island);
   return status;
 }

@@ -1,8 +1,9 @@
 /* What one thread solves islands with: each by the first solver of a table that fits it.
  *
  *   pass  solver       island
+ *   0     blocks       of small blocks, without constraints, as if no contact were closed
  *   0     one contact  no cone, no constraints, in closed form (single.h)
- *   0     dense        small, no cone (dense_island.h)
+ *   0     dense        small, no cone; frictional joints, polygons (dense_island.h)
  *   0     constraints  no contacts: sparse equations (sparse_kkt.h)
  *   0     active set   no friction, no constraints, in its envelope (active_set_island.h)
  *   1     cones        the rest (cone_island.h)
@@ -16,6 +17,7 @@
 #include "sparse_kkt.h"
 #include "active_set_island.h"
 #include "dense_island.h"
+#include "single.h"
 
 typedef struct nsdae_solved {
   nsdae_natural_residual residual; /* of the contacts and their rows */
@@ -23,7 +25,9 @@ typedef struct nsdae_solved {
   double kept, left; /* smallest sine that counts in the rank, largest that does not */
   double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
-  const nsdae_contacts *problem;     /* that failed; NULL: none, or not of this kind */
+  const nsdae_contacts *problem;     /* that failed, or of the only island; NULL: none, or not of
+                                        this kind */
+  const nsdae_single *single;        /* the same of one contact */
   const nsdae_cone_island *cones;    /* the largest of pass 1; NULL: there was none */
 } nsdae_solved;
 
@@ -31,18 +35,21 @@ typedef struct nsdae_worker {
   nsdae_error error; /* of the island that failed */
   int failed;        /* which; -1: none */
   nsdae_dense_island dense;
+  nsdae_single single;
   nsdae_active_set_island active_set;
   nsdae_sparse_kkt sparse;
   nsdae_cone_island cones;
   nsdae_friction_solver *solver;
-  double *L; /* of the largest block */
+  int all_dense; /* every island with constraints is */
+  double *L;     /* of the largest block */
   double tol;
   int least_norm;
   nsdae_solved solved; /* by this worker, in the step at hand */
 } nsdae_worker;
 
-void nsdae_worker_prepare(nsdae_worker *worker, const nsdae_system *system,
-                          const nsdae_lcp_options *options, double rank_tol, int least_norm);
+/* of: settings of the contacts of the whole. */
+void nsdae_worker_prepare(nsdae_worker *worker, const nsdae_contacts *of, double rank_tol,
+                          int least_norm);
 void nsdae_worker_layout(nsdae_worker *worker, const nsdae_system *system, nsdae_arena *arena);
 /* Room for islands of all contacts: NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_worker_grow(nsdae_worker *worker, const nsdae_system *system, const nsdae_room *contacts,
@@ -60,8 +67,9 @@ enum { NSDAE_NEXT = 1 };
 int nsdae_worker_solve(nsdae_worker *worker, const nsdae_island_equations *whole, int island,
                        int pass);
 
-/* x [size of the block] := M_b^-1 x */
-int nsdae_worker_solve_block(nsdae_worker *worker, const nsdae_system *system, const double *M,
-                             int b, double *x);
+/* x [size of the block] := M_b^-1 x, M of time t; v of a block that nothing touches. */
+int nsdae_worker_solve_block(nsdae_worker *worker, const nsdae_system *system, double t,
+                             const double *M, int b, double *x);
+int nsdae_worker_solve_free(nsdae_worker *worker, const nsdae_island_equations *whole, int b);
 
 #endif

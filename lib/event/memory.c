@@ -10,7 +10,6 @@ static void lay(nsdae_event_base *b, nsdae_event_modes *m, nsdae_tracking *track
   size_t nt = (size_t)d->nt, f = (size_t)d->f;
   int **of_slide[] = {&m->frictional_joint, &m->slide_sense, &m->normal_sense, &m->slide_row};
   int **of_one[] = {&m->redundant, &b->steps, &b->instants, &b->idle, &b->tiny, &m->integrator};
-  nsdae_stepper_lay_cones(s, part);
   for (int i = 0; i < 2; i++) b->basis[i] = nsdae_stepper_lay_basis(s, part);
   m->contact = nsdae_memory_slot_wholes(part, 1);
   b->rattle.count = nsdae_memory_slot_wholes(part, 1);
@@ -46,8 +45,8 @@ void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, nsdae_tracking
   nsdae_memory_part part = {
       .real = memory->real, .whole = memory->whole, .slots = (size_t)s->system->dims.k};
   lay(b, &p->roots->phase->modes, tracking, s, &part);
-  nsdae_contacts_remember(&p->impacts.problem, b->basis[0], NULL);
-  nsdae_contacts_remember(&p->acceleration.problem, b->basis[1], NULL);
+  nsdae_contacts_remember(&p->impacts.problem, b->basis[0]);
+  nsdae_contacts_remember(&p->acceleration.problem, b->basis[1]);
 }
 
 /* What a slot keeps is of the contact in it: without one, zeros, as in a slot that was never used.

@@ -18,17 +18,41 @@ static int prefers_sparse(const nsdae_kkt *kkt)
   return kkt->blocks->count > 1 && kkt->n + rows >= SPARSE_FROM;
 }
 
-void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
+static void lay_out_sparse(nsdae_kkt *kkt, nsdae_arena *arena)
 {
-  kkt->is_sparse = prefers_sparse(kkt);
-  if (!kkt->is_sparse) {
-    nsdae_dense_kkt_layout(kkt, arena);
-    return;
-  }
   int most = kkt->m > kkt->blocks->count ? kkt->m : kkt->blocks->count;
   kkt->each = NSDAE_ARENA_INTS(arena, most);
   for (int i = 0; kkt->each && i < most; i++) kkt->each[i] = i;
-  kkt->sparse.rank_tol = kkt->rank_tol;
+}
+
+void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
+{
+  kkt->is_sparse = prefers_sparse(kkt);
+  if (kkt->is_sparse)
+    lay_out_sparse(kkt, arena);
+  else
+    nsdae_dense_kkt_layout(kkt, arena);
+}
+
+void nsdae_kkt_layout_most(nsdae_kkt *kkt, nsdae_arena *arena)
+{
+  int n = kkt->n, m = kkt->m;
+  if (prefers_sparse(kkt)) {
+    lay_out_sparse(kkt, arena);
+    if (n > SPARSE_FROM) kkt->n = SPARSE_FROM;
+    if (m > SPARSE_FROM) kkt->m = SPARSE_FROM;
+  }
+  nsdae_dense_kkt_layout(kkt, arena);
+  kkt->n = n;
+  kkt->m = m;
+}
+
+void nsdae_kkt_turn_to(nsdae_kkt *kkt, const nsdae_blocks *blocks, int n, int m)
+{
+  kkt->blocks = blocks;
+  kkt->n = n;
+  kkt->m = m;
+  kkt->is_sparse = kkt->each && n + m >= SPARSE_FROM;
 }
 
 void nsdae_kkt_release(nsdae_kkt *kkt)

@@ -23,6 +23,10 @@ void nsdae_kkt_release(nsdae_kkt *kkt);
  * or NSDAE_E_MEMORY. A part needs more only if its order of elimination fills more. */
 int nsdae_kkt_reserve(nsdae_kkt *kkt, const nsdae_rows *J);
 
+/* The same for problems of different sizes; then one of them, of these blocks. */
+void nsdae_kkt_layout_most(nsdae_kkt *kkt, nsdae_arena *arena);
+void nsdae_kkt_turn_to(nsdae_kkt *kkt, const nsdae_blocks *blocks, int n, int m);
+
 /* Factors M (its lower triangles) and J [m rows]. NSDAE_OK, also with rank < m: the caller decides
  * what that means; NSDAE_E_MASS: M is not positive definite, see pivot. Sparse, also
  * NSDAE_E_NONFINITE, and NSDAE_E_MEMORY if the pattern of J is new. */

@@ -61,7 +61,7 @@ static void lay_out_closed(nsdae_closed *closed, int k, nsdae_arena *arena)
   closed->block = NSDAE_ARENA_INTS(arena, 2L * k);
   closed->gap = NSDAE_ARENA_DOUBLES(arena, k);
   closed->fresh = NSDAE_ARENA_INTS(arena, k);
-  closed->basis = NSDAE_ARENA_INTS(arena, (long)NSDAE_CLOSED_BASIS * k);
+  closed->basis = NSDAE_ARENA_INTS(arena, (long)closed->rows * k);
 }
 
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
@@ -70,7 +70,10 @@ void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
   nsdae_terms_layout(&r->end, arena);
   r->closed.nt = dims->nt;
   if (r->end.system->tracked) lay_out_closed(&r->closed, dims->k, arena);
-  if (!r->end.system->by_list) nsdae_impulses_layout(&r->impulses, dims, arena);
+  if (r->end.system->by_list)
+    nsdae_impulses_layout_joints(&r->impulses, dims->f, arena);
+  else
+    nsdae_impulses_layout(&r->impulses, dims, arena);
   r->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
   int listed = r->end.system->by_list;
   if (!listed) r->impacts_max = 64 + 2 * dims->k; /* else they grow with the lists */
@@ -98,6 +101,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->twofold.frictional_joint = -1;
   r->rate = (nsdae_rate){0, -1, 0};
   r->problem = NULL;
+  r->single = NULL;
   r->cones = NULL;
   r->counters = (nsdae_counters){.rank = dims->m, .rank_retained = 1};
 }

@@ -5,6 +5,7 @@
 
 #include "contacts.h"
 #include "cone_island.h"
+#include "single.h"
 #include "state.h"
 
 /* Of one step. */
@@ -53,12 +54,12 @@ typedef struct nsdae_result {
                             of motion and by impacts, NAN where backward differences of
                             event do not control it; of event its amounts */
   nsdae_rate rate;
-  double worst_residual;         /* of its complementarity problems */
-  nsdae_twofold twofold;         /* the first of the step */
-  int smooth;                    /* nothing was closed */
-  const nsdae_contacts *problem; /* the one that was asked last, for who wants to see it fail */
-  const nsdae_cone_island
-      *cones; /* of a contact list: that of the largest island with cones; NULL: none */
+  double worst_residual;          /* of its complementarity problems */
+  nsdae_twofold twofold;          /* the first of the step */
+  int smooth;                     /* nothing was closed */
+  const nsdae_contacts *problem;  /* the one that was asked last, for who wants to see it fail */
+  const nsdae_single *single;     /* the same of one contact in closed form */
+  const nsdae_cone_island *cones; /* of the largest island with cones; NULL: none */
   nsdae_counters counters;
   nsdae_memory memory; /* for the next step */
 } nsdae_result;

@@ -29,18 +29,17 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->iteration_tol = settled(s->system, o->iteration_tol);
   s->differences.system = s->system;
   nsdae_stepper_prepare_terms(s, &s->middle);
-  s->kkt.n = s->system->by_list ? 0 : s->system->dims.nv;
-  s->kkt.m = s->system->by_list ? 0 : s->system->dims.m;
+  int integrates = o->method == NSDAE_METHOD_EVENT || o->method == NSDAE_METHOD_PENALTY;
+  s->kkt.n = integrates ? s->system->dims.nv : 0;
+  s->kkt.m = integrates ? s->system->dims.m : 0;
   s->kkt.blocks = &s->system->blocks;
   s->kkt.rank_tol = o->rank_tol;
   /* of event: the larger of its laws and of implicit's, which may step in */
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
   nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
-  s->problem.kkt = s->system->by_list ? NULL : &s->kkt;
-  s->problem.contacts = s->system->by_list ? NULL : &s->contacts;
-  s->problem.least_norm = o->redundant == NSDAE_REDUNDANT_LEAST_NORM;
-  nsdae_problem_prepare(&s->problem, &s->contacts.lcp.options, o->rank_tol);
+  nsdae_problem_prepare(&s->problem, &s->contacts, o->rank_tol,
+                        o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
 }
 
 void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
@@ -52,7 +51,6 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   nsdae_differences_layout(&s->differences, arena);
   nsdae_terms_layout(&s->middle, arena);
   nsdae_kkt_layout(&s->kkt, arena);
-  nsdae_contacts_layout(&s->contacts, dims, arena);
   s->mean.M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   s->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
   s->v = NSDAE_ARENA_DOUBLES(arena, n);
@@ -88,14 +86,8 @@ int *nsdae_stepper_lay_basis(const nsdae_stepper *s, nsdae_memory_part *part)
   return basis;
 }
 
-void nsdae_stepper_lay_cones(const nsdae_stepper *s, nsdae_memory_part *part)
-{
-  nsdae_memory_slot_reals(part, s->contacts.cones.most > 0 ? 1 + (size_t)s->system->dims.nt : 0);
-}
-
 void nsdae_stepper_lay(const nsdae_stepper *s, nsdae_memory_part *part)
 {
-  nsdae_stepper_lay_cones(s, part);
   nsdae_stepper_lay_basis(s, part);
 }
 
@@ -125,32 +117,28 @@ int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms)
 }
 
 /* As far as closed contacts may have come apart since the start, twice: the fastest along its
- * normal.
- */
+ * directions, as its normal turns. */
 int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms)
 {
   const nsdae_impulses *r = &step->result->impulses;
-  double fastest = 0;
-  if (step->result->closed.count == 0) return NSDAE_OK;
-  for (int a = 0; a < step->result->closed.count; a++) {
-    fastest = fmax(fastest, fabs(r->before[a]));
+  int count = step->result->closed.count, nt = terms->system->dims.nt;
+  if (count == 0) return NSDAE_OK;
+  double fastest = fmax(nsdae_largest(count, r->before), nsdae_largest(count * nt, r->before_t));
+  for (int a = 0; a < count; a++)
     fastest = fmax(fastest, fabs(nsdae_terms_normal_rate(step->start, a, terms->v)));
-  }
   return nsdae_problem_update(&step->tools->problem, terms,
                               nsdae_terms_touch(terms) + 2 * step->h * fastest);
 }
 
 static void count_rank(const nsdae_step *step)
 {
-  const nsdae_solved *s = &step->tools->problem.dispatch.solved;
+  const nsdae_solved *s = step->tools->problem.dispatch.solved;
   nsdae_count_rank(&step->result->counters, s->rank, s->kept, s->left);
 }
 
-int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M, int hold)
+int nsdae_step_factor(const nsdae_step *step, const nsdae_terms *terms, int hold)
 {
-  int status = nsdae_problem_factor(&step->tools->problem, terms, M, hold);
-  if (step->tools->problem.kkt) count_rank(step);
-  return status;
+  return nsdae_problem_factor(&step->tools->problem, terms, hold);
 }
 
 static int solve(const nsdae_step *step, const nsdae_terms *terms, const double *M, const double *r,
@@ -158,15 +146,16 @@ static int solve(const nsdae_step *step, const nsdae_terms *terms, const double 
 {
   nsdae_stepper *s = step->tools;
   nsdae_counters *c = &step->result->counters;
-  const nsdae_solved *solved = &s->problem.dispatch.solved;
   int status = nsdae_problem_solve(&s->problem, terms, M, r, with_contacts, v, s->size, lambda);
-  if (!s->problem.kkt) count_rank(step);
+  const nsdae_solved *solved = s->problem.dispatch.solved;
+  count_rank(step);
   c->islands = solved->islands;
   c->island_contacts = solved->contacts;
   if (solved->lcps == 0 && status == NSDAE_OK) return status;
   c->lcps += solved->lcps;
   c->lcp_pivots += solved->pivots;
   if (solved->problem) step->result->problem = solved->problem;
+  step->result->single = solved->single;
   if (solved->cones) step->result->cones = solved->cones;
   return status;
 }
@@ -189,7 +178,7 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
 
 double nsdae_step_settled(const nsdae_step *step)
 {
-  return nsdae_larger(step->tools->iteration_tol, step->tools->problem.dispatch.solved.noise);
+  return nsdae_larger(step->tools->iteration_tol, step->tools->problem.dispatch.solved->noise);
 }
 
 int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char *advice, double t,

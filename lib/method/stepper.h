@@ -23,9 +23,9 @@ typedef struct nsdae_stepper {
   double iteration_tol;      /* the option, but above the rounding of derivatives by differences */
   nsdae_differences differences;
   nsdae_terms middle;
-  nsdae_kkt kkt;
-  nsdae_contacts contacts;
-  nsdae_problem problem; /* of time-stepping methods, by kkt and contacts if these are fixed */
+  nsdae_kkt kkt;           /* of event and penalty */
+  nsdae_contacts contacts; /* settings, and the memory of their bases */
+  nsdae_problem problem;   /* of time-stepping methods */
   nsdae_means mean;
   double *q, *v, *r; /* nq, nv, nv */
   double *v_other;   /* nv: a velocity in between */
@@ -61,17 +61,16 @@ int nsdae_stepper_start(nsdae_stepper *stepper, nsdae_newton_kkt *newton, const 
 /* Where the evaluations of the step from state into result are counted. */
 void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);
 
-/* The memory of a method that keeps the warm start of its contacts alone. */
+/* The memory of a method that keeps the bases of its contacts alone; them, which another problem
+ * may have, too. */
 void nsdae_stepper_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
-/* Its parts: impulses of cones, then the basis, which another problem may have, too. */
-void nsdae_stepper_lay_cones(const nsdae_stepper *stepper, nsdae_memory_part *part);
 int *nsdae_stepper_lay_basis(const nsdae_stepper *stepper, nsdae_memory_part *part);
 
 /* The frame of such a method's advance; the end reads impulse and contacts into the result. */
 static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_state *state,
                                           double t_end, nsdae_result *result)
 {
-  nsdae_contacts_remember(&stepper->contacts, result->memory.whole, result->memory.real);
+  nsdae_contacts_remember(&stepper->contacts, result->memory.whole);
   return (nsdae_step){.tools = stepper,
                       .state = state,
                       .start = state->terms,
@@ -87,7 +86,7 @@ void nsdae_step_end(const nsdae_step *step);
  */
 int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
 int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms);
-int nsdae_step_factor(const nsdae_step *step, nsdae_terms *terms, const double *M, int hold);
+int nsdae_step_factor(const nsdae_step *step, const nsdae_terms *terms, int hold);
 /* v and the stepper's impulse from momentum r [nv] with the closed contacts of the terms' point:
  * M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t. Without contacts lambda comes as the
  * rates Phi_q v. */

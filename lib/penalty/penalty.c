@@ -343,8 +343,14 @@ static int start_integrator(penalty *p)
     p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
+  if (status < 0) return integrator_failed(p, status, p->ahead);
+  const nsdae_counters counted = *s->counters; /* a start is no work of the step */
+  status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  *s->counters = counted;
+  if (status < 0) return status;
   nsdae_penalty_start_newton(&p->equations);
-  return status < 0 ? integrator_failed(p, status, p->ahead) : NSDAE_OK;
+  return NSDAE_OK;
 }
 
 /* The base is at t, where q and v are qv, from the last one on. */

@@ -160,7 +160,6 @@ int nsdae_sim_make_slots(nsdae_sim *sim, int k)
     sim->method->destroy(sim->own);
     sim->own = own;
     nsdae_arena_restore(&sim->arena, nsdae_sim_layout, change_slots, sim, &old);
-    nsdae_cones_open(&sim->stepper.contacts.cones); /* it has room for fewer */
   } else {
     sim->method->destroy(own);
   }

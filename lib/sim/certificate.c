@@ -54,42 +54,38 @@ static inline double half_driven(const nsdae_terms *T, const nsdae_result *of, d
   return sum / 2;
 }
 
-/* The lightest diagonal entry of M among those of a block; INFINITY of the ground. */
-static double lightest(const nsdae_terms *T, int block)
+/* sum |W_j| / sqrt(M_jj) along the normal of contact i: (W^T M^-1 W)^(1/2) at most, of a diagonal
+ * M. */
+static double root_of_inertia(const nsdae_terms *T, const nsdae_rows *normal, int i)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
-  double least = INFINITY;
-  size_t n = block < 0 ? 0 : (size_t)nsdae_blocks_size(blocks, block);
-  for (size_t j = 0; j < n; j++) least = fmin(least, T->M[blocks->square[block] + j * (n + 1)]);
-  return least;
+  double sum = 0;
+  for (int p = normal->first[i]; p < normal->first[i + 1]; p++) {
+    int b = normal->block[p];
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    const double *M = T->M + blocks->square[b], *W = normal->value + normal->at[p];
+    for (size_t j = 0; j < n; j++) sum += fabs(W[j * normal->stride]) / sqrt(M[j * (n + 1)]);
+  }
+  return sum;
 }
 
 /* What contact impulses L do on velocities that are rounded as those that they give are: a column
  * at rest gains and loses that in every step. L_i turns its contact's velocity by G_ii L_i, with
- * the Delassus matrix G, and that of j by sqrt(G_ii G_jj) L_i at most. Of lists 1 / G_ii is the
- * lightest that the two blocks have. A method that steps in time closes its contacts once in a
- * step: those of the problem are those of the impulses. */
-static double rounding_of_contacts(const nsdae_point *point)
+ * the Delassus matrix G, and that of j by sqrt(G_ii G_jj) L_i at most. A method that steps in time
+ * closes its contacts once in a step: those of the problem are those of the impulses. */
+static double rounding_of_contacts(const nsdae_problem *p, const nsdae_point *point)
 {
-  const nsdae_terms *T = &point->result.end;
-  const nsdae_record *r = &point->record;
-  const nsdae_contacts *c = point->result.problem;
   double sum = 0;
-  for (int a = 0; c && !T->system->by_list && a < c->active_count; a++) {
-    size_t diagonal = (size_t)c->first_column[a] * (size_t)(c->columns + 1);
-    double inertia = nsdae_larger(0, c->delassus.G[diagonal]); /* where nothing moves, rounding */
-    sum += fabs(point->result.impulses.normal[c->active[a]]) * sqrt(inertia);
-  }
-  for (int i = 0; T->system->by_list && i < r->contacts.count; i++) {
-    const int *block = r->contacts.block + 2 * (size_t)i;
-    double m = fmin(lightest(T, block[0]), lightest(T, block[1]));
-    sum += fabs(r->contacts.normal_impulse[i]) / sqrt(m);
+  for (int a = 0; a < nsdae_problem_count(p); a++) {
+    int i = nsdae_problem_contact(p, a);
+    sum += fabs(point->result.impulses.normal[i]) *
+           root_of_inertia(&point->result.end, &p->home->by.normal, i);
   }
   return 4 * DBL_EPSILON * sum * sum;
 }
 
 /* By the method's quadrature. The terms at the end are those that the next step begins with. */
-static int work_of_step(nsdae_point *before, nsdae_point *point)
+static int work_of_step(const nsdae_problem *p, nsdae_point *before, nsdae_point *point)
 {
   nsdae_terms *from = &before->result.end, *to = &point->result.end;
   nsdae_work *w = &point->work;
@@ -116,7 +112,7 @@ static int work_of_step(nsdae_point *before, nsdae_point *point)
   w->rounding += rounding;
   /* what the contacts of the step did: more than rounding of their impulses, they gave */
   w->spent += fabs(r->work);
-  if (r->work > 0) w->gained += nsdae_larger(0, r->work - rounding_of_contacts(point));
+  if (r->work > 0) w->gained += nsdae_larger(0, r->work - rounding_of_contacts(p, point));
   return NSDAE_OK;
 }
 
@@ -234,7 +230,7 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
     w->sum += gain - r->work;
     w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
-    status = work_of_step(before, point);
+    status = work_of_step(&sim->stepper.problem, before, point);
   }
   if (status == NSDAE_OK) status = measure_certificate(sim, point);
   /* most := the larger of each figure, the energies of the other */

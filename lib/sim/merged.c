@@ -31,6 +31,7 @@ typedef struct merged {
 /* The closed contacts of a step. */
 typedef struct closed_ones {
   const nsdae_problem *problem;
+  const nsdae_contacts *dense;   /* the problem of all of them; NULL: none */
   const nsdae_coefficients *law; /* by number */
   const nsdae_rows *normal;      /* the same, where they were found closed */
   const nsdae_blocks *blocks;
@@ -71,17 +72,20 @@ static double part(const closed_ones *c, int p, int q)
   return sum;
 }
 
-/* G of the closed contacts at places a and b; of a contact list without the constraints. */
+/* G of the closed contacts at places a and b; where they were not one problem, without the
+ * constraints. */
 static double delassus(const closed_ones *c, int a, int b)
 {
-  const nsdae_contacts *k = c->problem->contacts;
+  const nsdae_contacts *k = c->dense;
+  const nsdae_rows *N = c->normal;
   if (k)
     return k->delassus
         .G[(size_t)k->first_column[a] * (size_t)k->columns + (size_t)k->first_column[b]];
+  int i = nsdae_problem_contact(c->problem, a), j = nsdae_problem_contact(c->problem, b);
   double sum = 0;
-  for (int p = c->normal->first[a]; p < c->normal->first[a + 1]; p++)
-    for (int q = c->normal->first[b]; q < c->normal->first[b + 1]; q++)
-      if (c->normal->block[p] == c->normal->block[q]) sum += part(c, p, q);
+  for (int p = N->first[i]; p < N->first[i + 1]; p++)
+    for (int q = N->first[j]; q < N->first[j + 1]; q++)
+      if (N->block[p] == N->block[q]) sum += part(c, p, q);
   return sum;
 }
 
@@ -104,13 +108,13 @@ static int acts(const closed_ones *c, const nsdae_impulses *r, int i, double len
          fabs(r->before[i]) > 2 * length * acceleration(c, i);
 }
 
-/* Whether two of a list touch the same block; fixed ones may. */
-static int share_block(const nsdae_result *r, int a, int b)
+/* Whether contacts i and j touch the same block. */
+static int share_block(const nsdae_rows *N, int i, int j)
 {
-  if (!r->end.system->by_list) return 1;
-  const int *x = r->closed.block + 2 * (size_t)a, *y = r->closed.block + 2 * (size_t)b;
-  return (x[0] >= 0 && (x[0] == y[0] || x[0] == y[1])) ||
-         (x[1] >= 0 && (x[1] == y[0] || x[1] == y[1]));
+  for (int p = N->first[i]; p < N->first[i + 1]; p++)
+    for (int q = N->first[j]; q < N->first[j + 1]; q++)
+      if (N->block[p] == N->block[q]) return 1;
+  return 0;
 }
 
 static void compare_pairs(const closed_ones *c, const nsdae_result *r, int i, double length,
@@ -120,7 +124,8 @@ static void compare_pairs(const closed_ones *c, const nsdae_result *r, int i, do
   while (nsdae_problem_contact(c->problem, a) != i) a++;
   for (int b = 0; b < nsdae_problem_count(c->problem); b++) {
     int other = nsdae_problem_contact(c->problem, b);
-    if (b == a || !share_block(r, a, b) || !acts(c, &r->impulses, other, length)) continue;
+    if (b == a || !share_block(c->normal, i, other) || !acts(c, &r->impulses, other, length))
+      continue;
     double impacts = follow(c, a, b);
     if (impacts > most->impacts) *most = (merged){impacts, i, other};
   }
@@ -154,9 +159,13 @@ int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   const nsdae_terms *T = &before->result.end;
   merged most = {0, -1, -1};
   if (r->located || r->counters.fallbacks > 0 || r->impacts == 0) return NSDAE_OK;
-  if (problem->contacts && !r->problem) return NSDAE_OK; /* fixed contacts without a problem */
   const closed_ones c = {
-      problem, nsdae_problem_laws(problem), &problem->home->by.normal, &sim->model.blocks, T->M,
+      problem,
+      r->problem && r->problem->active_count == nsdae_problem_count(problem) ? r->problem : NULL,
+      nsdae_problem_laws(problem),
+      &problem->home->by.normal,
+      &sim->model.blocks,
+      T->M,
       T->F};
   for (int p = 0; p < r->impacts; p++)
     if (acts(&c, &r->impulses, r->impact[p].contact, point->record.duration))

@@ -179,8 +179,9 @@ static int try_equations(nsdae_sim *sim, nsdae_result *r)
   const nsdae_step step = {
       .tools = &sim->stepper, .state = &state, .start = &r->end, .end = &r->end, .result = r};
   nsdae_stepper *s = &sim->stepper;
+  nsdae_contacts_remember(&s->contacts, r->memory.whole);
   int status = nsdae_step_close(&step, &r->end);
-  if (status == NSDAE_OK) status = nsdae_step_factor(&step, &r->end, r->end.M, 0);
+  if (status == NSDAE_OK) status = nsdae_step_factor(&step, &r->end, 0);
   if (status < 0) return status;
   memset(s->impulse, 0, (size_t)sim->system->dims.m * sizeof *s->impulse);
   return nsdae_step_free(&step, &r->end, r->end.M, r->end.F, s->v, s->impulse);

@@ -143,10 +143,6 @@ void nsdae_sim_measure(nsdae_sim *sim)
 
 int nsdae_sim_make_method(nsdae_sim *sim)
 {
-  int status = nsdae_cones_open(&sim->stepper.contacts.cones);
-  if (status < 0)
-    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
-                           "out of memory for a simulation of this size");
   if (sim->method->create) return sim->method->create(&sim->stepper, &sim->own);
   sim->own = &sim->stepper;
   return NSDAE_OK;
@@ -169,6 +165,8 @@ static int build(nsdae_sim *sim)
   sim->aside = sim->method->settle ? &sim->point[2] : NULL;
   nsdae_sim_measure(sim);
   for (int i = 0; i < 3; i++) nsdae_stepper_prepare_terms(stepper, &sim->point[i].result.end);
+  for (int i = 0; i < 3; i++)
+    sim->point[i].result.closed.rows = nsdae_law_rows(sim->model.dims.nt, 1, sim->options.polygon);
   if (nsdae_arena_build(&sim->arena, nsdae_sim_layout, sim) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "",
                            "out of memory for a simulation of this size");
@@ -217,7 +215,6 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (!sim || !*sim || nsdae_sim_enter(*sim, NSDAE_MOVE, "nsdae_sim_destroy") < 0) return;
   const nsdae_stepping *method = (*sim)->method;
   if (method && method->destroy) method->destroy((*sim)->own);
-  nsdae_cones_close(&(*sim)->stepper.contacts.cones);
   nsdae_kkt_release(&(*sim)->stepper.kkt);
   nsdae_projector_release(&(*sim)->projection);
   nsdae_terms_release(&(*sim)->stepper.middle);
@@ -363,18 +360,9 @@ static int get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
 {
   if (!friction) return NSDAE_E_ARGUMENT;
   if (!sim->stage.started) return NSDAE_E_STATE;
-  nsdae_contacts *c = &sim->stepper.contacts;
   const nsdae_point *last = sim->stage.failed ? sim->next : sim->now;
-  const nsdae_cone_island *l = last->result.cones;
-  if (l) {
-    *friction = (nsdae_step_friction){l->problem, l->options, l->at.guess, l->at.r, l->at.u};
-    return NSDAE_OK;
-  }
-  if (last->result.problem != c || c->active_count == 0 || nsdae_cones_describe(c) < 0)
-    return NSDAE_E_STATE;
-  *friction = (nsdae_step_friction){c->cones.problem, c->cones.options, c->cones.guess, c->cones.r,
-                                    c->cones.u};
-  return NSDAE_OK;
+  return nsdae_problem_describe(&sim->stepper.problem, last->result.problem, last->result.single,
+                                last->result.cones, friction);
 }
 
 int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)

@@ -120,7 +120,7 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
   visit(c, closed->id, (size_t)k * sizeof *closed->id);
   visit_ints(c, closed->block, 2 * k);
   visit_ints(c, closed->fresh, k);
-  visit_ints(c, closed->basis, NSDAE_CLOSED_BASIS * k);
+  visit_ints(c, closed->basis, closed->rows * k);
   visit_ints(c, r->impulses.mode, k);
   visit_doubles(c, closed->gap, k);
   visit_doubles(c, r->impulses.normal, k);

@@ -64,7 +64,7 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
   nsdae_newmark *N = &p->newmark;
   const nsdae_stepper *s = p->stepper;
   N->tol = s->iteration_tol;
-  N->a0 = memory->real + nsdae_contacts_warm_size(&s->contacts);
+  N->a0 = memory->real;
   N->lambda0 = N->a0 + s->system->dims.nv;
   N->have_start = memory->whole[memory->wholes - 1];
 }
@@ -73,7 +73,7 @@ static void prepare_newmark(printed *p, nsdae_memory *memory)
 static int solve_smooth(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda)
 {
   const nsdae_step *step = of;
-  int status = nsdae_step_factor(step, terms, terms->M, 0);
+  int status = nsdae_step_factor(step, terms, 0);
   return status < 0 ? status : nsdae_step_free(step, terms, terms->M, r, a, lambda);
 }
 
@@ -98,7 +98,7 @@ static int solve_at_start(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_terms *start = step->start;
   int status = nsdae_terms_need(start, CONTACT_TERMS);
-  if (status == NSDAE_OK) status = nsdae_step_factor(step, start, start->M, 0);
+  if (status == NSDAE_OK) status = nsdae_step_factor(step, start, 0);
   if (status < 0) return status;
   nsdae_problem_before(&s->problem, start, start->v, 0);
   nsdae_stepper_momentum(&s->system->blocks, start->M, start->v, step->h, start->F, s->r);
@@ -124,7 +124,7 @@ static int velocity_at_end(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_problem_add_constraints(&s->problem, step->end, -1, 0, s->impulse, s->r);
   nsdae_problem_add_impulse(&s->problem, step->end, 1, 0, s->r);
-  int status = nsdae_problem_solve_mass(&s->problem, step->start->M, s->r);
+  int status = nsdae_problem_solve_mass(&s->problem, step->start, s->r);
   /* where the matrices did not change, v_1 is v~ and not its rounding: a body at rest stays at rest
    */
   for (int i = 0; i < s->system->dims.nv; i++)

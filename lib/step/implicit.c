@@ -57,7 +57,7 @@ static int mark_impacts(const nsdae_step *step, int all)
 static int impact_velocities(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
-  nsdae_problem_mark_hit(&s->problem);
+  nsdae_problem_mark_hit(&s->problem, step->end);
   memset(s->r, 0, (size_t)s->system->dims.nv * sizeof *s->r);
   nsdae_blocks_add_product(&s->system->blocks, s->mean.M, step->start->v, s->r);
   for (int i = 0; i < s->system->dims.m; i++) s->rate[i] = -step->end->constraint.phi_t[i];
@@ -89,7 +89,7 @@ static int factor_mean_mass(const nsdae_step *step, int hold)
   nsdae_stepper *s = step->tools;
   size_t size = s->system->blocks.square[s->system->blocks.count];
   for (size_t i = 0; i < size; i++) s->mean.M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_step_factor(step, step->end, s->mean.M, hold);
+  return nsdae_step_factor(step, step->end, hold);
 }
 
 /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
@@ -183,7 +183,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
     status = iterate(step, i == 0, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
-    int now = s->problem.dispatch.solved.rank;
+    int now = s->problem.dispatch.solved->rank;
     if (now < rank[0]) rank[0] = now;
     if (now > rank[1]) rank[1] = now;
     moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +

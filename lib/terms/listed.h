@@ -40,11 +40,4 @@ int nsdae_terms_joint_rows(nsdae_terms *terms); /* and w of the frictional joint
 int nsdae_terms_grow(nsdae_terms *terms, const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_terms_release(nsdae_terms *terms);
 
-/* y [nv] += scale Phi_q^T x */
-static inline void nsdae_terms_add_constraints(const nsdae_terms *T, double scale, const double *x,
-                                               double *y)
-{
-  nsdae_rows_times_transposed(&T->system->blocks, &T->by.jacobian, scale, x, T->by.work, y);
-}
-
 #endif

@@ -31,7 +31,6 @@ typedef struct fixture {
   nsdae_contacts contacts;
   nsdae_impulses impulses;
   int *memory;
-  double *warm;
   nsdae_arena arena;
 } fixture;
 
@@ -134,7 +133,6 @@ static inline void fixture_layout(void *object, nsdae_arena *arena)
   nsdae_contacts_layout(&f->contacts, &f->dims, arena);
   nsdae_impulses_layout(&f->impulses, &f->dims, arena);
   f->memory = NSDAE_ARENA_INTS(arena, nsdae_contacts_memory_size(&f->contacts));
-  f->warm = NSDAE_ARENA_DOUBLES(arena, nsdae_contacts_warm_size(&f->contacts));
 }
 
 /* The sizes; M is the identity and the rest zero. */
@@ -169,7 +167,7 @@ static inline void fixture_build(fixture *f, int polygon)
   nsdae_lcp_options_default(&f->contacts.lcp.options);
   nsdae_contacts_laws(&f->contacts, polygon);
   assert_int_equal(nsdae_arena_build(&f->arena, fixture_layout, f), NSDAE_OK);
-  nsdae_contacts_remember(&f->contacts, f->memory, f->warm);
+  nsdae_contacts_remember(&f->contacts, f->memory);
   assert_int_equal(nsdae_cones_open(&f->contacts.cones), NSDAE_OK);
 }
 
@@ -185,7 +183,6 @@ static inline void fixture_factor(fixture *f)
 static inline void fixture_forget(fixture *f)
 {
   memset(f->memory, 0, nsdae_contacts_memory_size(&f->contacts) * sizeof *f->memory);
-  memset(f->warm, 0, nsdae_contacts_warm_size(&f->contacts) * sizeof *f->warm);
 }
 
 static inline void fixture_end(fixture *f)
@@ -206,7 +203,9 @@ static inline int fixture_solve(fixture *f)
   nsdae_terms_at(&f->terms, 0, q, f->before);
   assert_int_equal(nsdae_terms_need(&f->terms, which), NSDAE_OK);
   assert_int_equal(nsdae_terms_factor(&f->terms, f->terms.M, &f->kkt, 1), NSDAE_OK);
-  nsdae_contacts_close(&f->contacts, &f->terms, &f->impulses);
+  int closed[MOST_K];
+  for (int i = 0; i < f->dims.k; i++) closed[i] = !(f->terms.gap[i] > nsdae_terms_touch(&f->terms));
+  nsdae_contacts_close_marked(&f->contacts, closed, &f->impulses);
   nsdae_contacts_before(&f->contacts, &f->terms, f->before, 0);
   memcpy(f->v, f->free, sizeof f->v);
   memcpy(size, f->free, sizeof size);
