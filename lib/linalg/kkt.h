@@ -17,15 +17,14 @@
 /* Takes the arrays; n, m, blocks and rank_tol are set before. The sparse factors have memory
  * of their own, to be released. */
 void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena);
+/* The same for problems of different sizes; then one of them, of these blocks. */
+void nsdae_kkt_layout_most(nsdae_kkt *kkt, nsdae_arena *arena);
+void nsdae_kkt_turn_to(nsdae_kkt *kkt, const nsdae_blocks *blocks, int n, int m);
 void nsdae_kkt_release(nsdae_kkt *kkt);
 
 /* Sparse, memory of the analysis of these rows, which that of a part of them finds there: NSDAE_OK
  * or NSDAE_E_MEMORY. A part needs more only if its order of elimination fills more. */
 int nsdae_kkt_reserve(nsdae_kkt *kkt, const nsdae_rows *J);
-
-/* The same for problems of different sizes; then one of them, of these blocks. */
-void nsdae_kkt_layout_most(nsdae_kkt *kkt, nsdae_arena *arena);
-void nsdae_kkt_turn_to(nsdae_kkt *kkt, const nsdae_blocks *blocks, int n, int m);
 
 /* Factors M (its lower triangles) and J [m rows]. NSDAE_OK, also with rank < m: the caller decides
  * what that means; NSDAE_E_MASS: M is not positive definite, see pivot. Sparse, also
