@@ -18,6 +18,13 @@ static const double watch_share = 0.1;        /* of the largest kinetic energy *
 static const double watch_turnover = 0.02;    /* of the work of forces, and of what is driven */
 static const double watch_half = 0.5;         /* of the largest that came from somewhere */
 
+/* That of a contact which is not listed is more than the reach. */
+static double gap_of(const nsdae_terms *T, int i)
+{
+  const nsdae_tracked *tracked = T->system->tracked;
+  return tracked && !(T->gap[i] < NSDAE_FAR) ? tracked->reach : T->gap[i];
+}
+
 /* Lengths: how far gaps and rows of constraints go in a step. */
 static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const nsdae_result *result)
 {
@@ -26,9 +33,9 @@ static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const ns
   const nsdae_impulses *r = &result->impulses;
   double speed = 0, h = to->t - from->t;
   for (int i = 0; i < d->k; i++) {
-    if (!(to->gap[i] < NSDAE_FAR && from->gap[i] < NSDAE_FAR)) continue; /* a slot without it */
-    w->change = nsdae_larger(w->change, fabs(to->gap[i] - from->gap[i]));
-    if (w->apart > 0) w->apart = nsdae_larger(w->apart, to->gap[i]);
+    double gap = gap_of(to, i);
+    w->change = nsdae_larger(w->change, fabs(gap - gap_of(from, i)));
+    if (w->apart > 0) w->apart = nsdae_larger(w->apart, gap);
   }
   for (int a = 0; a < result->closed.count; a++)
     w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));

@@ -2,6 +2,10 @@
 
 #include "check.h"
 
+#include <stdlib.h>
+
+#include "as_list.h"
+
 void event_run_default(event_run *run)
 {
   *run = (event_run){.t_end = 1};
@@ -34,13 +38,31 @@ static void keep_events(event_run *run, const nsdae_record *record)
     const nsdae_impact *impact = &record->impact[i];
     assert_true(impact->time >= least && impact->time <= most);
     assert_true(impact->normal_impulse > 0);
-    if (run->impacts < EVENT_RUN_KEPT) run->impact[run->impacts++] = *impact;
+    if (run->impacts >= EVENT_RUN_KEPT) continue;
+    run->impact[run->impacts] = *impact;
+    run->impact[run->impacts++].contact = (int)impact->id;
   }
   for (int i = 0; i < record->changes; i++) {
     const nsdae_change *change = &record->change[i];
     assert_true(change->time >= least && change->time <= most);
     assert_true(change->mode_before != change->mode_after);
-    if (run->changes < EVENT_RUN_KEPT) run->change[run->changes++] = *change;
+    if (run->changes >= EVENT_RUN_KEPT) continue;
+    run->change[run->changes] = *change;
+    run->change[run->changes++].contact = (int)change->id;
+  }
+}
+
+/* What contacts did, by their ids, which are their numbers. */
+static void keep_contacts(event_run *run, const nsdae_record *record)
+{
+  const nsdae_contact_set *c = &record->contacts;
+  int nt = run->dims.nt;
+  memset(run->mode, 0, sizeof run->mode);
+  for (int a = 0; a < c->count; a++) {
+    int i = (int)c->id[a];
+    run->normal[i] += c->normal_impulse[a];
+    for (int l = 0; l < nt; l++) run->tangential[i * nt + l] += c->tangential_impulse[a * nt + l];
+    run->mode[i] = c->mode[a];
   }
 }
 
@@ -51,10 +73,8 @@ static int keep(const nsdae_record *record, nsdae_error *error, void *user)
   double h = record->time - run->t;
   check_record(run, record);
   if (record->step > 0) keep_events(run, record);
-  for (int i = 0; i < d->k; i++) run->normal[i] += record->normal_impulse[i];
-  for (int i = 0; i < d->k * d->nt; i++) run->tangential[i] += record->tangential_impulse[i];
+  keep_contacts(run, record);
   for (int i = 0; i < d->m; i++) run->multiplier[i] += h * record->multiplier[i];
-  memcpy(run->mode, record->mode, (size_t)d->k * sizeof *run->mode);
   memcpy(run->q, record->q, (size_t)d->nq * sizeof *run->q);
   memcpy(run->v, record->v, (size_t)d->nv * sizeof *run->v);
   run->t = record->time;
@@ -72,6 +92,20 @@ static void clear(event_run *run)
   *run = fresh;
 }
 
+int event_run_by_list(void)
+{
+  return getenv("EVENT_RUN_BY_LIST") != NULL;
+}
+
+/* The same system with a list, of one block. */
+static as_list *list_of(const nsdae_system *system, const nsdae_dims *d)
+{
+  if (!event_run_by_list() || d->k == 0 || d->f > 0) return NULL;
+  as_list *list = as_list_create(system, 1, &d->nq, &d->nv);
+  assert_non_null(list);
+  return list;
+}
+
 void event_run_do(event_run *run, nsdae_system *system, const double *q0, const double *v0)
 {
   nsdae_sim *sim;
@@ -79,14 +113,17 @@ void event_run_do(event_run *run, nsdae_system *system, const double *q0, const 
   run->t = run->t0;
   nsdae_system_get_dims(system, &run->dims);
   assert_true(run->dims.nq <= EVENT_RUN_NQ && run->dims.k <= EVENT_RUN_K);
-  assert_int_equal(nsdae_sim_create(system, &run->options, &sim, NULL), NSDAE_OK);
+  as_list *list = list_of(system, &run->dims);
+  assert_int_equal(
+      nsdae_sim_create(list ? as_list_system(list) : system, &run->options, &sim, NULL), NSDAE_OK);
   nsdae_sim_observe(sim, keep, run);
   run->status = nsdae_sim_init(sim, run->t0, q0, v0);
   if (run->status == NSDAE_OK) run->status = nsdae_sim_run(sim, run->t_end);
   run->error = *nsdae_sim_error(sim);
   nsdae_sim_get_stats(sim, &run->stats);
   nsdae_sim_destroy(&sim);
-  if (run->status < 0) print_message("%s\n", run->error.text);
+  as_list_destroy(list);
+  if (run->status != NSDAE_OK) print_message("%s\n", run->error.text);
 }
 
 static void expect_same(const event_run *a, const event_run *b)

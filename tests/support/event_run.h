@@ -29,6 +29,11 @@ typedef struct event_run {
 /* Method event with dt 0.01, rtol 1e-10, atol 1e-12, from t0 = 0. */
 void event_run_default(event_run *run);
 
+/* Whether EVENT_RUN_BY_LIST is set: systems without frictional joints are run with a contact list,
+ * whose contacts are differenced where the fixed ones are: then omega is a difference of
+ * differences. */
+int event_run_by_list(void);
+
 /* Runs the system from t0 to t_end; the system stays. Asserts what holds of any run that does not
  * fail: certificate columns finite and at tolerance, records and events in order, restitution at
  * every impact. */
