@@ -147,7 +147,8 @@ typedef struct nsdae_change {
  *
  * - fixed contacts: all of them, open or closed, in their order; id is the number, from 0
  * - contact list: those that were closed in the step, in the order of the callback; none at the
- *  start */
+ *   start. Of event and penalty those that were closed, had an impulse or a change of mode, or
+ *   overlap at the end, in the order in which they came near */
 typedef struct nsdae_contact_set {
   int count;                        /* fixed contacts: k */
   const long *id;                   /* [count] */
