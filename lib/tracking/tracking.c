@@ -283,7 +283,7 @@ static int find_at_start(nsdae_tracking *t, double from, double reach, double sp
     if (status == NSDAE_OK && unlisted(t) < 0) break;
   }
   if (status < 0) return status;
-  t->table->reach = reach;
+  t->table->reach = fmax(t->table->reach, reach);
   const nsdae_contact_list *list = &T->by.list;
   for (int i = 0, last = -1; i < list->count; i++) {
     int slot = nsdae_tracked_find(t->table, t->model->dims.k, list->id[i], last + 1);
@@ -318,7 +318,7 @@ int nsdae_tracking_cover(nsdae_tracking *t, double from, double to)
     }
     reach = least;
   }
-  if (status == NSDAE_OK) t->table->reach = reach;
+  if (status == NSDAE_OK) t->table->reach = fmax(reach, t->near + t->longest * fastest);
   if (status == NSDAE_OK && added) status = find_at_start(t, from, reach, fastest);
   for (int i = 0; i < t->model->dims.k; i++) t->fresh[i] = t->fresh[i] != 0;
   return status < 0 ? status : added;
