@@ -209,6 +209,7 @@ static int look_for_contacts(nsdae_event_integrator *e, double from)
   if (!s->system->tracked || e->again) return NSDAE_OK;
   nsdae_event_move(s, from, e->y);
   e->tracking.near = NSDAE_EVENT_NEAR * nsdae_event_position_size(s);
+  e->tracking.longest = e->smooth.steps.max_step;
   int dense = e->smooth.steps.is_dense;
   int added = nsdae_tracking_cover(&e->tracking, from, e->ahead);
   if (!dense) e->smooth.steps.is_dense = 0; /* what is rough does not depend on looking */

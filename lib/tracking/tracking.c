@@ -9,7 +9,7 @@
 /* Of the speed at the start of a step, what the reach assumes for the rest of it. */
 static const double FASTER = 1.25;
 
-/* Of the terms of a gap's rate: their rounding, and that of contact_speed. */
+/* Of the largest W_N and velocities: rounding of a gap's rate, and of contact_speed. */
 static const double ROUNDING = 1e-9;
 
 /* Factor of the reach, and how often, to have at the start what was listed later. */
@@ -120,17 +120,20 @@ static int speed_at(nsdae_tracking *t, const nsdae_terms *T, double *speed)
   return nsdae_error_at(t->error, status, -1, time);
 }
 
-/* The rate of entry i, and the sum of its terms. */
+/* The rate of entry i, and how large its terms are, with what is zero up to rounding in W. */
 static double rate_of(const nsdae_contact_list *list, int i, const double *v, double *size)
 {
-  const double rate = nsdae_contact_list_velocity(list, i, 0, v);
-  *size = fabs(list->w[i * (1 + list->nt)]);
+  double largest = 0, sum = 0;
   for (int side = 2 * i; side < 2 * i + 2; side++) {
     int b = list->block[side], n = b < 0 ? 0 : nsdae_blocks_size(list->blocks, b);
     const double *W = list->value + list->at[side];
-    for (int j = 0; j < n; j++) *size += fabs(W[j] * v[list->blocks->first[b] + j]);
+    for (int j = 0; j < n; j++) {
+      largest = fmax(largest, fabs(W[j]));
+      sum += fabs(v[list->blocks->first[b] + j]);
+    }
   }
-  return fabs(rate);
+  *size = largest * sum + fabs(list->w[i * (1 + list->nt)]);
+  return fabs(nsdae_contact_list_velocity(list, i, 0, v));
 }
 
 static int error_of(const nsdae_tracking *t, const nsdae_terms *T, long id)
@@ -283,7 +286,7 @@ static int find_at_start(nsdae_tracking *t, double from, double reach, double sp
     if (status == NSDAE_OK && unlisted(t) < 0) break;
   }
   if (status < 0) return status;
-  t->table->reach = reach;
+  t->table->reach = fmax(t->table->reach, reach);
   const nsdae_contact_list *list = &T->by.list;
   for (int i = 0, last = -1; i < list->count; i++) {
     int slot = nsdae_tracked_find(t->table, t->model->dims.k, list->id[i], last + 1);
@@ -318,7 +321,7 @@ int nsdae_tracking_cover(nsdae_tracking *t, double from, double to)
     }
     reach = least;
   }
-  if (status == NSDAE_OK) t->table->reach = reach;
+  if (status == NSDAE_OK) t->table->reach = fmax(reach, t->near + t->longest * fastest);
   if (status == NSDAE_OK && added) status = find_at_start(t, from, reach, fastest);
   for (int i = 0; i < t->model->dims.k; i++) t->fresh[i] = t->fresh[i] != 0;
   return status < 0 ? status : added;

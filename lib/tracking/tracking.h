@@ -28,7 +28,8 @@ typedef struct nsdae_tracking {
   const nsdae_system *model; /* with k slots; coefficients are set by slot */
   nsdae_tracked *table;      /* the model's */
   nsdae_error *error;
-  double near; /* contacts as near have a slot  */
+  double near;    /* contacts as near have a slot  */
+  double longest; /* step: closed contacts are listed within its way, at every stage of it */
   nsdae_tracking_look *look;
   void *user;
   int *fresh;  /* k: 1 since the slot has its contact, until the user sets it to 0 */
