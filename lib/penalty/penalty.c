@@ -10,11 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dip.h"
-#include "equations.h"
 #include "errors.h"
-#include "fall.h"
-#include "smooth.h"
+#include "penalty.h"
 #include "vector.h"
 
 /* Steps of the integrator after which it starts anew, so that a replay is not longer. IDA takes
@@ -30,50 +27,23 @@ static const double DEEP = 0.1;
 /* Of a time: two crossings nearer to each other are one (fall.c). */
 static const double ROUNDING = 100 * DBL_EPSILON;
 
-typedef struct penalty {
-  nsdae_penalty_equations equations;
-  nsdae_smooth integrator;
-  nsdae_fall fall; /* of the gaps: of an open contact the gap, of a closed one the overlap */
-  nsdae_dip dip;
-  nsdae_tracking tracking; /* of a contact list */
-  nsdae_arena arena;
-  double *qv, *z[2];     /* nq + nv: at `ahead`; n: between which the step is accounted for */
-  double *peak, *force;  /* k: largest force of each contact until `ahead`; force there */
-  double *shift, depth;  /* k: where a gap counts as zero; the largest overlap at `ahead` */
-  int *found, *keep;     /* k: contacts that close or open at `ahead`; whose slots are not freed */
-  int pending, replays;  /* any does; steps are those of before */
-  double ahead, reached; /* integrated, accounted for up to here */
-  long stamp, stamps;    /* of the memory that the integrator stands at, 0: none; given so far */
-} penalty;
-
-static const nsdae_dims *dims(const penalty *p)
-{
-  return &p->equations.stepper->system->dims;
-}
-
-static int is_tracked(const penalty *p)
-{
-  return p->equations.stepper->system->tracked != NULL;
-}
-
 /* ---- creation */
 
 static void layout(void *object, nsdae_arena *arena)
 {
-  penalty *p = object;
-  const nsdae_dims *d = dims(p);
+  nsdae_penalty *p = object;
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   p->qv = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
   for (int i = 0; i < 2; i++) p->z[i] = NSDAE_ARENA_DOUBLES(arena, nsdae_penalty_size(d));
   p->peak = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->force = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->shift = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->found = NSDAE_ARENA_INTS(arena, d->k);
-  p->keep = NSDAE_ARENA_INTS(arena, d->k);
+  p->gaps.shift = NSDAE_ARENA_DOUBLES(arena, d->k);
+  p->gaps.found = NSDAE_ARENA_INTS(arena, d->k);
+  nsdae_penalty_slots_layout(p, arena);
   nsdae_penalty_equations_layout(&p->equations, arena);
   nsdae_smooth_layout(&p->integrator, arena);
-  nsdae_fall_layout(&p->fall, arena);
-  nsdae_dip_layout(&p->dip, arena);
-  if (is_tracked(p)) nsdae_tracking_layout(&p->tracking, arena);
+  nsdae_fall_layout(&p->gaps.fall, arena);
+  nsdae_dip_layout(&p->gaps.dip, arena);
 }
 
 /* Whether the law has a force for contact i. */
@@ -89,7 +59,7 @@ static int check_law(const nsdae_stepper *s, const char *where, int i)
 
 static int prepare(void *own)
 {
-  penalty *p = own;
+  nsdae_penalty *p = own;
   const nsdae_sim_options *o = p->equations.stepper->options;
   p->equations.law =
       (nsdae_penalty_force){o->penalty_law, o->penalty_stiffness, o->penalty_exponent};
@@ -97,7 +67,7 @@ static int prepare(void *own)
   p->integrator.steps.atol = o->atol;
   p->integrator.steps.max_step = fmin(o->dt, o->step_max);
   p->integrator.steps.span = o->dt;
-  int status = NSDAE_OK, k = is_tracked(p) ? 0 : dims(p)->k;
+  int status = NSDAE_OK, k = nsdae_penalty_is_tracked(p) ? 0 : nsdae_penalty_dims(p)->k;
   for (int i = 0; i < k && status == NSDAE_OK; i++)
     status = check_law(p->equations.stepper, "nsdae_sim_create", i);
   return status;
@@ -106,14 +76,14 @@ static int prepare(void *own)
 /* Overlaps of closed contacts and gaps of open ones at t in the last step. */
 static int values(double t, double *g, void *user)
 {
-  penalty *p = user;
+  nsdae_penalty *p = user;
   nsdae_terms *T = &p->equations.stepper->middle;
-  int nq = dims(p)->nq, count = nq + dims(p)->nv;
+  int nq = nsdae_penalty_dims(p)->nq, count = nq + nsdae_penalty_dims(p)->nv;
   int status = nsdae_smooth_read(&p->integrator, t, count, p->equations.room);
   nsdae_terms_at(T, t, p->equations.room, p->equations.room + nq);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
-  for (int i = 0; i < dims(p)->k && status == NSDAE_OK; i++) {
-    double gap = T->gap[i] - p->shift[i];
+  for (int i = 0; i < nsdae_penalty_dims(p)->k && status == NSDAE_OK; i++) {
+    double gap = T->gap[i] - p->gaps.shift[i];
     g[i] = p->equations.base.closed[i] ? -gap : gap;
   }
   return status;
@@ -122,30 +92,20 @@ static int values(double t, double *g, void *user)
 /* Gaps and their rates there. */
 static int look(double t, double *gap, double *rate, void *user)
 {
-  penalty *p = user;
-  int status = nsdae_smooth_read(&p->integrator, t, dims(p)->nq + dims(p)->nv, p->equations.room);
+  nsdae_penalty *p = user;
+  int status = nsdae_smooth_read(
+      &p->integrator, t, nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv, p->equations.room);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
   if (status < 0) return status;
-  memcpy(gap, p->equations.stepper->middle.gap, (size_t)dims(p)->k * sizeof *gap);
-  memcpy(rate, p->equations.at.v_n, (size_t)dims(p)->k * sizeof *rate);
+  memcpy(gap, p->equations.stepper->middle.gap, (size_t)nsdae_penalty_dims(p)->k * sizeof *gap);
+  memcpy(rate, p->equations.at.v_n, (size_t)nsdae_penalty_dims(p)->k * sizeof *rate);
   return NSDAE_OK;
 }
 
-/* The terms at t in the last step, for the contacts that are tracked in it. */
-static int look_at(double t, nsdae_terms **terms, void *user)
-{
-  penalty *p = user;
-  double *qv = p->equations.room;
-  *terms = &p->equations.stepper->middle;
-  int status = nsdae_smooth_read(&p->integrator, t, dims(p)->nq + dims(p)->nv, qv);
-  nsdae_terms_at(*terms, t, qv, qv + dims(p)->nq);
-  return status;
-}
-
-static int make(penalty *p)
+static int make(nsdae_penalty *p)
 {
   const nsdae_stepper *s = p->equations.stepper;
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   p->integrator.steps = (nsdae_runge_kutta){.n = nsdae_penalty_size(d),
                                             .controlled = nsdae_penalty_at_lambda(d),
                                             .positions = d->nq,
@@ -157,13 +117,8 @@ static int make(penalty *p)
                                                .solve = nsdae_penalty_solve,
                                                .user = &p->equations};
   p->integrator.powers = nsdae_penalty_powers;
-  p->fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
-  p->dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
-  p->tracking = (nsdae_tracking){.model = s->system,
-                                 .table = s->system->tracked,
-                                 .error = s->error,
-                                 .look = look_at,
-                                 .user = p};
+  p->gaps.fall = (nsdae_fall){.count = d->k, .values = values, .user = p};
+  p->gaps.dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK) status = nsdae_newton_kkt_make(&p->equations.newton);
   if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
@@ -173,7 +128,7 @@ static int make(penalty *p)
 
 static int create(nsdae_stepper *s, void **own)
 {
-  penalty *p = calloc(1, sizeof *p);
+  nsdae_penalty *p = calloc(1, sizeof *p);
   *own = p;
   if (!p) return nsdae_stepper_made(s, NSDAE_E_MEMORY, "penalty");
   p->equations.stepper = s;
@@ -183,7 +138,7 @@ static int create(nsdae_stepper *s, void **own)
 
 static void destroy(void *own)
 {
-  penalty *p = own;
+  nsdae_penalty *p = own;
   if (!p) return;
   nsdae_smooth_destroy(&p->integrator);
   nsdae_newton_kkt_release(&p->equations.newton);
@@ -191,100 +146,25 @@ static void destroy(void *own)
   free(p);
 }
 
-/* ---- contacts of a list */
-
-/* Contacts that got a slot are open, and nothing is known of them. */
-static void take_fresh(penalty *p)
-{
-  const nsdae_penalty_base *b = &p->equations.base;
-  size_t nt = (size_t)dims(p)->nt;
-  for (int i = 0; i < dims(p)->k; i++) {
-    if (!p->tracking.fresh[i]) continue;
-    b->closed[i] = p->found[i] = p->tracking.fresh[i] = 0;
-    b->since[i] = b->mass[i] = b->impulse[i] = b->peak[i] = 0;
-    memset(b->impulse_t + (size_t)i * nt, 0, nt * sizeof *b->impulse_t);
-    b->start_rate[i] = 1;
-    p->shift[i] = p->force[i] = p->peak[i] = 0;
-  }
-}
-
-/* The table is that of the memory. */
-static void keep_table(const penalty *p, nsdae_memory *memory)
-{
-  if (!is_tracked(p)) return;
-  nsdae_tracking_store(&p->tracking);
-  memory->slots = nsdae_system_contacts(p->equations.stepper->system);
-}
-
-/* Within which contacts close and open: as far as a zero is moved, and rounding. One that overlaps
- * may go on with another id, as where a corner leaves an edge, at a depth up to twice that. */
-static double near(const penalty *p, const nsdae_terms *at)
-{
-  double most = fmax(nsdae_terms_touch(at), 2 * p->depth);
-  for (int i = 0; i < dims(p)->k; i++) most = fmax(most, fabs(p->shift[i]));
-  return most;
-}
-
-/* Terms at the start of a motion, or of a dt. */
-static nsdae_terms *terms_at(penalty *p, const nsdae_terms *from)
-{
-  nsdae_terms *T = &p->equations.stepper->middle;
-  nsdae_terms_at(T, from->t, from->q, from->v);
-  p->tracking.near = near(p, from);
-  return T;
-}
-
-/* Those near the start of a run. */
-static int begin_slots(penalty *p, const nsdae_terms *from)
-{
-  if (!is_tracked(p)) return NSDAE_OK;
-  int status = nsdae_tracking_begin(&p->tracking, terms_at(p, from), p->integrator.steps.max_step);
-  take_fresh(p);
-  return status;
-}
-
-/* Those near the start of a dt keep their slots: so do those that are closed or about to close, and
- * those whose zero is moved. */
-static int free_slots(penalty *p, const nsdae_terms *from)
-{
-  if (!is_tracked(p)) return NSDAE_OK;
-  for (int i = 0; i < dims(p)->k; i++)
-    p->keep[i] = p->equations.base.closed[i] || (p->pending && p->found[i]) || p->shift[i] != 0;
-  return nsdae_tracking_trim(&p->tracking, terms_at(p, from), p->integrator.steps.max_step,
-                             p->keep);
-}
-
-/* Those near the step from `from`. A replay has those of then, of which its gaps are known from the
- * start: so none are kept from the step before. */
-static int follow(penalty *p, double from)
-{
-  if (!is_tracked(p)) return NSDAE_OK;
-  nsdae_dip_start(&p->dip);
-  p->tracking.near = near(p, &p->equations.stepper->middle);
-  int added = p->replays ? 0 : nsdae_tracking_cover(&p->tracking, from, p->ahead);
-  if (added > 0) take_fresh(p);
-  return added < 0 ? added : NSDAE_OK;
-}
-
 /* ---- starts */
 
 /* The velocity of the largest change at t, in units of its tolerance; -1: the equations have no
  * solution there, as the error record says. */
-static int fastest(penalty *p, double t)
+static int fastest(nsdae_penalty *p, double t)
 {
   const nsdae_sim_options *o = p->equations.stepper->options;
-  const double *v = p->qv + dims(p)->nq;
+  const double *v = p->qv + nsdae_penalty_dims(p)->nq;
   double *rate = p->z[0], most = 0;
   int found = -1;
   if (nsdae_penalty_rate(t, p->qv, rate, 0, &p->equations) != 0) return -1;
-  for (int i = 0; i < dims(p)->nv; i++) {
-    double change = fabs(rate[dims(p)->nq + i]) / (o->rtol * fabs(v[i]) + o->atol);
+  for (int i = 0; i < nsdae_penalty_dims(p)->nv; i++) {
+    double change = fabs(rate[nsdae_penalty_dims(p)->nq + i]) / (o->rtol * fabs(v[i]) + o->atol);
     if (change > most) most = change, found = i;
   }
   return found;
 }
 
-static int integrator_failed(penalty *p, int status, double t)
+static int integrator_failed(nsdae_penalty *p, int status, double t)
 {
   nsdae_stepper *s = p->equations.stepper;
   const char *cause = p->integrator.cause;
@@ -304,11 +184,11 @@ static int integrator_failed(penalty *p, int status, double t)
 }
 
 /* The largest force applied, or what would stop the bodies in a dt. */
-static double force_of(const penalty *p)
+static double force_of(const nsdae_penalty *p)
 {
   nsdae_stepper *s = p->equations.stepper;
   const nsdae_terms *T = &s->middle;
-  int n = dims(p)->nv;
+  int n = nsdae_penalty_dims(p)->nv;
   memset(s->r, 0, (size_t)n * sizeof *s->r);
   nsdae_blocks_add_product(&s->system->blocks, T->M, T->v, s->r);
   return fmax(nsdae_largest(n, T->F), nsdae_largest(n, s->r) / s->options->dt);
@@ -317,30 +197,30 @@ static double force_of(const penalty *p)
 /* The integrator starts at qv and the base's t. Within rounding of zero a gap can have the wrong
  * sign for its contact, and would cross zero again at once, without an end: it is looked at from
  * where it has twice that. */
-static int start_integrator(penalty *p)
+static int start_integrator(nsdae_penalty *p)
 {
   const nsdae_penalty_base *b = &p->equations.base;
   nsdae_stepper *s = p->equations.stepper;
   const double hair = 1e-12 * s->options->dt * s->options->friction_velocity;
   nsdae_terms *T = &s->middle;
   p->ahead = *b->t;
-  p->pending = 0;
+  p->gaps.pending = 0;
   nsdae_smooth_set(&p->integrator, *b->is_stiff ? NSDAE_INTEGRATOR_IDA : s->options->integrator);
   p->integrator.first = p->integrator.steps.h = *b->first;
   nsdae_error_clear(s->error);
   nsdae_power_start(&p->equations.power);
-  nsdae_dip_start(&p->dip);
+  nsdae_dip_start(&p->gaps.dip);
   int status = nsdae_penalty_evaluate(&p->equations, p->ahead, p->qv);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_FORCE);
   if (status < 0) return status;
   p->integrator.steps.force = force_of(p);
-  memcpy(p->force, p->equations.at.normal, (size_t)dims(p)->k * sizeof *p->force);
-  p->depth = 0;
-  for (int i = 0; i < dims(p)->k; i++) {
+  memcpy(p->force, p->equations.at.normal, (size_t)nsdae_penalty_dims(p)->k * sizeof *p->force);
+  p->gaps.depth = 0;
+  for (int i = 0; i < nsdae_penalty_dims(p)->k; i++) {
     double gap = T->gap[i];
-    if (b->closed[i]) p->depth = fmax(p->depth, -gap);
+    if (b->closed[i]) p->gaps.depth = fmax(p->gaps.depth, -gap);
     int wrong = b->closed[i] ? gap >= 0 : gap <= 0;
-    p->shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
+    p->gaps.shift[i] = wrong ? 2 * gap + (b->closed[i] ? hair : -hair) : 0;
   }
   status = nsdae_smooth_start(&p->integrator, p->ahead, p->qv);
   if (status < 0) return integrator_failed(p, status, p->ahead);
@@ -354,10 +234,10 @@ static int start_integrator(penalty *p)
 }
 
 /* The base is at t, where q and v are qv, from the last one on. */
-static int move_base(penalty *p, double t)
+static int move_base(nsdae_penalty *p, double t)
 {
   nsdae_penalty_base *b = &p->equations.base;
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   double *z = p->z[0];
   if (*b->steps > 0) {
     const nsdae_smooth *g = &p->integrator;
@@ -377,17 +257,17 @@ static int move_base(penalty *p, double t)
 
 /* The integrator from here on: IDA as long as a contact is closed that has made the
  * equations stiff. */
-static void choose(penalty *p, int stiff)
+static void choose(nsdae_penalty *p, int stiff)
 {
   int by_option = p->equations.stepper->options->integrator, any = 0;
-  for (int i = 0; i < dims(p)->k; i++) any |= p->equations.base.closed[i];
+  for (int i = 0; i < nsdae_penalty_dims(p)->k; i++) any |= p->equations.base.closed[i];
   *p->equations.base.is_stiff = by_option == NSDAE_INTEGRATOR_IDA ||
                                 (by_option == NSDAE_INTEGRATOR_AUTO && p->integrator.ida &&
                                  (stiff || (p->integrator.is_stiff && any)));
 }
 
 /* The integrator starts anew from here: that is the base from now on. */
-static int start(penalty *p, double t, int stiff)
+static int start(nsdae_penalty *p, double t, int stiff)
 {
   int status = move_base(p, t);
   choose(p, stiff);
@@ -395,11 +275,11 @@ static int start(penalty *p, double t, int stiff)
 }
 
 /* A contact closes here: its d'_0, its effective mass 1 / (W_N^T P W_N). */
-static int close_contact(penalty *p, int i, double t)
+static int close_contact(nsdae_penalty *p, int i, double t)
 {
   nsdae_stepper *s = p->equations.stepper;
   nsdae_terms *T = &s->middle;
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   nsdae_penalty_base *b = &p->equations.base;
   int status = check_law(s, "nsdae_penalty", i);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
@@ -421,9 +301,9 @@ static int close_contact(penalty *p, int i, double t)
   return NSDAE_OK;
 }
 
-static void open_contact(penalty *p, nsdae_result *result, int i)
+static void open_contact(nsdae_penalty *p, nsdae_result *result, int i)
 {
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   const nsdae_penalty_base *b = &p->equations.base;
   b->closed[i] = 0;
   if (!(b->start_rate[i] > p->equations.stepper->options->impact_velocity)) return;
@@ -444,16 +324,16 @@ static void open_contact(penalty *p, nsdae_result *result, int i)
  * rounding crosses zero any number of times: a contact opens while it moves apart alone, and closes
  * while it does not. One that is no longer listed has opened; one that was not before closes
  * wherever it is, as another feature of two bodies. */
-static int switch_contacts(penalty *p, nsdae_result *result, double t)
+static int switch_contacts(nsdae_penalty *p, nsdae_result *result, double t)
 {
   int status = move_base(p, t);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->qv);
-  for (int i = 0; i < dims(p)->k && status == NSDAE_OK; i++) {
+  for (int i = 0; i < nsdae_penalty_dims(p)->k && status == NSDAE_OK; i++) {
     double v_n = p->equations.at.v_n[i];
     int closed = p->equations.base.closed[i];
     int listed = p->equations.stepper->middle.gap[i] < NSDAE_FAR;
-    int appears = is_tracked(p) && p->fall.low[i] >= NSDAE_FAR;
-    if (!p->found[i]) continue;
+    int appears = nsdae_penalty_is_tracked(p) && p->gaps.fall.low[i] >= NSDAE_FAR;
+    if (!p->gaps.found[i]) continue;
     if (closed && (v_n > 0 || !listed))
       open_contact(p, result, i);
     else if (!closed && (v_n <= 0 || appears) && listed)
@@ -463,23 +343,23 @@ static int switch_contacts(penalty *p, nsdae_result *result, double t)
 }
 
 /* How near a contact is at hand that moves with v_n: less than a billionth of dt away. */
-static double reach(const penalty *p, int i)
+static double reach(const nsdae_penalty *p, int i)
 {
   return fmax(-p->equations.at.v_n[i], 0) * 1e-9 * p->equations.stepper->options->dt;
 }
 
 /* From a state that this method did not lead to. */
-static int begin(penalty *p, const nsdae_terms *from)
+static int begin(nsdae_penalty *p, const nsdae_terms *from)
 {
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   nsdae_penalty_base *b = &p->equations.base;
   memcpy(p->qv, from->q, (size_t)d->nq * sizeof *p->qv);
   memcpy(p->qv + d->nq, from->v, (size_t)d->nv * sizeof *p->qv);
   *b->steps = *b->is_stiff = p->integrator.is_stiff = 0;
   *b->first = 0;
   for (int i = 0; i < d->k; i++) b->closed[i] = 0, b->start_rate[i] = 1;
-  p->pending = 0;
-  int status = begin_slots(p, from);
+  p->gaps.pending = 0;
+  int status = nsdae_penalty_slots_begin(p, from);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, from->t, p->qv);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
     if (p->equations.stepper->middle.gap[i] <= reach(p, i)) status = close_contact(p, i, from->t);
@@ -489,18 +369,19 @@ static int begin(penalty *p, const nsdae_terms *from)
 /* ---- steps */
 
 /* The contact forces at a part x of the step from `from` to `ahead`. */
-static int forces_at(penalty *p, double from, double x)
+static int forces_at(nsdae_penalty *p, double from, double x)
 {
   double t = x < 1 ? from + x * (p->ahead - from) : p->ahead, *qv = p->equations.room;
-  int status = nsdae_smooth_read(&p->integrator, t, dims(p)->nq + dims(p)->nv, qv);
+  int status = nsdae_smooth_read(&p->integrator, t,
+                                 nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv, qv);
   return status < 0 ? status : nsdae_penalty_evaluate(&p->equations, t, qv);
 }
 
 /* The largest force of each closed contact in the step up to `ahead`: at its end, and where the
  * parabola through the forces at its start, middle and end has a maximum. */
-static int follow_peaks(penalty *p, double from)
+static int follow_peaks(nsdae_penalty *p, double from)
 {
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   double *middle = p->z[0], *end = p->z[1];
   int any = 0, status;
   for (int i = 0; i < d->k; i++) any |= p->equations.base.closed[i];
@@ -526,37 +407,38 @@ static int follow_peaks(penalty *p, double from)
 
 /* Of the step from `from` to `ahead` the first time at which a gap crosses zero is `ahead`, where
  * `found` says which. */
-static int search(penalty *p, double from)
+static int search(nsdae_penalty *p, double from)
 {
   const nsdae_smooth *g = &p->integrator;
   const double deep = DEEP * (g->steps.rtol * g->steps.way + g->steps.atol);
   const double h = p->ahead - from;
   double hidden;
-  int contact = -1, k = dims(p)->k;
-  p->pending = 0;
+  int contact = -1, k = nsdae_penalty_dims(p)->k;
+  p->gaps.pending = 0;
   if (k == 0) return NSDAE_OK;
-  int status = follow(p, from);
-  if (status == NSDAE_OK) status = values(from, p->fall.low, p);
+  int status = nsdae_penalty_slots_cover(p, from);
+  if (status == NSDAE_OK) status = values(from, p->gaps.fall.low, p);
   if (status < 0) return status;
-  int found = nsdae_fall_find(&p->fall, from, &p->ahead, p->found);
+  int found = nsdae_fall_find(&p->gaps.fall, from, &p->ahead, p->gaps.found);
   if (found < 0) return found;
-  p->depth = 0;
+  p->gaps.depth = 0;
   for (int i = 0; i < k; i++)
-    if (p->equations.base.closed[i]) p->depth = fmax(p->depth, p->fall.high[i] - p->shift[i]);
-  status = nsdae_dip_find(&p->dip, from, p->ahead, nsdae_smooth_pieces(g), p->equations.base.closed,
-                          deep, &hidden, &contact);
+    if (p->equations.base.closed[i])
+      p->gaps.depth = fmax(p->gaps.depth, p->gaps.fall.high[i] - p->gaps.shift[i]);
+  status = nsdae_dip_find(&p->gaps.dip, from, p->ahead, nsdae_smooth_pieces(g),
+                          p->equations.base.closed, deep, &hidden, &contact);
   if (contact >= 0 && (found == 0 || p->ahead - hidden > ROUNDING * (fabs(p->ahead) + h))) {
     p->ahead = hidden;
     found = 1;
-    memset(p->found, 0, (size_t)k * sizeof *p->found);
-    p->found[contact] = 1;
+    memset(p->gaps.found, 0, (size_t)k * sizeof *p->gaps.found);
+    p->gaps.found[contact] = 1;
   }
-  p->pending = found > 0;
+  p->gaps.pending = found > 0;
   return status;
 }
 
 /* One step of the integrator, up to the first gap that crosses zero. */
-static int one_step(penalty *p)
+static int one_step(nsdae_penalty *p)
 {
   nsdae_smooth *g = &p->integrator;
   double from = p->ahead;
@@ -567,11 +449,14 @@ static int one_step(penalty *p)
   ++*p->equations.base.steps;
   status = search(p, from);
   if (status == NSDAE_OK) status = follow_peaks(p, from);
-  return status < 0 ? status : nsdae_smooth_read(g, p->ahead, dims(p)->nq + dims(p)->nv, p->qv);
+  return status < 0
+             ? status
+             : nsdae_smooth_read(g, p->ahead, nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv,
+                                 p->qv);
 }
 
 /* What IDA does not solve the explicit pair may. */
-static int step_or_start(penalty *p)
+static int step_or_start(nsdae_penalty *p)
 {
   double from = p->ahead;
   int steps = *p->equations.base.steps, stiff = *p->equations.base.is_stiff;
@@ -590,9 +475,9 @@ static int step_or_start(penalty *p)
 }
 
 /* What the forces did up to t, for the step's result. */
-static int account(penalty *p, nsdae_result *r, double t)
+static int account(nsdae_penalty *p, nsdae_result *r, double t)
 {
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   int n = nsdae_penalty_size(d), work = nsdae_penalty_at_work(d);
   const double *from = p->z[0], *to = p->z[1];
   int status = nsdae_smooth_read(&p->integrator, p->reached, n, p->z[0]);
@@ -611,7 +496,7 @@ static int account(penalty *p, nsdae_result *r, double t)
 }
 
 /* To the end of the step, or until the list of impacts is full: then the step ends early. */
-static int integrate(penalty *p, nsdae_result *result, double t_end)
+static int integrate(nsdae_penalty *p, nsdae_result *result, double t_end)
 {
   int status = NSDAE_OK;
   while (status == NSDAE_OK && p->reached < t_end && nsdae_result_room(result)) {
@@ -626,7 +511,7 @@ static int integrate(penalty *p, nsdae_result *result, double t_end)
     }
     double to = fmin(p->ahead, t_end);
     if (status == NSDAE_OK && to > p->reached) status = account(p, result, to);
-    if (status == NSDAE_OK && p->pending && p->reached == p->ahead)
+    if (status == NSDAE_OK && p->gaps.pending && p->reached == p->ahead)
       status = switch_contacts(p, result, p->ahead);
   }
   return status;
@@ -635,9 +520,9 @@ static int integrate(penalty *p, nsdae_result *result, double t_end)
 /* ---- the interface of a method */
 
 /* q and v at t, which the integrator has reached. */
-static int read_state(penalty *p, double t, double *qv)
+static int read_state(nsdae_penalty *p, double t, double *qv)
 {
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   if (*p->equations.base.steps > 0) return nsdae_smooth_read(&p->integrator, t, d->nq + d->nv, qv);
   memcpy(qv, p->equations.base.qv, (size_t)(d->nq + d->nv) * sizeof *qv);
   return NSDAE_OK;
@@ -645,9 +530,9 @@ static int read_state(penalty *p, double t, double *qv)
 
 /* From the base to the state again. Where callbacks do not give the same numbers as then, it is the
  * state that holds, with the contacts of the base, and the integrator starts anew there. */
-static int replay(penalty *p, const nsdae_terms *to)
+static int replay(nsdae_penalty *p, const nsdae_terms *to)
 {
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   const nsdae_penalty_base *b = &p->equations.base;
   double *q = p->qv, *v = q + d->nq;
   size_t nq = (size_t)d->nq * sizeof *q, nv = (size_t)d->nv * sizeof *v;
@@ -655,9 +540,9 @@ static int replay(penalty *p, const nsdae_terms *to)
   memcpy(q, b->qv, nq + nv);
   memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
   int status = start_integrator(p);
-  p->replays = 1;
+  p->slots.replays = 1;
   for (*b->steps = 0; status == NSDAE_OK && *b->steps < steps;) status = one_step(p);
-  p->replays = 0;
+  p->slots.replays = 0;
   if (status < 0) return integrator_failed(p, status, p->ahead);
   if (to->t <= p->ahead) status = read_state(p, to->t, p->equations.room);
   if (status < 0) return integrator_failed(p, status, p->ahead);
@@ -669,7 +554,7 @@ static int replay(penalty *p, const nsdae_terms *to)
   return start(p, to->t, *b->is_stiff);
 }
 
-static int mode_of(const penalty *p, int i, int nt)
+static int mode_of(const nsdae_penalty *p, int i, int nt)
 {
   double speed = nsdae_norm(nt, p->equations.at.v_t + i * nt);
   if (!p->equations.base.closed[i]) return NSDAE_MODE_OPEN;
@@ -677,24 +562,11 @@ static int mode_of(const penalty *p, int i, int nt)
                                                                              : NSDAE_MODE_SLIP;
 }
 
-/* The gaps of a step by slots: at its start those of the contacts that have them now, at its end
- * those of all that did something in it. */
-static int show(penalty *p, nsdae_terms *from, nsdae_result *result)
-{
-  if (!is_tracked(p)) return NSDAE_OK;
-  for (int i = 0; i < dims(p)->k; i++)
-    p->keep[i] = p->equations.base.closed[i] || result->impulses.normal[i] != 0;
-  for (int j = 0; j < result->impacts; j++) p->keep[result->impact[j].contact] = 1;
-  nsdae_terms_forget_slots(from);
-  int status = nsdae_terms_need(from, NSDAE_TERM_GAP);
-  return status < 0 ? status : nsdae_tracking_show(&p->tracking, &result->end, p->keep);
-}
-
 /* What the step did beside its impulses. */
-static int read_results(penalty *p, nsdae_terms *from, nsdae_result *result)
+static int read_results(nsdae_penalty *p, nsdae_terms *from, nsdae_result *result)
 {
   nsdae_terms *T = &p->equations.stepper->middle;
-  const nsdae_dims *d = dims(p);
+  const nsdae_dims *d = nsdae_penalty_dims(p);
   nsdae_impulses *to = &result->impulses;
   double t = p->reached;
   int status = read_state(p, t, p->equations.room);
@@ -716,14 +588,14 @@ static int read_results(penalty *p, nsdae_terms *from, nsdae_result *result)
   nsdae_result_rate(result, T, T->v);
   result->located = 1;
   nsdae_terms_at(&result->end, t, T->q, T->v);
-  return show(p, from, result);
+  return nsdae_penalty_slots_show(p, from, result);
 }
 
 /* To where the step starts, if the integrator is not there already. A replay is not counted. */
-static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters)
+static int arrive(nsdae_penalty *p, const nsdae_state *state, nsdae_counters *counters)
 {
   long stamp = state->memory->stamp;
-  if (is_tracked(p)) nsdae_tracking_load(&p->tracking);
+  if (nsdae_penalty_is_tracked(p)) nsdae_tracking_load(&p->slots.tracking);
   if (stamp > 0 && stamp == p->stamp) return NSDAE_OK;
   if (stamp == 0) return begin(p, state->terms);
   nsdae_counters counted = *counters;
@@ -734,39 +606,32 @@ static int arrive(penalty *p, const nsdae_state *state, nsdae_counters *counters
 
 static int start_run(void *own, const nsdae_terms *at)
 {
-  penalty *p = own;
+  nsdae_penalty *p = own;
   return p->integrator.ida ? nsdae_stepper_start(p->equations.stepper, &p->equations.newton, at)
                            : NSDAE_OK;
 }
 
-static int track(void *own, nsdae_terms *at, double h)
-{
-  penalty *p = own;
-  terms_at(p, at);
-  int status = nsdae_tracking_begin_anew(&p->tracking, at, h);
-  memset(p->tracking.fresh, 0, (size_t)dims(p)->k * sizeof *p->tracking.fresh);
-  return status;
-}
-
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
-  penalty *p = own;
-  nsdae_penalty_base_find(&p->equations.base, &p->tracking, p->equations.stepper, &result->memory);
+  nsdae_penalty *p = own;
+  nsdae_penalty_base_find(&p->equations.base, &p->slots.tracking, p->equations.stepper,
+                          &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
   if (status == NSDAE_OK) status = read_state(p, state->terms->t, p->qv);
-  if (status == NSDAE_OK) keep_table(p, &result->memory);
+  if (status == NSDAE_OK) nsdae_penalty_slots_keep(p, &result->memory);
   return status < 0 ? status : move_base(p, state->terms->t);
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  penalty *p = own;
-  nsdae_penalty_base_find(&p->equations.base, &p->tracking, p->equations.stepper, &result->memory);
+  nsdae_penalty *p = own;
+  nsdae_penalty_base_find(&p->equations.base, &p->slots.tracking, p->equations.stepper,
+                          &result->memory);
   int status = arrive(p, state, &result->counters);
   p->stamp = 0;
   p->reached = state->terms->t;
-  if (status == NSDAE_OK) status = free_slots(p, state->terms);
+  if (status == NSDAE_OK) status = nsdae_penalty_slots_trim(p, state->terms);
   if (status == NSDAE_OK) status = integrate(p, result, t_end);
   if (status == NSDAE_OK) status = read_results(p, state->terms, result);
   nsdae_error *error = p->equations.stepper->error;
@@ -774,7 +639,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status == NSDAE_E_CALLBACK && error->status < 0) return error->status;
   if (status < 0) return status;
   nsdae_error_clear(error); /* of callbacks that a smaller step helped */
-  keep_table(p, &result->memory);
+  nsdae_penalty_slots_keep(p, &result->memory);
   result->memory.stamp = p->stamp = ++p->stamps;
   return NSDAE_OK;
 }
@@ -789,5 +654,5 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .start = start_run,
     .settle = settle,
     .advance = advance,
-    .track = track,
+    .track = nsdae_penalty_slots_anew,
     .tracks = 1};

@@ -1,0 +1,63 @@
+/* What the method works with beside the stepper. */
+#ifndef NSDAE_PENALTY_H
+#define NSDAE_PENALTY_H
+
+#include "dip.h"
+#include "equations.h"
+#include "fall.h"
+#include "smooth.h"
+
+/* The gaps that cross zero in the last step. */
+typedef struct nsdae_penalty_gaps {
+  nsdae_fall fall; /* of an open contact the gap, of a closed one the overlap */
+  nsdae_dip dip;
+  double *shift, depth; /* k: where a gap counts as zero; the largest overlap at `ahead` */
+  int *found, pending;  /* k: contacts that close or open at `ahead`; any does */
+} nsdae_penalty_gaps;
+
+/* Of a contact list, see tracking.h. */
+typedef struct nsdae_penalty_slots {
+  nsdae_tracking tracking;
+  int *keep;   /* k: whose slots are not free */
+  int replays; /* steps are those of before */
+} nsdae_penalty_slots;
+
+typedef struct nsdae_penalty {
+  nsdae_penalty_equations equations;
+  nsdae_smooth integrator;
+  nsdae_penalty_gaps gaps;
+  nsdae_penalty_slots slots;
+  nsdae_arena arena;
+  double *qv, *z[2];     /* nq + nv: at `ahead`; n: between which the step is accounted for */
+  double *peak, *force;  /* k: largest force of each contact until `ahead`; force there */
+  double ahead, reached; /* integrated, accounted for up to here */
+  long stamp, stamps;    /* of the memory that the integrator stands at, 0: none; given so far */
+} nsdae_penalty;
+
+static inline const nsdae_dims *nsdae_penalty_dims(const nsdae_penalty *p)
+{
+  return &p->equations.stepper->system->dims;
+}
+
+static inline int nsdae_penalty_is_tracked(const nsdae_penalty *p)
+{
+  return p->equations.stepper->system->tracked != NULL;
+}
+
+/* ---- slots.c: nothing is done for fixed contacts */
+
+void nsdae_penalty_slots_layout(nsdae_penalty *penalty, nsdae_arena *arena);
+
+/* The table of contacts at the start of a motion, with an empty memory or without one; at the start
+ * of a dt; of a step from there to `ahead`, where the integrator is. NSDAE_OK, NSDAE_ARRAYS_GROW,
+ * or what the terms return. */
+int nsdae_penalty_slots_begin(nsdae_penalty *penalty, const nsdae_terms *from);
+int nsdae_penalty_slots_anew(void *penalty, nsdae_terms *at, double h);
+int nsdae_penalty_slots_trim(nsdae_penalty *penalty, const nsdae_terms *from);
+int nsdae_penalty_slots_cover(nsdae_penalty *penalty, double from);
+
+/* The gaps of a step from `from` to the result's end; the table is that of the memory. */
+int nsdae_penalty_slots_show(nsdae_penalty *penalty, nsdae_terms *from, nsdae_result *result);
+void nsdae_penalty_slots_keep(const nsdae_penalty *penalty, nsdae_memory *memory);
+
+#endif
