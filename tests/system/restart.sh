@@ -101,5 +101,8 @@ attack wall 1 --method implicit --set courses=2 --set length=2
 attack arch 2 --method implicit-printed --set blocks=5 --every 3
 attack dominoes 1 --method moreau --set n=6
 attack heap 1 --method moreau --set spheres=6 --compress 1
+attack column 4 --method event --set balls=5
+attack heap 2 --method event --set spheres=4 --set rough=0 --every 3
+attack arch 1 --method penalty --set blocks=5 --compress 1
 echo "$runs runs, $kills_done of them killed"
 [ $failures = 0 ]
