@@ -185,7 +185,7 @@ NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int
  * direction of a contact involve few blocks. Contacts are fixed (dims.k), as in any system, or
  * those of a contact list: a callback lists the close contacts only. Islands that share no contact
  * and no constraint are then solved separately. Time-stepping methods with a contact list do not
- * support the option polygon and frictional joints. */
+ * support frictional joints. */
 
 /* Divides q and v into count blocks. Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b]
  * <= nq[b], after those of block b - 1. The sums are dims.nq and dims.nv. The callback mass_blocks

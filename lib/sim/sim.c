@@ -68,11 +68,6 @@ static int check_lists(const nsdae_system *system, const nsdae_sim_options *opti
                            "f = %d frictional joints are not supported with a contact list by "
                            "method %s: use event or penalty",
                            system->dims.f, nsdae_method_name(options->method));
-  if (options->polygon > 0)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "polygon",
-                           "polygon = %d is not supported for contact lists by method %s, which "
-                           "has the second-order cone: set polygon = 0",
-                           options->polygon, nsdae_method_name(options->method));
   return NSDAE_OK;
 }
 

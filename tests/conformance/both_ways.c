@@ -120,9 +120,9 @@ static void test_models(void **state)
   }
 }
 
-static void test_random(void **state)
+/* With the cone or polygons of two tangential directions. */
+static long compare_random(int polygon)
 {
-  (void)state;
   long pressed = 0;
   for (uint64_t seed = 1; seed <= SEEDS; seed++)
     for (int m = 0; m < METHODS; m++) {
@@ -131,18 +131,32 @@ static void test_random(void **state)
       random_system_draw(&r, seed, RANDOM_PLAIN);
       if (r.dims.k == 0 || r.dims.f > 0) continue; /* lists have no frictional joints */
       if (r.by_blocks) continue;                   /* nor contacts of more than two blocks */
+      if (polygon > 0 && r.dims.nt < 2) continue;
       nsdae_system *system = random_system_make(&r);
       as_list *copy = as_list_create(system, 0, NULL, NULL);
       nsdae_sim_options_default(&options);
       options.method = methods[m];
       options.dt = 1e-2;
       options.iteration_tol = iteration_tol;
+      options.polygon = polygon;
       options.start_check = 0; /* a list is not compared with its directions */
       pressed += compare(system, copy, &options, r.q0, r.v0, 60);
       as_list_destroy(copy);
       nsdae_system_destroy(&system);
     }
-  assert_true(pressed > 1000);
+  return pressed;
+}
+
+static void test_random(void **state)
+{
+  (void)state;
+  assert_true(compare_random(0) > 1000);
+}
+
+static void test_polygons(void **state)
+{
+  (void)state;
+  assert_true(compare_random(8) > 100);
 }
 
 /* Many blocks, constraints between them, contacts of two. */
@@ -180,6 +194,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_models),
       cmocka_unit_test(test_random),
+      cmocka_unit_test(test_polygons),
       cmocka_unit_test(test_twins),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
