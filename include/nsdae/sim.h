@@ -390,8 +390,8 @@ NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
 NSDAE_API int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem);
 
 /* The contact problem of a step (nsdae/friction.h), with impulses [N s] and velocities [m/s],
- * contacts in their order. It has the local form. For contact lists it has the global form, with
- * the contacts and constraints of the large islands. */
+ * contacts in their order. It has the global form, with the contacts and constraints of the largest
+ * island that was solved with second-order cones; else the local form, of the only island. */
 typedef struct nsdae_step_friction {
   nsdae_friction_problem problem; /* its arrays belong to the simulation */
   nsdae_friction_options options; /* options of its solve */
@@ -401,17 +401,12 @@ typedef struct nsdae_step_friction {
 
 /* The contact problem of the last step of a time-stepping method, successful or failed; of an
  * iterated method that of the last iteration. The arrays belong to the simulation and are valid
- * until the next step. nsdae_friction_solve with these options and this guess reproduces r exactly
- * if
- *
- * - contacts have the second-order cone (two tangential directions, polygon = 0), or
- * - contacts are from a contact list.
- *
- * Other problems were solved as complementarity problems. NSDAE_E_STATE if the last step had no
- * such problem:
+ * until the next step. If its form is the global one, nsdae_friction_solve with these options and
+ * this guess reproduces r exactly. Other problems were solved as complementarity problems.
+ * NSDAE_E_STATE if the last step had no such problem:
  *
  * - no closed contact
- * - contact list: small islands only
+ * - several islands, all solved as complementarity problems
  * - frictional joints: their friction depends on a bilateral force, which has no cone
  * - methods event and penalty */
 NSDAE_API int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction);

@@ -364,9 +364,10 @@ static int stands(const nsdae_dense_island *l)
 {
   const nsdae_contacts *c = &l->contacts;
   const double *W = c->delassus.W, digits = fmin(c->lcp.options.tol, NSDAE_STILL);
-  double fastest = nsdae_largest(l->kkt.n, l->at.v),
-         speed = nsdae_largest(c->columns, c->delassus.offset);
-  if (!(fastest <= digits * speed)) return 0;
+  double speed = nsdae_largest(c->columns, c->delassus.offset);
+  for (int j = 0; j < l->kkt.n; j++) /* mostly the first */
+    if (!(fabs(l->at.v[j]) <= digits * speed)) return 0;
+  double fastest = nsdae_largest(l->kkt.n, l->at.v);
   double lever = nsdae_largest(c->columns * l->kkt.n, W);
   return fastest * lever <= digits * speed;
 }
@@ -388,7 +389,8 @@ static void stand(nsdae_dense_island *l)
 
 /* Of column j of W: W_j^T M^-1 W_j and the velocity without impulses, u_j being that of v. Where
  * there are no constraints the Delassus matrix has them. */
-static void measure(const nsdae_dense_island *l, int j, double u_j, double *diagonal, double *q)
+static inline void measure(const nsdae_dense_island *l, int j, double u_j, double *diagonal,
+                           double *q)
 {
   const nsdae_delassus *d = &l->contacts.delassus;
   int n = l->kkt.n;
@@ -404,17 +406,17 @@ static void measure(const nsdae_dense_island *l, int j, double u_j, double *diag
 
 /* The residual of a law with velocities along columns of W, beside their rounding: v is as good as
  * contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN. */
-static void leave(const nsdae_dense_island *l, int rounded, int column, int columns, double left,
+static void leave(const nsdae_dense_island *l, int column, int columns, double left,
                   nsdae_natural_residual *residual)
 {
   const double *W = l->contacts.delassus.W + (size_t)column * (size_t)l->kkt.n;
   double most = 0;
-  for (int c = 0; c < columns && rounded; c++) {
+  for (int c = 0; c < columns; c++) {
     double sum = 0;
     for (int j = 0; j < l->kkt.n; j++) sum += fabs(*W++) * l->at.size[j];
     most = fmax(most, sum);
   }
-  if (rounded) left -= 32 * DBL_EPSILON * most + DBL_MIN;
+  left -= 32 * DBL_EPSILON * most + DBL_MIN;
   nsdae_natural_residual_row(residual, left > 0 || left != left ? left : 0);
 }
 
@@ -434,7 +436,7 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
     nsdae_natural_residual_speed(residual, c->delassus.offset[column]);
     double left = fabs(scaled - xi > 0 ? xi : scaled);
     if (rounded)
-      leave(l, rounded, c->first_column[a], 1, left, residual);
+      leave(l, c->first_column[a], 1, left, residual);
     else
       nsdae_natural_residual_row(residual, left);
     return;
@@ -455,7 +457,10 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
   for (int j = 0; j < columns; j++) x[j] *= d;
   nsdae_natural_residual one = {0};
   nsdae_natural_residual_contact(&one, columns > 1 ? law->mu : 0, x, u);
-  leave(l, rounded, c->first_column[a], columns, one.left, residual);
+  if (rounded)
+    leave(l, c->first_column[a], columns, one.left, residual);
+  else
+    nsdae_natural_residual_row(residual, one.left);
 }
 
 /* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto the friction that |lambda| bounds. */
@@ -469,7 +474,11 @@ static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
   measure(l, column, u, &d, &q);
   nsdae_natural_residual_speed(residual, q);
   double most = d * c->system->frictional_joint[j].mu * fabs(l->at.lambda[c->slides.constraint[i]]);
-  leave(l, rounded, column, 1, fabs(d * x - fmax(-most, fmin(most, d * x - u))), residual);
+  double left = fabs(d * x - fmax(-most, fmin(most, d * x - u)));
+  if (rounded)
+    leave(l, column, 1, left, residual);
+  else
+    nsdae_natural_residual_row(residual, left);
 }
 
 static void fit_row(const nsdae_dense_island *l, int i, int rounded,

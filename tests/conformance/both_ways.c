@@ -59,6 +59,7 @@ static void expect_same(const nsdae_dims *d, const nsdae_record *fixed, const ns
   assert_false(apart(d->nq, fixed->q, list->q));
   assert_false(apart(d->nv, fixed->v, list->v));
   assert_false(apart(d->m, fixed->multiplier, list->multiplier));
+  assert_false(apart(d->f, fixed->frictional_joint_impulse, list->frictional_joint_impulse));
   expect_same_contacts(d, fixed, list);
   assert_true(fixed->lcp_residual == list->lcp_residual);
   assert_true(a->pull == b->pull && a->cone_excess == b->cone_excess);
@@ -120,29 +121,43 @@ static void test_models(void **state)
   }
 }
 
-static void test_random(void **state)
+/* With the cone or polygons of two tangential directions. */
+static long compare_random(int polygon)
 {
-  (void)state;
   long pressed = 0;
   for (uint64_t seed = 1; seed <= SEEDS; seed++)
     for (int m = 0; m < METHODS; m++) {
       random_system r;
       nsdae_sim_options options;
       random_system_draw(&r, seed, RANDOM_PLAIN);
-      if (r.dims.k == 0 || r.dims.f > 0) continue; /* lists have no frictional joints */
-      if (r.by_blocks) continue;                   /* nor contacts of more than two blocks */
+      if (r.dims.k == 0) continue;
+      if (r.by_blocks) continue; /* lists have none of more than two blocks */
+      if (polygon > 0 && r.dims.nt < 2) continue;
       nsdae_system *system = random_system_make(&r);
       as_list *copy = as_list_create(system, 0, NULL, NULL);
       nsdae_sim_options_default(&options);
       options.method = methods[m];
       options.dt = 1e-2;
       options.iteration_tol = iteration_tol;
+      options.polygon = polygon;
       options.start_check = 0; /* a list is not compared with its directions */
       pressed += compare(system, copy, &options, r.q0, r.v0, 60);
       as_list_destroy(copy);
       nsdae_system_destroy(&system);
     }
-  assert_true(pressed > 1000);
+  return pressed;
+}
+
+static void test_random(void **state)
+{
+  (void)state;
+  assert_true(compare_random(0) > 1000);
+}
+
+static void test_polygons(void **state)
+{
+  (void)state;
+  assert_true(compare_random(8) > 100);
 }
 
 /* Many blocks, constraints between them, contacts of two. */
@@ -180,6 +195,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_models),
       cmocka_unit_test(test_random),
+      cmocka_unit_test(test_polygons),
       cmocka_unit_test(test_twins),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

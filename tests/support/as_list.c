@@ -161,6 +161,26 @@ static int stiffness_blocks(double t, const double *q, const double *v, nsdae_bl
   return a->of->call.force_stiffness_blocks(t, q, v, blocks, a->of->user);
 }
 
+/* ---- frictional joints */
+
+static int joint_friction_rows(double t, const double *q, nsdae_row_list *rows, double *w,
+                               void *user)
+{
+  as_list *a = user;
+  const nsdae_blocks *blocks = &a->list->blocks;
+  int code = evaluate(a, t, q, NULL, NSDAE_TERM_SLIDE);
+  for (int i = 0; i < a->of->dims.f && code == 0; i++) {
+    const double *row = spread(a, &a->terms.by.frictional_joint, i);
+    w[i] = a->terms.frictional_joint.w[i];
+    for (int b = 0; b < blocks->count; b++) {
+      int n = nsdae_blocks_size(blocks, b);
+      if (blocks->count > 1 && is_zero(n, row + blocks->first[b])) continue;
+      nsdae_row_add(rows, i, b, row + blocks->first[b]);
+    }
+  }
+  return code;
+}
+
 /* ---- contacts */
 
 /* Direction d of the contact from a row in full; blocks join as they are met. 0: more than two. */
@@ -252,6 +272,10 @@ static void set_callbacks(as_list *a)
   if (d->m > 0) nsdae_system_set_constraint(s, constraint);
   if (d->m > 0) nsdae_system_set_constraint_rows(s, constraint_rows);
   if (d->m > 0 && call->constraint_bias) nsdae_system_set_constraint_bias(s, constraint_bias);
+  for (int j = 0; j < d->f; j++)
+    nsdae_system_set_frictional_joint(s, j, a->of->frictional_joint[j].constraint,
+                                      a->of->frictional_joint[j].mu);
+  if (d->f > 0) nsdae_system_set_joint_friction_rows(s, joint_friction_rows);
   nsdae_system_set_contacts(s, contacts);
 }
 
