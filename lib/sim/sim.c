@@ -55,27 +55,6 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
                          system->dims.k, system->dims.f, rows, limit, fewer_edges);
 }
 
-/* What time stepping with a contact list does without. */
-static int check_lists(const nsdae_system *system, const nsdae_sim_options *options,
-                       nsdae_error *error)
-{
-  nsdae_sim_options defaults;
-  nsdae_sim_options_default(&defaults);
-  if (!options) options = &defaults;
-  if (!system->by_list || nsdae_stepping_of(options->method)->tracks) return NSDAE_OK;
-  if (system->dims.f > 0)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "f",
-                           "f = %d frictional joints are not supported with a contact list by "
-                           "method %s: use event or penalty",
-                           system->dims.f, nsdae_method_name(options->method));
-  if (options->polygon > 0)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "polygon",
-                           "polygon = %d is not supported for contact lists by method %s, which "
-                           "has the second-order cone: set polygon = 0",
-                           options->polygon, nsdae_method_name(options->method));
-  return NSDAE_OK;
-}
-
 /* At first, of a method that tracks the contacts of a list. */
 enum { SLOTS = 8 };
 
@@ -185,7 +164,6 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   int status = options ? nsdae_sim_options_check(options, error) : NSDAE_OK;
   if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
   if (status == NSDAE_OK) status = nsdae_system_told(system, error);
-  if (status == NSDAE_OK) status = check_lists(system, options, error);
   if (status == NSDAE_OK) status = check_rows(system, options, error);
   if (status < 0) return status;
   nsdae_sim *made = calloc(1, sizeof *made);
