@@ -230,7 +230,6 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  *
  * - A broad phase finds the close pairs in every step. Its time is proportional to the number of
  *  solids if they are of similar size.
- * - Friction of a slot needs the methods event or penalty.
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
  *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
  *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12, else 0).

@@ -184,7 +184,7 @@ NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int
  * q and v are divided into blocks, such as bodies. M is block diagonal. A row of Phi_q and a
  * direction of a contact involve few blocks. Contacts are fixed (dims.k), as in any system, or
  * those of a contact list: a callback lists the close contacts only. Islands that share no contact
- * and no constraint are then solved separately. */
+ * and no constraint are then solved separately. All methods and options support both. */
 
 /* Divides q and v into count blocks. Block b has nq[b] coordinates and nv[b] velocities, 1 <= nv[b]
  * <= nq[b], after those of block b - 1. The sums are dims.nq and dims.nv. The callback mass_blocks

@@ -11,17 +11,27 @@
 
 /* ---- one contact */
 
+/* u_1 and u_2 with their rates. */
+static inline void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 u[2])
+{
+  double e[3] = {0, 0, 0};
+  if (dimension == 2) {
+    u[0] = (nsdae_jet3){{nsdae_jet_scale(-1, n.at[1]), n.at[0], nsdae_jet_of(0)}};
+    return;
+  }
+  e[nsdae_tangent_axis(n.at[2].x)] = 1;
+  u[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);
+  u[0] = nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(u[0])), u[0]);
+  u[1] = nsdae_jet3_cross(n, u[0]);
+}
+
+/* Their values; what is not read of the jets is not computed. */
 static inline void directions(int rows, const double *n, double u[3][3])
 {
-  const double planar[3] = {-n[1], n[0], 0};
-  double e[3] = {0, 0, 0};
-  for (int i = 0; i < 3; i++) u[0][i] = n[i], u[1][i] = planar[i];
-  if (rows < 3) return;
-  e[nsdae_tangent_axis(n[2])] = 1;
-  nsdae_cross3(e, n, u[1]);
-  double inverse = 1 / sqrt(nsdae_dot3(u[1], u[1]));
-  for (int i = 0; i < 3; i++) u[1][i] *= inverse;
-  nsdae_cross3(n, u[1], u[2]);
+  nsdae_jet3 t[2];
+  for (int i = 0; i < 3; i++) u[0][i] = n[i];
+  if (rows > 1) tangents(rows, nsdae_jet3_of(n), t);
+  for (int d = 1; d < rows; d++) nsdae_jet3_values(t[d - 1], u[d]);
 }
 
 /* The part of body i of the row of u, from the arm c_i - r_i. */
@@ -71,25 +81,11 @@ static nsdae_jet3 relative_velocity(const nsdae_touch *touch, const nsdae_couple
   return xi;
 }
 
-/* u_1 and u_2 with their rates. */
-static void moving_tangents(int dimension, nsdae_jet3 n, nsdae_jet3 u[2])
-{
-  double e[3] = {0, 0, 0};
-  if (dimension == 2) {
-    u[0] = (nsdae_jet3){{nsdae_jet_scale(-1, n.at[1]), n.at[0], nsdae_jet_of(0)}};
-    return;
-  }
-  e[nsdae_tangent_axis(n.at[2].x)] = 1;
-  u[0] = nsdae_jet3_cross(nsdae_jet3_of(e), n);
-  u[0] = nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(u[0])), u[0]);
-  u[1] = nsdae_jet3_cross(n, u[0]);
-}
-
 void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const nsdae_touch *touch,
                                 double omega[3])
 {
   nsdae_jet3 u[2], xi = relative_velocity(touch, two);
-  moving_tangents(dimension, touch->normal, u);
+  tangents(dimension, touch->normal, u);
   omega[0] = touch->gap.dd;
   for (int j = 0; j < dimension - 1; j++) omega[1 + j] = nsdae_jet3_dot(u[j], xi).d;
 }

@@ -339,8 +339,6 @@ def test_descriptions_that_do_not_fit():
         nsdae.System(blocks=[1, 1], k=1, contacts=lambda t, q, v, reach, found: None, **given)
     with pytest.raises(ValueError, match="whole numbers"):
         nsdae.System(blocks=[1.5], **given)
-    with pytest.raises(nsdae.ArgumentError, match="polygon = 8 .* set polygon = 0"):
-        nsdae.Sim(column(), polygon=8)
     with pytest.raises(nsdae.Error, match=r"nsdae.System\(blocks=...\)"):
         nsdae.Sim(nsdae.System(nq=1, mass=lambda t, q, M: None, **given))
 

@@ -586,16 +586,11 @@ static void test_failing_lists(void **state)
   fail_once(0, &bad, NSDAE_E_NONFINITE, "direction");
 }
 
-static void expect_refused(nsdae_system *system, int status, const char *argument, int method,
-                           int projection)
+static void expect_refused(nsdae_system *system, int status, const char *argument)
 {
-  nsdae_sim_options options;
   nsdae_sim *sim;
   nsdae_error error;
-  nsdae_sim_options_default(&options);
-  options.method = method;
-  options.projection = projection;
-  assert_int_equal(nsdae_sim_create(system, &options, &sim, &error), status);
+  assert_int_equal(nsdae_sim_create(system, NULL, &sim, &error), status);
   assert_string_equal(error.argument, argument);
 }
 
@@ -619,7 +614,7 @@ static void test_refusals(void **state)
   twin_draw(&t, 7, &plain);
   s = twin_blocks(&t);
   nsdae_system_set_mass(s, no_mass);
-  expect_refused(s, NSDAE_E_STATE, "mass", 0, 0);
+  expect_refused(s, NSDAE_E_STATE, "mass");
   nsdae_system_destroy(&s);
   assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
   assert_int_equal(nsdae_system_get_blocks(s), 1);
@@ -632,7 +627,7 @@ static void test_refusals(void **state)
   nsdae_system_clear_error(s);
   assert_int_equal(nsdae_system_set_blocks(s, 2, sizes, sizes), NSDAE_OK);
   nsdae_system_set_force(s, column_force);
-  expect_refused(s, NSDAE_E_STATE, "mass_blocks", 0, 0);
+  expect_refused(s, NSDAE_E_STATE, "mass_blocks");
   nsdae_system_destroy(&s);
   dims.k = 1;
   assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
