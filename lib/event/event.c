@@ -9,7 +9,7 @@
 
 #include "event_certificate.h"
 #include "errors.h"
-#include "jam.h"
+#include "painleve.h"
 #include "kink.h"
 #include "memory.h"
 
@@ -144,8 +144,8 @@ static int integrator_failed(event *e, int status, double t)
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   int contact = nsdae_event_unbounded(&e->roots, POLE);
   if (contact >= 0)
-    return nsdae_jam_unbounded(&e->instant.acceleration.problem, contact, t,
-                               nsdae_event_yield(&e->phase, contact));
+    return nsdae_painleve_unbounded(&e->instant.acceleration.problem, contact, t,
+                                    nsdae_event_yield(&e->phase, contact));
   if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(
@@ -252,7 +252,7 @@ static int jammed(const event *e, double t, int i, double coefficient)
   double apart = nsdae_terms_rate(T, &T->by.normal, T->omega.N, i, a);
   int opens = e->phase.modes.contact[i] == NSDAE_MODE_OPEN && apart > POLE * size;
   if (worst < 0 && (opens || e->phase.modes.contact[i] != NSDAE_MODE_OPEN)) return NSDAE_OK;
-  return nsdae_jam_unbounded(&e->instant.acceleration.problem, i, t, coefficient);
+  return nsdae_painleve_unbounded(&e->instant.acceleration.problem, i, t, coefficient);
 }
 
 /* Where friction turns faster than a body gets away from zero, or is at its limit however it
@@ -261,17 +261,17 @@ static int jammed(const event *e, double t, int i, double coefficient)
  * of a contact that rattles, as one that friction throws back, and of its impacts. */
 static void blur(event *e)
 {
-  double idle = nsdae_rattle_growth(*e->base.idle, CHATTERS, 8);
+  double idle = nsdae_chattering_growth(*e->base.idle, CHATTERS, 8);
   e->instant.impacts.accumulation.rattles = e->base.rattle.count;
   for (int i = 0; i < e->setting.system->dims.k; i++) {
-    e->instant.impacts.blur[i] = nsdae_rattle_blur(&e->base.rattle, i);
+    e->instant.impacts.blur[i] = nsdae_chattering_blur(&e->base.rattle, i);
     e->phase.modes.blur[i] = fmax(idle, e->instant.impacts.blur[i]);
   }
 }
 
 static void note_rattle(const event *e, double t, int i, int many)
 {
-  nsdae_rattle_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time, many);
+  nsdae_chattering_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time, many);
 }
 
 /* Differences for the motion at the point in work, and the most that they leave of velocities and

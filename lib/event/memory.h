@@ -4,7 +4,7 @@
 
 #include "instant.h"
 #include "integrator.h"
-#include "rattle.h"
+#include "chattering.h"
 
 /* Over the numbers of a result's memory, as the modes are. */
 typedef struct nsdae_event_base {
@@ -17,7 +17,7 @@ typedef struct nsdae_event_base {
   int *instants, *idle, *tiny; /* in it; of those, without an impact or a change; steps of no use */
   int *finer;                  /* 2: of the differences, since they were last tuned */
   double *difference_error;    /* 2: the setting's, from there */
-  nsdae_rattle rattle;
+  nsdae_chattering rattle;
   int *late; /* k: its slot has the contact since then; of tracked contacts */
 } nsdae_event_base;
 

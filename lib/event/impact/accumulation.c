@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "dense.h"
-#include "direction.h"
+#include "slip_direction.h"
 #include "errors.h"
-#include "rattle.h"
+#include "chattering.h"
 
 /* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
 static const double SLOW = 4;
@@ -311,7 +311,7 @@ static int is_admissible(const nsdae_event_accumulation *p, const nsdae_impulses
   const nsdae_system *s = a->phase->setting->system;
   int nt = s->dims.nt;
   double rest = fmin(p->rest, a->phase->setting->options->accumulation_time);
-  double growth = nsdae_rattle_growth(most_rattles(p), PATIENCE, EACH);
+  double growth = nsdae_chattering_growth(most_rattles(p), PATIENCE, EACH);
   for (int i = 0; i < s->dims.k; i++) {
     if (!p->settles[i]) continue;
     double closing = impact->normal[i] + p->normal[i], along[2] = {0};

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "relaxation.h"
+#include "projected_gauss_seidel.h"
 
 /* One after the other in an instant. */
 enum { IMPACTS_MAX = 2000 };
@@ -80,15 +80,15 @@ static int solve(nsdae_event_impacts *p)
   int status = solve_polygons(p);
   int pressed = status == NSDAE_OK && nsdae_contacts_pressed(&p->problem);
   if (status == NSDAE_OK && !pressed)
-    nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
+    nsdae_projected_gauss_seidel(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
   if (status != NSDAE_E_LCP && !pressed) return status;
   if (solve_free(p) == NSDAE_OK &&
-      nsdae_contacts_relax_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier)) {
+      nsdae_projected_gauss_seidel_anew(&p->problem, d, p->force, p->xi, p->v, p->multiplier)) {
     nsdae_error_clear(p->acceleration->phase->setting->error);
     return NSDAE_OK;
   }
   if (pressed && (status = solve_polygons(p)) == NSDAE_OK)
-    nsdae_contacts_relax(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
+    nsdae_projected_gauss_seidel(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
   return status;
 }
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "direction.h"
+#include "slip_direction.h"
 #include "errors.h"
 
 /* Of the squared sines between the range of the constraints and that of the phase, the most. */
@@ -73,7 +73,7 @@ static void sort_found(nsdae_event_instant *p, const double *y)
     is->stopped[i] = nsdae_event_root_of(p->roots, NSDAE_ROOT_TANGENT, i)->found;
     is->breakaway[i] = breaks_away(p->roots, y, i);
     if (is->breakaway[i])
-      nsdae_direction_against(m->direction + i * d->nt, d->nt, y + at->tangential + i * d->nt);
+      nsdae_slip_direction_against(m->direction + i * d->nt, d->nt, y + at->tangential + i * d->nt);
   }
   for (int j = 0; j < d->f; j++) {
     double force = y[at->frictional_joint + j];

@@ -4,15 +4,15 @@
 #include <string.h>
 
 #include "errors.h"
-#include "jam.h"
-#include "relaxation.h"
+#include "painleve.h"
+#include "projected_gauss_seidel.h"
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->phase->setting->system->dims;
   long k = d->k, columns = k * (1 + d->nt) + d->f;
   nsdae_contacts_layout(&p->problem, d, arena);
-  nsdae_sharing_layout(&p->sharing, d, arena);
+  nsdae_hyperstatic_layout(&p->sharing, d, arena);
   p->law = nsdae_arena_take(arena, k, sizeof *p->law);
   nsdae_impulses_layout(&p->solution, d, arena);
   p->sense = NSDAE_ARENA_INTS(arena, d->f);
@@ -119,24 +119,24 @@ static int solve(nsdae_event_acceleration *p)
 }
 
 /* Where the polygons' problem was not solved, the cones' may be. */
-static int accelerate(nsdae_event_acceleration *p, nsdae_jam_margin margin)
+static int accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin margin)
 {
   int status = solve(p);
-  p->by_cones =
-      status == NSDAE_E_LCP && nsdae_contacts_relax_anew(&p->problem, p->phase->modes.direction,
-                                                         p->force, p->xi, p->a, p->lambda);
+  p->by_cones = status == NSDAE_E_LCP &&
+                nsdae_projected_gauss_seidel_anew(&p->problem, p->phase->modes.direction, p->force,
+                                                  p->xi, p->a, p->lambda);
   nsdae_result *r = p->phase->setting->result;
   if (p->by_cones) {
     nsdae_error_clear(p->phase->setting->error);
     r->worst_residual = fmax(r->worst_residual, p->problem.lcp.info.residual);
   }
-  return nsdae_jam_judge(&p->problem, p->by_cones ? NSDAE_OK : status, !p->by_cones, margin,
-                         p->phase->setting->here->t);
+  return nsdae_painleve_judge(&p->problem, p->by_cones ? NSDAE_OK : status, !p->by_cones, margin,
+                              p->phase->setting->here->t);
 }
 
 int nsdae_event_accelerate(nsdae_event_acceleration *p)
 {
-  return accelerate(p, NSDAE_JAM_EXACT);
+  return accelerate(p, NSDAE_PAINLEVE_EXACT);
 }
 
 int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
@@ -150,7 +150,7 @@ int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
     for (int i = 0; i < s->system->dims.k; i++)
       p->is.candidate[i] = p->phase->modes.contact[i] != NSDAE_MODE_OPEN;
     nsdae_event_set_laws(p, 1, nsdae_event_velocity_size(s));
-    status = accelerate(p, NSDAE_JAM_NEAR);
+    status = accelerate(p, NSDAE_PAINLEVE_NEAR);
   }
   if (status == NSDAE_E_PAINLEVE) return status;
   *s->error = kept;

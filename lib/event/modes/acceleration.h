@@ -8,7 +8,7 @@
 #define NSDAE_EVENT_ACCELERATION_H
 
 #include "phase.h"
-#include "sharing.h"
+#include "hyperstatic.h"
 
 /* What an instant knows of each contact and frictional joint. */
 typedef struct nsdae_event_findings {
@@ -31,7 +31,7 @@ typedef struct nsdae_event_acceleration {
   double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
   double *force, *xi;        /* columns: for cones */
   int by_cones;              /* the solution is theirs */
-  nsdae_sharing sharing;     /* of its forces */
+  nsdae_hyperstatic sharing; /* of its forces */
   double looser;             /* of the sharing */
 } nsdae_event_acceleration;
 

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#include "direction.h"
-#include "jam.h"
-#include "relaxation.h"
+#include "slip_direction.h"
+#include "painleve.h"
+#include "projected_gauss_seidel.h"
 
 enum { DIRECTIONS = 20 };
 
@@ -25,7 +25,7 @@ static int resting_mode(nsdae_event_acceleration *p, int a)
   if (nt == 2 && mode == NSDAE_MODE_STICK &&
       hypot(force[0], force[1]) > c->system->contact[i].mu * c->results->normal[i])
     mode = NSDAE_MODE_SLIP; /* outside the cone though inside the polygon around it */
-  if (mode == NSDAE_MODE_SLIP) nsdae_direction_against(direction, nt, force);
+  if (mode == NSDAE_MODE_SLIP) nsdae_slip_direction_against(direction, nt, force);
   if (mode == NSDAE_MODE_SLIP && nt == 2) {
     double speed = slip_rate(c, i);
     for (int l = 0; l < nt && speed > nsdae_event_acceleration_size(p); l++)
@@ -83,7 +83,7 @@ static void read_cones(nsdae_event_acceleration *p)
       continue;
     m->contact[i] = slip_rate(c, i) > size ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
     if (m->contact[i] == NSDAE_MODE_SLIP)
-      nsdae_direction_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
+      nsdae_slip_direction_against(m->direction + 2 * i, 2, c->results->tangential + 2 * i);
   }
 }
 
@@ -94,7 +94,7 @@ static void note_twofold(const nsdae_event_acceleration *p, int j)
   const nsdae_event_setting *s = p->phase->setting;
   nsdae_twofold *twofold = &s->result->twofold;
   int frictional_joint = c->slides.number[j];
-  if (twofold->frictional_joint < 0 && !p->by_cones && nsdae_jam_twofold(c, j))
+  if (twofold->frictional_joint < 0 && !p->by_cones && nsdae_painleve_twofold(c, j))
     *twofold = (nsdae_twofold){frictional_joint, nsdae_terms_time(s->here),
                                p->lambda[c->system->frictional_joint[frictional_joint].constraint]};
 }
@@ -250,8 +250,8 @@ int nsdae_event_choose_modes(nsdae_event_acceleration *p, int impacted)
   read_contacts(p);
   read_slides(p);
   if (!p->by_cones && !begins_to_slide(p) && share(p) == NSDAE_OK) return NSDAE_OK;
-  if (p->by_cones || nsdae_contacts_relax(&p->problem, p->phase->modes.direction, p->force, p->xi,
-                                          p->a, p->lambda))
+  if (p->by_cones || nsdae_projected_gauss_seidel(&p->problem, p->phase->modes.direction, p->force,
+                                                  p->xi, p->a, p->lambda))
     read_cones(p);
   else
     status = settle_directions(p);

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dense.h"
-#include "direction.h"
+#include "slip_direction.h"
 
 /* The forces in turn: k normal, k nt tangential, f of frictional joints. */
 static int forces_of(const nsdae_dims *d)
@@ -110,7 +110,7 @@ void nsdae_event_sliding_direction(const nsdae_event_phase *p, int i, double *d)
   for (int l = 0; l < nt; l++) d[l] = last[l];
   if (nt < 2 || (last[0] == 0 && last[1] == 0)) return;
   for (int l = 0; l < 2; l++) v_t[l] = nsdae_terms_tangent_rate(T, 2 * i + l, T->v);
-  nsdae_direction_ahead(last, p->modes.slow, v_t, d);
+  nsdae_slip_direction_ahead(last, p->modes.slow, v_t, d);
 }
 
 double nsdae_event_joint_friction(const nsdae_event_phase *p, int j)
@@ -144,7 +144,7 @@ static void add_sliding(const nsdae_event_phase *p, nsdae_border *b, int a, cons
   if (!y || nt < 2 || (last[0] == 0 && last[1] == 0)) return;
   for (int l = 0; l < nt; l++) v_t[l] = nsdae_terms_tangent_rate(T, 2 * i + l, T->v);
   for (int l = 0; l < nt; l++) {
-    nsdae_direction_slope(last, p->modes.slow, v_t, l, turn);
+    nsdae_slip_direction_slope(last, p->modes.slow, v_t, l, turn);
     nsdae_border_depend(b, a, &T->by.tangent, i * nt + l,
                         mu * y[p->setting->at.normal + i] / cj * turn[j % nt]);
   }

@@ -15,8 +15,8 @@
  * 0: the combinations that say nothing give way to the multipliers' least norm. A phase ends where
  * Z has turned too far. In place of (6) one by one, a row that was left out may be the one that
  * says what the others cannot when the mechanism has moved. A contact that depends on others has a
- * relation F_p = sum_l r_l F_l in place of its row, a slide its part of |lambda|: see sharing.h.
- * Forces are numbered p = i for F_N, k + j for F_T.
+ * relation F_p = sum_l r_l F_l in place of its row, a slide its part of |lambda|: see
+ * hyperstatic.h. Forces are numbered p = i for F_N, k + j for F_T.
  *
  * With K = [M Phi_q^T; Phi_q 0] and the columns w of the forces f that are not zero anyway, the
  * motion is K [v'; lambda] = [F + W f; c] with c from (6). This is put into the rows of f, which
@@ -26,7 +26,7 @@
 
 #include "event_context.h"
 #include "newton_kkt.h"
-#include "sharing.h"
+#include "hyperstatic.h"
 
 /* The state between two events. */
 typedef struct nsdae_event_modes {
@@ -39,7 +39,7 @@ typedef struct nsdae_event_modes {
   double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */
   int *redundant;     /* constraints that depend on others */
   double *basis;      /* of redundant ones: Z, see nsdae_kkt_basis */
-  int *related;       /* k (1 + nt), see sharing.h: a relation stands in place of the row */
+  int *related;       /* k (1 + nt), see hyperstatic.h: a relation stands in place of the row */
   double *relation;   /* squared: r of those that are */
   double slow;        /* slower than this a body hardly slides, in this phase */
   double none;        /* accelerations up to this are none, where the modes were chosen */
@@ -85,7 +85,7 @@ typedef struct nsdae_event_phase {
 
 void nsdae_event_phase_layout(nsdae_event_phase *phase, nsdae_arena *arena);
 
-/* Where sharing.h has the force of a contact. */
+/* Where hyperstatic.h has the force of a contact. */
 static inline int nsdae_event_place_of(const nsdae_dims *d, int force)
 {
   int j = force - d->k;

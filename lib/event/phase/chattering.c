@@ -1,10 +1,10 @@
-#include "rattle.h"
+#include "chattering.h"
 
 #include <math.h>
 
 enum { FEW = 2000, EACH = 64, MOST = FEW + 20 * EACH };
 
-void nsdae_rattle_note(const nsdae_rattle *r, int contact, double t, double soon, int many)
+void nsdae_chattering_note(const nsdae_chattering *r, int contact, double t, double soon, int many)
 {
   int *count = r->count + contact;
   if (!(t - r->last[contact] < soon))
@@ -14,12 +14,12 @@ void nsdae_rattle_note(const nsdae_rattle *r, int contact, double t, double soon
   r->last[contact] = t;
 }
 
-double nsdae_rattle_blur(const nsdae_rattle *r, int contact)
+double nsdae_chattering_blur(const nsdae_chattering *r, int contact)
 {
-  return nsdae_rattle_growth(r->count[contact], FEW, EACH);
+  return nsdae_chattering_growth(r->count[contact], FEW, EACH);
 }
 
-double nsdae_rattle_growth(int count, int few, double each)
+double nsdae_chattering_growth(int count, int few, double each)
 {
   return exp2(fmin(fmax(count - few, 0) / each, 20));
 }

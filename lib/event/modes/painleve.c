@@ -1,4 +1,4 @@
-#include "jam.h"
+#include "painleve.h"
 
 #include <math.h>
 #include <string.h>
@@ -89,14 +89,14 @@ static int slides(const nsdae_contacts *c, int j)
   return c->slides.sense && c->slides.sense[c->slides.number[j]];
 }
 
-int nsdae_jam_twofold(const nsdae_contacts *c, int j)
+int nsdae_painleve_twofold(const nsdae_contacts *c, int j)
 {
   double coefficient = slides(c, j) ? slide_coefficient(c, j) : 1;
-  return coefficient < -margins[NSDAE_JAM_EXACT] && !(yield_of(c, c->slides.row[j]) > 0);
+  return coefficient < -margins[NSDAE_PAINLEVE_EXACT] && !(yield_of(c, c->slides.row[j]) > 0);
 }
 
 /* The slide that feeds its own multiplier most is to blame. */
-static int judge_slides(const nsdae_contacts *c, int status, nsdae_jam_margin margin, double t)
+static int judge_slides(const nsdae_contacts *c, int status, nsdae_painleve_margin margin, double t)
 {
   int unsolved = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE, worst = -1;
   for (int j = 0; j < c->slides.count; j++)
@@ -105,13 +105,14 @@ static int judge_slides(const nsdae_contacts *c, int status, nsdae_jam_margin ma
   if (worst < 0) return status;
   double coefficient = slide_coefficient(c, worst);
   int near = fabs(coefficient) <= margins[margin];
-  if (unsolved ? coefficient > margins[margin] : margin == NSDAE_JAM_EXACT || !near) return status;
+  if (unsolved ? coefficient > margins[margin] : margin == NSDAE_PAINLEVE_EXACT || !near)
+    return status;
   return tell(c, NSDAE_NAME_FRICTIONAL_JOINT, c->slides.number[worst], t,
               near ? without_bound : "no friction force that solves the equations", coefficient);
 }
 
-int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_margin margin,
-                    double t)
+int nsdae_painleve_judge(const nsdae_contacts *c, int status, int by_rows,
+                         nsdae_painleve_margin margin, double t)
 {
   int unsolved = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
   for (int a = 0; a < c->active_count; a++) {
@@ -121,17 +122,18 @@ int nsdae_jam_judge(const nsdae_contacts *c, int status, int by_rows, nsdae_jam_
         margins[margin] * c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     if (c->law[a].kind != NSDAE_SLIDING || (coefficient > least && !unsolved)) continue;
     if (status == NSDAE_OK && by_rows && yield_of(c, row) > least) continue;
-    if (status == NSDAE_OK && margin == NSDAE_JAM_EXACT && !has_open_solution(c, row)) continue;
+    if (status == NSDAE_OK && margin == NSDAE_PAINLEVE_EXACT && !has_open_solution(c, row))
+      continue;
     return tell(c, NSDAE_NAME_CONTACT, c->active[a], t,
-                margin == NSDAE_JAM_NEAR ? without_bound
-                : unsolved               ? "no contact force that solves the equations"
-                                         : "two solutions",
+                margin == NSDAE_PAINLEVE_NEAR ? without_bound
+                : unsolved                    ? "no contact force that solves the equations"
+                                              : "two solutions",
                 coefficient);
   }
   return judge_slides(c, status, margin, t);
 }
 
-int nsdae_jam_unbounded(const nsdae_contacts *c, int contact, double t, double coefficient)
+int nsdae_painleve_unbounded(const nsdae_contacts *c, int contact, double t, double coefficient)
 {
   return tell(c, NSDAE_NAME_CONTACT, contact, t, without_bound, coefficient);
 }

@@ -1,4 +1,4 @@
-#include "sharing.h"
+#include "hyperstatic.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,7 +17,7 @@ static const double LEAST_WEIGHT = 1e-6;
 /* The Delassus matrix has squared what rank_tol is meant for. */
 static const double LEAST_SINE = 1e-6;
 
-void nsdae_sharing_layout(nsdae_sharing *s, const nsdae_dims *d, nsdae_arena *arena)
+void nsdae_hyperstatic_layout(nsdae_hyperstatic *s, const nsdae_dims *d, nsdae_arena *arena)
 {
   long k = d->k, n = k * (1 + d->nt) + d->f;
   int **of_column[] = {&s->normal, &s->force_number, &s->pivot};
@@ -31,23 +31,23 @@ void nsdae_sharing_layout(nsdae_sharing *s, const nsdae_dims *d, nsdae_arena *ar
   s->emphasis = NSDAE_ARENA_DOUBLES(arena, k);
 }
 
-static const nsdae_contacts *problem_of(const nsdae_sharing *s)
+static const nsdae_contacts *problem_of(const nsdae_hyperstatic *s)
 {
   return s->of->problem;
 }
 
-static const nsdae_system *system_of(const nsdae_sharing *s)
+static const nsdae_system *system_of(const nsdae_hyperstatic *s)
 {
   return s->of->problem->system;
 }
 
-static double *row_of(const nsdae_sharing *s, double *matrix, int column)
+static double *row_of(const nsdae_hyperstatic *s, double *matrix, int column)
 {
   return matrix + (size_t)column * (size_t)problem_of(s)->columns;
 }
 
 /* Columns of contacts: those of frictional joints come after them. */
-static int contact_columns(const nsdae_sharing *s)
+static int contact_columns(const nsdae_hyperstatic *s)
 {
   return problem_of(s)->columns - problem_of(s)->slides.count;
 }
@@ -55,7 +55,7 @@ static int contact_columns(const nsdae_sharing *s)
 /* ---- relations of dependent forces */
 
 /* r of p, and so the weights of the equation F_p - sum r_l F_l = 0. */
-static void even_relation(nsdae_sharing *s, int p)
+static void even_relation(nsdae_hyperstatic *s, int p)
 {
   double *r = row_of(s, s->relation, p), *c = row_of(s, s->rows.combination, p);
   int normal = s->normal[p] == p;
@@ -63,7 +63,7 @@ static void even_relation(nsdae_sharing *s, int p)
     r[l] = (s->normal[l] == l) == normal ? c[l] * s->weight[l] / s->weight[p] : 0;
 }
 
-static void kept_relation(nsdae_sharing *s, int p)
+static void kept_relation(nsdae_hyperstatic *s, int p)
 {
   double *r = row_of(s, s->relation, p), sum = 0;
   memset(r, 0, (size_t)problem_of(s)->columns * sizeof *r);
@@ -79,7 +79,7 @@ static void kept_relation(nsdae_sharing *s, int p)
 
 /* The forces along the columns z of the dependent that fulfil their relations:
  * (F + Z a)_p - sum r_l (F + Z a)_l = 0. */
-static int fulfil_relations(nsdae_sharing *s)
+static int fulfil_relations(nsdae_hyperstatic *s)
 {
   int count = s->rows.dependent_count, n = problem_of(s)->columns;
   for (int i = 0; i < count; i++) {
@@ -107,7 +107,7 @@ static int fulfil_relations(nsdae_sharing *s)
 /* Zero for a force of the a-th closed contact: up to the error of a solved complementarity problem,
  * and up to what gives its row l no acceleration, G_ll F_l <= none. Bodies that fall together have
  * such forces alone. */
-static double rounding_size(const nsdae_sharing *s, int a)
+static double rounding_size(const nsdae_hyperstatic *s, int a)
 {
   const nsdae_contacts *c = problem_of(s);
   double rounding = c->lcp.options.tol * nsdae_largest(c->columns, s->force);
@@ -119,7 +119,7 @@ static double rounding_size(const nsdae_sharing *s, int a)
 }
 
 /* Whether no contact pulls. */
-static int pushes(const nsdae_sharing *s)
+static int pushes(const nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int all = 1;
@@ -129,26 +129,26 @@ static int pushes(const nsdae_sharing *s)
 }
 
 /* |F_T|, and the most that there can be, of the a-th closed contact. */
-static double friction_of(const nsdae_sharing *s, int a)
+static double friction_of(const nsdae_hyperstatic *s, int a)
 {
   const nsdae_contacts *c = problem_of(s);
   int first = c->first_column[a] + 1;
   return nsdae_norm(c->first_column[a + 1] - first, s->force + first);
 }
 
-static double most_friction(const nsdae_sharing *s, int a)
+static double most_friction(const nsdae_hyperstatic *s, int a)
 {
   const nsdae_contacts *c = problem_of(s);
   return system_of(s)->contact[c->active[a]].mu * s->force[c->first_column[a]];
 }
 
-static int sticks(const nsdae_sharing *s, int a)
+static int sticks(const nsdae_hyperstatic *s, int a)
 {
   return s->of->mode[problem_of(s)->active[a]] == NSDAE_MODE_STICK;
 }
 
 /* Whether, of what sticks, nothing leaves its cone. */
-static int holds(const nsdae_sharing *s)
+static int holds(const nsdae_hyperstatic *s)
 {
   int all = 1;
   for (int a = 0; a < problem_of(s)->active_count; a++)
@@ -158,7 +158,7 @@ static int holds(const nsdae_sharing *s)
 
 /* ---- order of the columns */
 
-static void gather_forces(nsdae_sharing *s)
+static void gather_forces(nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   const nsdae_dims *d = &system_of(s)->dims;
@@ -174,7 +174,7 @@ static void gather_forces(nsdae_sharing *s)
   }
 }
 
-static void scatter_forces(nsdae_sharing *s)
+static void scatter_forces(nsdae_hyperstatic *s)
 {
   nsdae_contacts *c = s->of->problem;
   int nt = system_of(s)->dims.nt;
@@ -188,7 +188,7 @@ static void scatter_forces(nsdae_sharing *s)
 }
 
 /* The closed contact with the largest normal force of those not seen; -1 past the last. */
-static int next_normal(const nsdae_sharing *s)
+static int next_normal(const nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int next = -1;
@@ -200,7 +200,7 @@ static int next_normal(const nsdae_sharing *s)
   return next;
 }
 
-static void take_normals(nsdae_sharing *s)
+static void take_normals(nsdae_hyperstatic *s)
 {
   s->rows.sine = fmax(s->of->rank_tol, LEAST_SINE * s->of->looser);
   nsdae_rank_revealing_start(&s->rows, problem_of(s)->columns, problem_of(s)->delassus.G);
@@ -210,7 +210,7 @@ static void take_normals(nsdae_sharing *s)
 
 /* The column of what sticks that depends least on those taken; -1 past the last. A row that nearly
  * depends, taken early, would make the rounding of the next ones look like rows. */
-static int next_sticking(nsdae_sharing *s)
+static int next_sticking(nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int next = -1;
@@ -226,7 +226,7 @@ static int next_sticking(nsdae_sharing *s)
   return next;
 }
 
-static void take_sticking(nsdae_sharing *s)
+static void take_sticking(nsdae_hyperstatic *s)
 {
   for (int column = next_sticking(s); column >= 0; column = next_sticking(s))
     nsdae_rank_revealing_take(&s->rows, column);
@@ -235,7 +235,7 @@ static void take_sticking(nsdae_sharing *s)
 /* ---- equal shares */
 
 /* Whether the a-th closed contact slides, or begins to, with friction. */
-static int slides(const nsdae_sharing *s, int a)
+static int slides(const nsdae_hyperstatic *s, int a)
 {
   const nsdae_contacts *c = problem_of(s);
   int i = c->active[a], nt = system_of(s)->dims.nt;
@@ -245,7 +245,7 @@ static int slides(const nsdae_sharing *s, int a)
          nsdae_norm(nt, c->results->after_t + i * nt) > s->of->none;
 }
 
-static int any_sliding(const nsdae_sharing *s)
+static int any_sliding(const nsdae_hyperstatic *s)
 {
   int any = 0;
   for (int a = 0; a < problem_of(s)->active_count; a++) any |= slides(s, a);
@@ -254,7 +254,7 @@ static int any_sliding(const nsdae_sharing *s)
 
 /* Whether the normal forces of what slides are those of the solution: their friction would follow
  * them, and what changes only how forces share would move something. */
-static int keeps_sliding(const nsdae_sharing *s)
+static int keeps_sliding(const nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int all = 1;
@@ -266,7 +266,7 @@ static int keeps_sliding(const nsdae_sharing *s)
 }
 
 /* Relations and forces of all that depend: normal forces even or kept, friction even or kept. */
-static int relate(nsdae_sharing *s, int even_normal, int even_friction)
+static int relate(nsdae_hyperstatic *s, int even_normal, int even_friction)
 {
   gather_forces(s);
   for (int i = 0; i < s->rows.dependent_count; i++) {
@@ -282,7 +282,7 @@ static int relate(nsdae_sharing *s, int even_normal, int even_friction)
 /* ---- friction within its bound */
 
 /* Friction that is used of what there can be, of the a-th closed contact. */
-static double share_used(const nsdae_sharing *s, int a)
+static double share_used(const nsdae_hyperstatic *s, int a)
 {
   double most = most_friction(s, a);
   return sticks(s, a) && most > 0 ? friction_of(s, a) / most : 0;
@@ -290,7 +290,7 @@ static double share_used(const nsdae_sharing *s, int a)
 
 /* Each weight times what its contact uses, the largest 1. Those that get none would leave relations
  * that rounding rules. */
-static void emphasise(nsdae_sharing *s)
+static void emphasise(nsdae_hyperstatic *s)
 {
   double most = 0;
   int count = problem_of(s)->active_count;
@@ -302,7 +302,7 @@ static void emphasise(nsdae_sharing *s)
 /* Where friction is nearly used up somewhere, weights that ask for the least |F_T| / (mu F_N) of
  * the largest: each times that of its contact (Lawson 1961). So that no contact is at its limit
  * before all must be. */
-static int relate_friction(nsdae_sharing *s, int even_normal)
+static int relate_friction(nsdae_hyperstatic *s, int even_normal)
 {
   int related = 0;
   double worst = 1;
@@ -318,7 +318,7 @@ static int relate_friction(nsdae_sharing *s, int even_normal)
 
 /* ---- the forces of a solution */
 
-static void restore_solution(nsdae_sharing *s)
+static void restore_solution(nsdae_hyperstatic *s)
 {
   size_t k = (size_t)system_of(s)->dims.k, columns = (size_t)problem_of(s)->columns;
   memcpy(s->of->mode, s->solved_mode, k * sizeof *s->solved_mode);
@@ -328,7 +328,7 @@ static void restore_solution(nsdae_sharing *s)
 
 /* A contact at rest whose friction is all used, and which does not begin to slide, sticks: others
  * hold it. Where one just broke away its neighbours are about to. */
-static void hold_resting(const nsdae_sharing *s)
+static void hold_resting(const nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   int *mode = s->of->mode, any = 0, nt = system_of(s)->dims.nt;
@@ -342,7 +342,7 @@ static void hold_resting(const nsdae_sharing *s)
 }
 
 /* From the modes and forces of the problem's solution. */
-static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
+static int try_forces(nsdae_hyperstatic *s, int even_normal, int even_friction)
 {
   restore_solution(s);
   for (int a = 0; a < problem_of(s)->active_count; a++) s->emphasis[a] = 1;
@@ -362,7 +362,7 @@ static int try_forces(nsdae_sharing *s, int even_normal, int even_friction)
 
 /* ---- relations for a phase */
 
-static void hand_over(nsdae_sharing *s)
+static void hand_over(nsdae_hyperstatic *s)
 {
   const nsdae_shared *m = s->of;
   const nsdae_dims *d = &system_of(s)->dims;
@@ -379,7 +379,7 @@ static void hand_over(nsdae_sharing *s)
 }
 
 /* Slides come last; one that depends keeps its part of |lambda|. */
-static void take_slides(nsdae_sharing *s)
+static void take_slides(nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   const nsdae_shared *m = s->of;
@@ -394,7 +394,7 @@ static void take_slides(nsdae_sharing *s)
   }
 }
 
-int nsdae_share(nsdae_sharing *s, const nsdae_shared *of)
+int nsdae_share(nsdae_hyperstatic *s, const nsdae_shared *of)
 {
   static const int even[4][2] = {{1, 1}, {1, 0}, {0, 1}, {0, 0}};
   const nsdae_contacts *c = of->problem;

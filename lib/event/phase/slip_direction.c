@@ -1,4 +1,4 @@
-#include "direction.h"
+#include "slip_direction.h"
 
 #include "vector.h"
 
@@ -10,7 +10,7 @@ static double slip_ahead(const double *last, double slow, const double *v_t, dou
   return more;
 }
 
-void nsdae_direction_ahead(const double *last, double slow, const double *v_t, double *d)
+void nsdae_slip_direction_ahead(const double *last, double slow, const double *v_t, double *d)
 {
   double u[2];
   slip_ahead(last, slow, v_t, u);
@@ -18,7 +18,8 @@ void nsdae_direction_ahead(const double *last, double slow, const double *v_t, d
   for (int l = 0; l < 2; l++) d[l] = u[l] / size;
 }
 
-void nsdae_direction_slope(const double *last, double slow, const double *v_t, int l, double *slope)
+void nsdae_slip_direction_slope(const double *last, double slow, const double *v_t, int l,
+                                double *slope)
 {
   double u[2], du[2];
   double more = slip_ahead(last, slow, v_t, u), size = hypot(u[0], u[1]);
@@ -27,7 +28,7 @@ void nsdae_direction_slope(const double *last, double slow, const double *v_t, i
   for (int j = 0; j < 2; j++) slope[j] = (du[j] - along * u[j] / size) / size;
 }
 
-void nsdae_direction_against(double *direction, int nt, const double *force)
+void nsdae_slip_direction_against(double *direction, int nt, const double *force)
 {
   double size = nsdae_norm(nt, force);
   for (int l = 0; l < nt; l++) direction[l] = size > 0 ? -force[l] / size : 0;

@@ -13,8 +13,8 @@
  * Even is tried first, and taken if with F + Z a that fulfils it nothing pulls and no friction
  * leaves its cone. Each of them is a solution. Where the dependence ends, the gap of such a contact
  * leaves zero and ends the phase. */
-#ifndef NSDAE_CONTACT_SHARING_H
-#define NSDAE_CONTACT_SHARING_H
+#ifndef NSDAE_EVENT_HYPERSTATIC_H
+#define NSDAE_EVENT_HYPERSTATIC_H
 
 #include "contacts.h"
 #include "rank_revealing.h"
@@ -35,7 +35,7 @@ typedef struct nsdae_shared {
 } nsdae_shared;
 
 /* Rows by the columns of the problem, n of them; those of frictional joints come last. */
-typedef struct nsdae_sharing {
+typedef struct nsdae_hyperstatic {
   const nsdae_shared *of; /* in work */
   nsdae_rank_revealing rows;
   int *normal, *force_number; /* n: column of the same contact's normal; i (1 + nt) of F_N of
@@ -47,7 +47,7 @@ typedef struct nsdae_sharing {
   int *solved_mode;           /* k */
   double *system, *shift;     /* n x n, n: of fulfil_relations */
   int *pivot;                 /* n */
-} nsdae_sharing;
+} nsdae_hyperstatic;
 
 /* The place of r_l of force p: pairs of contacts shell by shell, so that those of fewer contacts
  * are the beginning. */
@@ -58,10 +58,11 @@ static inline size_t nsdae_relation_at(int nt, int p, int l)
   return (pair * columns + (size_t)p % columns) * columns + (size_t)l % columns;
 }
 
-void nsdae_sharing_layout(nsdae_sharing *sharing, const nsdae_dims *dims, nsdae_arena *arena);
+void nsdae_hyperstatic_layout(nsdae_hyperstatic *sharing, const nsdae_dims *dims,
+                              nsdae_arena *arena);
 
 /* Rows and relations. 1; 0 where no friction was found that holds what sticks, and all is as it
  * was. */
-int nsdae_share(nsdae_sharing *sharing, const nsdae_shared *of);
+int nsdae_share(nsdae_hyperstatic *sharing, const nsdae_shared *of);
 
 #endif

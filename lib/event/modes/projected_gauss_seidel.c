@@ -1,4 +1,4 @@
-#include "relaxation.h"
+#include "projected_gauss_seidel.h"
 
 #include <math.h>
 #include <string.h>
@@ -175,8 +175,8 @@ static void take_over(nsdae_contacts *c, const double *force, const double *xi, 
 
 /* ---- interface */
 
-int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *force, double *xi,
-                         double *v, double *lambda)
+int nsdae_projected_gauss_seidel(nsdae_contacts *c, const double *direction, double *force,
+                                 double *xi, double *v, double *lambda)
 {
   const relaxation r = {c, direction, force, xi};
   if (c->slides.count > 0 || c->system->dims.nt != 2) return 0;
@@ -187,12 +187,12 @@ int nsdae_contacts_relax(nsdae_contacts *c, const double *direction, double *for
   return 1;
 }
 
-int nsdae_contacts_relax_anew(nsdae_contacts *c, const double *direction, double *force, double *xi,
-                              double *v, double *lambda)
+int nsdae_projected_gauss_seidel_anew(nsdae_contacts *c, const double *direction, double *force,
+                                      double *xi, double *v, double *lambda)
 {
   if (c->slides.count > 0 || c->system->dims.nt != 2) return 0;
   memset(c->delassus.impulse, 0, (size_t)c->columns * sizeof *c->delassus.impulse);
-  return nsdae_contacts_relax(c, direction, force, xi, v, lambda);
+  return nsdae_projected_gauss_seidel(c, direction, force, xi, v, lambda);
 }
 
 int nsdae_contacts_pressed(const nsdae_contacts *c)
