@@ -30,7 +30,7 @@ int nsdae_cone_island_grow(nsdae_cone_island *c, const nsdae_system *system,
 {
   nsdae_cone_arrays *at = &c->at;
   size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
-  size_t items = contacts->entries + m, parts = system->by_list ? 2 : (size_t)system->blocks.count;
+  size_t items = contacts->entries + m, parts = (size_t)nsdae_terms_parts(system);
   const nsdae_array by_item[] = {NSDAE_ARRAY(at->item, 1),       NSDAE_ARRAY(at->rows, 1),
                                  NSDAE_ARRAY(at->mu, 1),         NSDAE_ARRAY(at->w, columns),
                                  NSDAE_ARRAY(at->r, columns),    NSDAE_ARRAY(at->u, columns),
@@ -77,6 +77,11 @@ static void add_blocks(nsdae_cone_island *c, const nsdae_island_equations *w, in
   }
 }
 
+static int least(int a, int b)
+{
+  return a < b ? a : b;
+}
+
 /* A direction of an item: a row by blocks. */
 typedef struct direction {
   const nsdae_rows *rows;
@@ -112,8 +117,8 @@ static double *copy_part(const direction *d, int b, int n, double *value)
 static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w, const direction *d,
                         int columns, int i, double *value)
 {
-  int entry = c->at.first[c->items], alike = w->system->by_list ? 1 : columns;
-  for (int at = next_number(c, d, alike, -1); at >= 0; at = next_number(c, d, alike, at)) {
+  int entry = c->at.first[c->items], differing = least(columns, nsdae_terms_differing(w->system));
+  for (int at = next_number(c, d, differing, -1); at >= 0; at = next_number(c, d, differing, at)) {
     int b = c->at.member[at], n = nsdae_blocks_size(&w->system->blocks, b);
     c->at.block[entry++] = at;
     for (int l = 0; l < columns; l++) value = copy_part(&d[l], b, n, value);

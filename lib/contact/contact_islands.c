@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "disjoint_sets.h"
+#include "listed.h"
 
 void nsdae_contact_islands_layout(nsdae_contact_islands *is, const nsdae_system *system,
                                   nsdae_arena *arena)
@@ -66,12 +67,12 @@ static int constraint_of(const nsdae_terms *T, const nsdae_contact_islands *is, 
   return T->system->frictional_joint[is->joint_number[i]].constraint;
 }
 
-/* The directions of a listed contact touch the same blocks. */
 static void join_contact(nsdae_contact_islands *is, const nsdae_terms *T, int i)
 {
-  int nt = T->system->by_list ? 0 : T->system->dims.nt, anchor = block_of_contact(T, i);
+  int anchor = block_of_contact(T, i), j = i * T->system->dims.nt;
   join_row(is->parent, &T->by.normal, i, anchor);
-  for (int j = i * nt; j < (i + 1) * nt; j++) join_row(is->parent, &T->by.tangent, j, anchor);
+  for (int d = 1; d < nsdae_terms_differing(T->system); d++)
+    join_row(is->parent, &T->by.tangent, j++, anchor);
 }
 
 static void join_all(nsdae_contact_islands *is, const nsdae_terms *T, int contacts,
@@ -79,7 +80,7 @@ static void join_all(nsdae_contact_islands *is, const nsdae_terms *T, int contac
 {
   const nsdae_rows *J = &T->by.jacobian;
   memset(is->parent, -1, (size_t)is->blocks * sizeof *is->parent);
-  for (int a = 0; a < contacts; a++) join_contact(is, T, number ? number[a] : a);
+  for (int a = 0; a < contacts; a++) join_contact(is, T, number[a]);
   for (int i = 0; i < is->rows; i++) join_row(is->parent, J, i, first_block(J, i));
   for (int i = 0; i < is->joints; i++)
     join_row(is->parent, &T->by.frictional_joint, is->joint_number[i],
@@ -141,7 +142,7 @@ static void find_one(nsdae_contact_islands *is, int contacts, const int *number)
   is->count = contacts + is->rows > 0;
   is->of[0] = is->count - 1;
   is->contact.first[1] = contacts;
-  for (int a = 0; a < contacts; a++) is->contact.of[a] = number ? number[a] : a;
+  for (int a = 0; a < contacts; a++) is->contact.of[a] = number[a];
 }
 
 void nsdae_contact_islands_find(nsdae_contact_islands *is, const nsdae_terms *T, int contacts,

@@ -26,7 +26,7 @@ typedef struct nsdae_contact_islands {
 void nsdae_contact_islands_layout(nsdae_contact_islands *islands, const nsdae_system *system,
                                   nsdae_arena *arena);
 
-/* Finds them at the terms' point, of contacts with these numbers; NULL: from 0 on. */
+/* Finds them at the terms' point, of contacts with these numbers. */
 void nsdae_contact_islands_find(nsdae_contact_islands *islands, const nsdae_terms *terms,
                                 int contacts, const int *number);
 

@@ -15,19 +15,20 @@ int nsdae_problem_make(nsdae_problem *p, const nsdae_system *system, int threads
 }
 
 /* The arrays of the closed contacts. */
-enum { ARRAYS = 4 };
+enum { ARRAYS = 6 };
 
-#define EACH(p)                                                                  \
-  {                                                                              \
-    NSDAE_ARRAY((p)->dispatch.islands.contact.of, 1), NSDAE_ARRAY((p)->item, 1), \
-        NSDAE_ARRAY((p)->place, 1), NSDAE_ARRAY((p)->law, 1)                     \
+#define EACH(p)                                                                    \
+  {                                                                                \
+    NSDAE_ARRAY((p)->dispatch.islands.contact.of, 1), NSDAE_ARRAY((p)->number, 1), \
+        NSDAE_ARRAY((p)->picked.fresh, 1), NSDAE_ARRAY((p)->picked.item, 1),       \
+        NSDAE_ARRAY((p)->picked.place, 1), NSDAE_ARRAY((p)->picked.law, 1)         \
   }
 
 void nsdae_problem_release(nsdae_problem *p)
 {
   const nsdae_array each[ARRAYS] = EACH(p);
   nsdae_arrays_release(each, ARRAYS);
-  nsdae_ids_release(&p->ids);
+  nsdae_ids_release(&p->picked.ids);
   nsdae_island_dispatch_release(&p->dispatch);
 }
 
@@ -35,6 +36,7 @@ void nsdae_problem_prepare(nsdae_problem *p, nsdae_contacts *contacts, double ra
                            int least_norm)
 {
   p->contacts = contacts;
+  p->law = p->system->contact;
   nsdae_island_dispatch_prepare(&p->dispatch, contacts, rank_tol, least_norm);
 }
 
@@ -42,8 +44,6 @@ void nsdae_problem_layout(nsdae_problem *p, nsdae_arena *arena)
 {
   const nsdae_system *s = p->system;
   p->hit = NSDAE_ARENA_INTS(arena, s->blocks.count);
-  p->number = NSDAE_ARENA_INTS(arena, s->by_list ? 0 : s->dims.k);
-  p->fresh = NSDAE_ARENA_INTS(arena, s->by_list ? 0 : s->dims.k);
   nsdae_island_dispatch_layout(&p->dispatch, s, arena);
 }
 
@@ -52,13 +52,12 @@ int nsdae_problem_grow(nsdae_problem *p, const nsdae_room *contacts, const nsdae
 {
   const nsdae_system *s = p->system;
   const nsdae_array each[ARRAYS] = EACH(p);
-  size_t k = (size_t)s->dims.k, m = (size_t)s->dims.m, nv = (size_t)s->dims.nv;
-  nsdae_room all = {k, k * (size_t)(1 + s->dims.nt) * nv},
-             matrix = {m * (size_t)s->blocks.count, m * nv};
-  if (s->by_list) all = *contacts;
+  size_t m = (size_t)s->dims.m;
+  nsdae_room all = nsdae_terms_room(s, contacts),
+             matrix = {m * (size_t)s->blocks.count, m * (size_t)s->dims.nv};
   if (s->call.constraint_rows) matrix = *rows;
-  int status = nsdae_arrays_grow(each, s->by_list ? ARRAYS : 1, all.entries);
-  if (status == NSDAE_OK && s->by_list) status = nsdae_ids_grow(&p->ids, (int)all.entries);
+  int status = nsdae_arrays_grow(each, ARRAYS, all.entries);
+  if (status == NSDAE_OK) status = nsdae_ids_grow(&p->picked.ids, (int)all.entries);
   return status < 0 ? status : nsdae_island_dispatch_grow(&p->dispatch, s, &all, &matrix);
 }
 
@@ -69,7 +68,7 @@ static int distinct(nsdae_problem *p, const nsdae_closed *c, const nsdae_terms *
 {
   int i = 1;
   while (i < c->count && c->id[i - 1] < c->id[i]) i++;
-  int twice = i < c->count ? nsdae_ids_fill(&p->ids, c->count, c->id) : -1;
+  int twice = i < c->count ? nsdae_ids_fill(&p->picked.ids, c->count, c->id) : -1;
   return twice < 0 ? NSDAE_OK : nsdae_terms_id_twice(terms, c->id[twice]);
 }
 
@@ -98,9 +97,9 @@ static void recall_all(nsdae_problem *p, const nsdae_closed *last, const nsdae_i
   for (int a = 0; a < c->count; a++) {
     int from = next < last->count && last->id[next] == c->id[a] ? next : -1;
     if (from < 0 && last->count > 0) {
-      if (!filled) nsdae_ids_fill(&p->ids, last->count, last->id);
+      if (!filled) nsdae_ids_fill(&p->picked.ids, last->count, last->id);
       filled = 1;
-      from = nsdae_ids_find(&p->ids, c->id[a]);
+      from = nsdae_ids_find(&p->picked.ids, c->id[a]);
     }
     if (from >= 0) next = from + 1;
     recall(p, a, last, was, from);
@@ -118,24 +117,25 @@ static void pick(nsdae_problem *p, const nsdae_contact_list *list, double touch)
     c->id[a] = list->id[i];
     c->gap[a] = list->gap[i];
     memcpy(c->block + 2 * (size_t)a, list->block + 2 * (size_t)i, 2 * sizeof *c->block);
-    p->item[a] = i;
-    p->law[a] = list->law[i];
+    p->picked.item[a] = i;
+    p->picked.law[a] = list->law[i];
+    p->number[a] = a;
   }
 }
 
-static int close_list(nsdae_problem *p, nsdae_terms *terms, const nsdae_closed *last,
+static int close_list(nsdae_problem *p, nsdae_terms *terms, double touch, const nsdae_closed *last,
                       const nsdae_impulses *was)
 {
-  double touch = nsdae_terms_touch(terms);
-  int status = nsdae_terms_contacts(terms, touch);
-  if (status < 0) return status;
   pick(p, &terms->by.list, touch);
-  status = distinct(p, p->closed, terms);
+  p->law = p->picked.law;
+  p->fresh = p->closed->fresh;
+  p->warm.basis = p->closed->basis;
+  int status = distinct(p, p->closed, terms);
   if (status < 0) return status;
   nsdae_closed_clear(p->closed, p->results);
   nsdae_impulses_clear_joints(p->results, p->system->dims.f);
   recall_all(p, last, was);
-  nsdae_terms_select(terms, p->closed->count, p->item);
+  nsdae_terms_select(terms, p->closed->count, p->picked.item);
   p->count = p->closed->count;
   return NSDAE_OK;
 }
@@ -144,17 +144,19 @@ static void recall_fixed(nsdae_problem *p, int i, const nsdae_impulses *was)
 {
   int nt = p->system->dims.nt;
   p->number[p->count++] = i;
-  p->fresh[i] = was->normal[i] == 0;
+  p->picked.fresh[i] = was->normal[i] == 0;
   p->results->normal[i] = was->normal[i];
   for (int j = i * nt; j < (i + 1) * nt; j++) p->results->tangential[j] = was->tangential[j];
 }
 
 /* One that is open forgets its basis, as one that leaves a list. */
-static void close_fixed(nsdae_problem *p, const nsdae_terms *terms, const nsdae_impulses *was)
+static void close_fixed(nsdae_problem *p, const nsdae_terms *terms, double touch,
+                        const nsdae_impulses *was)
 {
-  int k = p->system->dims.k, rows = p->contacts->rows_most, *basis = p->contacts->warm.basis;
-  double touch = k > 0 ? nsdae_terms_touch(terms) : 0;
+  int k = p->system->dims.k, rows = p->contacts->rows_most, *basis = p->warm.basis;
   nsdae_impulses_clear(p->results, &p->system->dims);
+  p->law = p->system->contact;
+  p->fresh = p->picked.fresh;
   p->count = 0;
   for (int i = 0; i < k; i++, basis += rows) {
     if (!(terms->gap[i] > touch))
@@ -171,9 +173,14 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   p->closed = closed;
   p->results = results;
   p->home = terms;
+  p->warm = p->contacts->warm;
   p->dispatch.factorisation.closed++;
-  if (p->system->by_list) return close_list(p, terms, last, was);
-  close_fixed(p, terms, was);
+  double touch = nsdae_terms_most(p->system) > 0 ? nsdae_terms_touch(terms) : 0;
+  const nsdae_contact_list *list;
+  int status = nsdae_terms_find(terms, touch, &list);
+  if (status < 0) return status;
+  if (list) return close_list(p, terms, touch, last, was);
+  close_fixed(p, terms, touch, was);
   return NSDAE_OK;
 }
 
@@ -183,9 +190,9 @@ static int entry_of(nsdae_problem *p, const nsdae_contact_list *list, int a, int
   long id = p->closed->id[a];
   int i = *next < list->count && list->id[*next] == id ? *next : -1;
   if (i < 0) {
-    if (!*filled) nsdae_ids_fill(&p->ids, list->count, list->id);
+    if (!*filled) nsdae_ids_fill(&p->picked.ids, list->count, list->id);
     *filled = 1;
-    i = nsdae_ids_find(&p->ids, id);
+    i = nsdae_ids_find(&p->picked.ids, id);
   }
   if (i >= 0) *next = i + 1;
   return i;
@@ -199,32 +206,27 @@ int nsdae_problem_update(nsdae_problem *p, nsdae_terms *terms, double reach)
   int status = nsdae_terms_contacts(terms, reach);
   if (status < 0) return status;
   for (int a = 0; a < p->closed->count; a++) {
-    p->place[a] = entry_of(p, list, a, &next, &filled);
-    missing += p->place[a] < 0;
+    p->picked.place[a] = entry_of(p, list, a, &next, &filled);
+    missing += p->picked.place[a] < 0;
   }
   for (int a = 0; missing > 0 && a < p->closed->count; a++) {
-    if (p->place[a] >= 0) continue;
-    p->place[a] = list->count;
-    nsdae_contact_list_copy(list, &p->home->by.list, p->item[a], reach);
+    if (p->picked.place[a] >= 0) continue;
+    p->picked.place[a] = list->count;
+    nsdae_contact_list_copy(list, &p->home->by.list, p->picked.item[a], reach);
   }
   if (!nsdae_room_enough(&list->room, &list->taken)) {
     terms->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
     return NSDAE_ARRAYS_GROW;
   }
-  nsdae_terms_select(terms, p->closed->count, p->place);
+  nsdae_terms_select(terms, p->closed->count, p->picked.place);
   memcpy(p->closed->gap, terms->gap, (size_t)p->closed->count * sizeof *terms->gap);
   return NSDAE_OK;
-}
-
-static const int *numbers(const nsdae_problem *p)
-{
-  return p->system->by_list ? NULL : p->number;
 }
 
 void nsdae_problem_before(nsdae_problem *p, const nsdae_terms *T, const double *v, int impacts_only)
 {
   const nsdae_contact_islands *is = &p->dispatch.islands;
-  nsdae_contacts_approach(T, p->count, numbers(p), v, impacts_only, p->results);
+  nsdae_contacts_approach(T, p->count, p->number, v, impacts_only, p->results);
   for (int i = 0; i < is->joints && !impacts_only; i++) {
     int j = is->joint_number[i];
     p->results->slide_before[j] = nsdae_terms_slide_rate(T, j, v);
@@ -257,7 +259,7 @@ int nsdae_problem_factor(nsdae_problem *p, const nsdae_terms *T, int hold)
     for (int i = 0; i < J->count; i++) d->factorisation.held[i] = 1;
     d->factorisation.dropped = 0;
   }
-  nsdae_contact_islands_find(&d->islands, T, p->count, numbers(p));
+  nsdae_contact_islands_find(&d->islands, T, p->count, p->number);
   for (int i = 0; i < d->islands.count; i++) p->hit[i] = 0;
   return NSDAE_OK;
 }
@@ -273,14 +275,13 @@ void nsdae_problem_mark_hit(nsdae_problem *p, const nsdae_terms *T)
 int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double *M,
                         const double *r, int with_contacts, double *v, double *size, double *lambda)
 {
-  int listed = p->system->by_list;
   nsdae_island_equations whole = {.system = p->system,
                                   .islands = &p->dispatch.islands,
                                   .terms = terms,
-                                  .law = nsdae_problem_laws(p),
-                                  .id = listed ? p->closed->id : NULL,
-                                  .fresh = listed ? p->closed->fresh : p->fresh,
-                                  .warm = p->contacts->warm,
+                                  .law = p->law,
+                                  .id = p->closed->id,
+                                  .fresh = p->fresh,
+                                  .warm = p->warm,
                                   .factorisation = &p->dispatch.factorisation,
                                   .M = M,
                                   .r = r,
@@ -289,7 +290,6 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                                   .size = size,
                                   .lambda = lambda,
                                   .with_contacts = with_contacts};
-  if (listed) whole.warm.basis = p->closed->basis;
   return nsdae_island_dispatch_solve(&p->dispatch, &whole);
 }
 
@@ -334,7 +334,7 @@ double nsdae_problem_work(const nsdae_problem *p)
 {
   const nsdae_contact_islands *is = &p->dispatch.islands;
   const nsdae_impulses *r = p->results;
-  double work = nsdae_impulses_work(r, p->system->dims.nt, p->count, numbers(p));
+  double work = nsdae_impulses_work(r, p->system->dims.nt, p->count, p->number);
   for (int i = 0; i < is->joints; i++) {
     int j = is->joint_number[i];
     work += r->frictional_joint_impulse[j] * (r->slide_after[j] + r->slide_before[j]) / 2;
@@ -344,8 +344,7 @@ double nsdae_problem_work(const nsdae_problem *p)
 
 double nsdae_problem_carried(const nsdae_problem *p, const nsdae_terms *T)
 {
-  int k = p->count;
-  if (!p->system->by_list) return 0;
+  int k = p->closed->count;
   return nsdae_dot(k, p->results->normal, T->w_N) +
          nsdae_dot(k * p->system->dims.nt, p->results->tangential, T->w_T);
 }

@@ -13,18 +13,26 @@
 #include "island_dispatch.h"
 #include "listed.h"
 
+/* Of the closed contacts, by number. */
+typedef struct nsdae_picked {
+  int *item, *place;       /* of a list: entries of it; of another list */
+  nsdae_coefficients *law; /* of a list */
+  int *fresh;              /* of fixed contacts */
+  nsdae_ids ids;
+} nsdae_picked;
+
 typedef struct nsdae_problem {
   const nsdae_system *system;
   nsdae_error *error;
-  nsdae_contacts *contacts; /* settings, and the bases of fixed contacts and joints */
-  nsdae_closed *closed;     /* of a list, of the step in work */
-  nsdae_impulses *results;  /* of the step in work */
-  const nsdae_terms *home;  /* where the contacts were found closed */
-  int count, *number;       /* closed contacts; number: of fixed ones */
-  int *fresh;               /* of fixed ones, by number: no impulse in the step before */
-  int *item, *place;        /* entries of the list there; in another list */
-  nsdae_coefficients *law;  /* of a list */
-  nsdae_ids ids;
+  nsdae_contacts *contacts;      /* settings, and the bases of fixed contacts and joints */
+  nsdae_closed *closed;          /* of a list, of the step in work */
+  nsdae_impulses *results;       /* of the step in work */
+  const nsdae_terms *home;       /* where the contacts were found closed */
+  int count, *number;            /* closed contacts */
+  const nsdae_coefficients *law; /* by number */
+  nsdae_picked picked;
+  const int *fresh; /* by number: no impulse in the step before */
+  nsdae_contact_warm warm;
   int *hit; /* islands with an impact */
   nsdae_island_dispatch dispatch;
 } nsdae_problem;
@@ -56,12 +64,12 @@ static inline int nsdae_problem_count(const nsdae_problem *p)
 }
 static inline int nsdae_problem_contact(const nsdae_problem *p, int a)
 {
-  return p->system->by_list ? a : p->number[a];
+  return p->number[a];
 }
 /* Their coefficients, by number. */
 static inline const nsdae_coefficients *nsdae_problem_laws(const nsdae_problem *p)
 {
-  return p->system->by_list ? p->law : p->system->contact;
+  return p->law;
 }
 static inline int nsdae_problem_any(const nsdae_problem *p)
 {

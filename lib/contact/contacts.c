@@ -8,6 +8,7 @@
 
 #include "dense.h"
 #include "errors.h"
+#include "listed.h"
 #include "slides.h"
 #include "system_impl.h"
 #include "vector.h"
@@ -36,7 +37,8 @@ void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
   c->part.place = s->blocks.first;
   c->edges = polygon_edges;
   nsdae_law_edges(polygon_edges, c->lcp.edge);
-  if (c->rows_most < 1) c->rows_most = 1; /* never less: memory is laid by it */
+  int least = nsdae_terms_most(s) < NSDAE_ANY_NUMBER ? 1 : nsdae_law_rows(s->dims.nt, 1, c->edges);
+  if (c->rows_most < least) c->rows_most = least; /* never less: memory is laid by it */
   c->slides.count = 0;
   c->cones.most = c->cones.most > 0 ? s->dims.k : 0;
   for (int j = 0; j < s->dims.f; j++) c->slides.count += s->frictional_joint[j].mu > 0;
@@ -228,7 +230,7 @@ void nsdae_contacts_approach(const nsdae_terms *T, int count, const int *contact
 {
   int nt = T->system->dims.nt;
   for (int a = 0; a < count; a++) {
-    int i = contact ? contact[a] : a;
+    int i = contact[a];
     if (impacts_only && !r->impact[i]) continue;
     r->before[i] = nsdae_terms_normal_rate(T, i, v);
     for (int j = i * nt; j < (i + 1) * nt; j++) r->before_t[j] = nsdae_terms_tangent_rate(T, j, v);
@@ -420,11 +422,10 @@ static int unsolved(nsdae_contacts *c, double t, int status)
 {
   char first[NSDAE_CALLED_SIZE];
   int contact = c->active_count > 0;
-  if (c->part.id && contact)
-    nsdae_system_called_id(c->system, c->part.id[c->active[0]], first);
+  if (contact)
+    nsdae_system_called_contact(c->system, c->part.id, c->active[0], first);
   else
-    nsdae_system_called(c->system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT,
-                        contact ? c->active[0] : c->slides.number[0], first);
+    nsdae_system_called(c->system, NSDAE_NAME_FRICTIONAL_JOINT, c->slides.number[0], first);
   nsdae_error_set(
       c->error, status, "nsdae_contacts", "",
       "contact problem of %d rows (first %s) at t = %.17g: %s, residual %.3g above %.3g; a "

@@ -70,7 +70,7 @@ typedef struct nsdae_contact_warm {
 typedef struct nsdae_contact_part {
   const nsdae_coefficients *coefficient; /* of the contacts, by number */
   const int *place;                      /* of a block: where its velocities begin in v */
-  const long *id;                        /* of the contacts; NULL: numbers are all they have */
+  const long *id;                        /* of the contacts of a list */
   const nsdae_rows *J; /* Phi_q of an island, over the blocks of kkt; NULL: the terms' */
   int m;               /* its rows */
   double *reaction;    /* nv */
@@ -137,7 +137,7 @@ void nsdae_contacts_close_these(nsdae_contacts *contacts, int count, const int *
 void nsdae_contacts_before(nsdae_contacts *contacts, const nsdae_terms *terms, const double *v,
                            int impacts_only);
 
-/* The same of these numbers, NULL: from 0 on, without joints, into r. */
+/* The same of these numbers, without joints, into r. */
 void nsdae_contacts_approach(const nsdae_terms *terms, int count, const int *contact,
                              const double *v, int impacts_only, nsdae_impulses *r);
 

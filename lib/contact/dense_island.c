@@ -18,9 +18,8 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
                                 double rank_tol)
 {
   nsdae_contacts *c = &l->contacts;
-  int nt = of->system->dims.nt;
   nsdae_contacts_set(c, of->system, error, of->lcp.options.tol, of->edges);
-  c->rows_most = of->system->by_list ? nsdae_law_rows(nt, 1, of->edges) : of->rows_most;
+  c->rows_most = of->rows_most;
   c->part.J = &l->gathered.J;
   l->kkt.rank_tol = rank_tol;
   l->factored = l->closed = -1;
@@ -39,15 +38,15 @@ static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *ro
   const nsdae_system *s = c->system;
   const nsdae_dims *d = &s->dims;
   int one = s->blocks.count == 1, planar = d->nt == 1 ? 3 : 1;
-  int all = !s->by_list && (c->slides.count > 0 || has_polygons(c)); /* of any size */
+  int most = nsdae_terms_most(s), bounded = most < NSDAE_ANY_NUMBER;
+  int all = bounded && (c->slides.count > 0 || has_polygons(c)); /* of any size */
   int few = one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS;
   nsdae_dense_size size = {.n = d->nv, .m = d->m, .contacts = few / planar, .rows = few};
   if (!one && !all) size.n = least(d->nv, d->m > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
   if (!one && !all) size.m = least(d->m, NSDAE_DENSE_JOINTED);
-  if (!s->by_list) size.contacts = all ? d->k : least(d->k, size.contacts);
-  long rows_in_all = nsdae_contacts_rows(s, c->edges);
-  if (!s->by_list && (all || rows_in_all < few)) size.rows = (int)rows_in_all;
-  if (s->by_list) size.rows += 3 * c->slides.count;
+  size.contacts = all ? most : least(most, size.contacts);
+  long rows_in_all = nsdae_contacts_rows(s, c->edges); /* but those of a list */
+  if (!bounded || all || rows_in_all < few) size.rows = (bounded ? 0 : few) + (int)rows_in_all;
   if (!one && s->call.constraint_rows) size.parts = (int)rows->entries;
   if (!one && !s->call.constraint_rows) size.parts = size.m * s->blocks.count;
   return size;
@@ -178,7 +177,9 @@ int nsdae_dense_island_fits(const nsdae_dense_island *l, const nsdae_island_equa
 int nsdae_dense_island_fits_all(const nsdae_dense_island *l)
 {
   const nsdae_system *s = l->contacts.system;
-  if (s->by_list || s->blocks.count > 1 || (s->tracked && s->dims.nt == 2)) return 0;
+  if (nsdae_terms_most(s) == NSDAE_ANY_NUMBER || s->blocks.count > 1 ||
+      (s->tracked && s->dims.nt == 2))
+    return 0;
   if (l->contacts.slides.count > 0 || has_polygons(&l->contacts)) return 1;
   for (int i = 0; i < s->dims.k && s->dims.nt == 2; i++)
     if (s->contact[i].mu > 0) return 0;
@@ -603,7 +604,7 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
 int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations *w, int island,
                              int least_norm, nsdae_natural_residual *residual)
 {
-  if (w->system->by_list && !enough(l, w, island)) return NSDAE_ARRAYS_GROW;
+  if (!enough(l, w, island)) return NSDAE_ARRAYS_GROW;
   int status = take(l, w, island);
   if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;
   if (status < 0) return status;

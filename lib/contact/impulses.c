@@ -60,7 +60,7 @@ double nsdae_impulses_work(const nsdae_impulses *r, int nt, int count, const int
 {
   double work = 0;
   for (int a = 0; a < count; a++) {
-    int i = contact ? contact[a] : a;
+    int i = contact[a];
     work += r->normal[i] * (r->after[i] + r->before[i]) / 2;
     for (int j = i * nt; j < (i + 1) * nt; j++)
       work += r->tangential[j] * (r->after_t[j] + r->before_t[j]) / 2;

@@ -30,7 +30,7 @@ void nsdae_impulses_clear_joints(nsdae_impulses *impulses, int f);
 void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,
                           const nsdae_impulses *from);
 
-/* sum of Lambda (v(+) + v(-)) / 2 over contacts of these numbers; NULL: from 0 on. */
+/* sum of Lambda (v(+) + v(-)) / 2 over contacts of these numbers. */
 double nsdae_impulses_work(const nsdae_impulses *impulses, int nt, int count, const int *contact);
 
 /* Impulses, and velocities before and after: += share (from - to) */

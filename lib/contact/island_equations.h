@@ -26,7 +26,7 @@ typedef struct nsdae_island_equations {
   const nsdae_contact_islands *islands;
   const nsdae_terms *terms;      /* rows of Phi_q, of contacts and frictional joints */
   const nsdae_coefficients *law; /* by number */
-  const long *id;                /* by number; NULL: the number is all there is */
+  const long *id;                /* by number, of a list */
   const int *fresh;              /* by number: no impulse in the step before */
   nsdae_contact_warm warm;
   nsdae_factorisation *factorisation;
@@ -41,8 +41,7 @@ typedef struct nsdae_island_equations {
 static inline const char *nsdae_island_called(const nsdae_island_equations *w, int contact,
                                               char *called)
 {
-  return w->id ? nsdae_system_called_id(w->system, w->id[contact], called)
-               : nsdae_system_called(w->system, NSDAE_NAME_CONTACT, contact, called);
+  return nsdae_system_called_contact(w->system, w->id, contact, called);
 }
 
 /* Velocities of an island. */

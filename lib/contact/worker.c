@@ -32,7 +32,8 @@ int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_r
   if (!w->solver) status = nsdae_friction_create(&w->solver);
   if (status == NSDAE_OK) status = nsdae_active_set_grow(&w->active_set, contacts);
   if (status == NSDAE_OK) status = nsdae_cone_island_grow(&w->cones, system, contacts, rows);
-  if (status < 0 || system->by_list || system->tracked || system->blocks.count > 1) return status;
+  if (status < 0 || system->tracked || system->blocks.count > 1) return status;
+  if (nsdae_terms_most(system) == NSDAE_ANY_NUMBER) return status;
   return nsdae_cone_island_reserve(&w->cones, system, w->solver);
 }
 

@@ -165,6 +165,13 @@ const char *nsdae_system_called(const nsdae_system *system, int kind, int i,
   return system ? append_words(&system->maker, kind, i, text) : text;
 }
 
+const char *nsdae_system_called_contact(const nsdae_system *system, const long *id, int i,
+                                        char text[NSDAE_CALLED_SIZE])
+{
+  return system->by_list ? nsdae_system_called_id(system, id[i], text)
+                         : nsdae_system_called(system, NSDAE_NAME_CONTACT, i, text);
+}
+
 /* 'contact 3 "stop"' behind the text. */
 static void append_label(const nsdae_system *system, const nsdae_output *o, int kind, int i,
                          const char *before, nsdae_error *error)

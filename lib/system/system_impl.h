@@ -138,6 +138,10 @@ int nsdae_system_index(const nsdae_system *system, int kind, int i);
 const char *nsdae_system_called_id(const nsdae_system *system, long id,
                                    char text[NSDAE_CALLED_SIZE]);
 
+/* Contact i of a step: by its number, or of a list by its id there. */
+const char *nsdae_system_called_contact(const nsdae_system *system, const long *id, int i,
+                                        char text[NSDAE_CALLED_SIZE]);
+
 /* The callbacks that give M and Phi_q. */
 static inline const char *nsdae_system_mass_name(const nsdae_system *system)
 {

@@ -104,6 +104,18 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
   return NSDAE_OK;
 }
 
+nsdae_room nsdae_terms_room(const nsdae_system *s, const nsdae_room *list)
+{
+  size_t k = (size_t)s->dims.k;
+  return s->by_list ? *list : (nsdae_room){k, k * (size_t)(1 + s->dims.nt) * (size_t)s->dims.nv};
+}
+
+int nsdae_terms_find(nsdae_terms *T, double reach, const nsdae_contact_list **list)
+{
+  *list = T->system->by_list ? &T->by.list : NULL;
+  return *list ? nsdae_terms_contacts(T, reach) : NSDAE_OK;
+}
+
 /* The parts of entry i are those of one more row, of its direction d; of i = -1: none. */
 static void add_row(nsdae_rows *rows, const nsdae_contact_list *list, int i, size_t d)
 {

@@ -7,6 +7,8 @@
 #ifndef NSDAE_TERMS_LISTED_H
 #define NSDAE_TERMS_LISTED_H
 
+#include <limits.h>
+
 #include "terms.h"
 
 /* Brings the list up to date, with every contact of a gap up to reach. NSDAE_OK, NSDAE_ARRAYS_GROW,
@@ -29,6 +31,27 @@ int nsdae_terms_id_twice(const nsdae_terms *terms, long id);
 /* What item i of a kind is called; a contact of a list, which is its entry, by its id. */
 const char *nsdae_terms_called(const nsdae_terms *terms, int kind, int i,
                                char text[NSDAE_CALLED_SIZE]);
+
+/* The contacts that there can be at a point, k; of a list any number. The blocks that a contact
+ * touches, at most. How many of its directions, from the normal on, touch all of these. */
+enum { NSDAE_ANY_NUMBER = INT_MAX };
+static inline int nsdae_terms_most(const nsdae_system *s)
+{
+  return s->by_list ? NSDAE_ANY_NUMBER : s->dims.k;
+}
+static inline int nsdae_terms_parts(const nsdae_system *s)
+{
+  return s->by_list ? 2 : s->blocks.count;
+}
+static inline int nsdae_terms_differing(const nsdae_system *s)
+{
+  return s->by_list ? 1 : 1 + s->dims.nt;
+}
+/* Room for the contacts: of a list this. */
+nsdae_room nsdae_terms_room(const nsdae_system *system, const nsdae_room *list);
+/* The source of closed contacts: the list with every contact of a gap up to reach, or NULL, where
+ * contacts have numbers and gaps of their own. The statuses of nsdae_terms_contacts. */
+int nsdae_terms_find(nsdae_terms *terms, double reach, const nsdae_contact_list **list);
 
 /* The callbacks of terms.c. */
 int nsdae_terms_mass_blocks(nsdae_terms *terms);

@@ -116,10 +116,12 @@ static void test_random_graphs(void **state)
   s.terms.by.frictional_joint = (nsdae_rows){.first = s.joint_first, .block = s.joint_block};
   assert_int_equal(nsdae_arena_build(&arena, layout, &s), 0);
   s.graph.contact.of = s.contact;
+  int number[CONTACTS];
+  for (int i = 0; i < CONTACTS; i++) number[i] = i;
   for (int round = 0; round < 500; round++) {
     int contacts = random_int(&s.random, 0, CONTACTS);
     draw(&s, contacts);
-    nsdae_contact_islands_find(&s.graph, &s.terms, contacts, NULL);
+    nsdae_contact_islands_find(&s.graph, &s.terms, contacts, number);
     expect_islands(&s, contacts);
   }
   nsdae_arena_release(&arena);
