@@ -328,8 +328,9 @@ static void levers(nsdae_cone_island *c, const nsdae_island_equations *w)
 
 /* Whether entry j of v is none: it cancels to the rounding of its terms; or it moves no item of its
  * body by more than the digits of the solution times speed, and is no free motion, that moves none:
- * a spin about a contact's normal, a slide without friction, of which rounding leaves a lever. Its
- * own lever is its largest entry in a direction of an item, most that of all entries of its body.
+ * a spin about a contact's normal, a slide without friction, of which rounding may leave a lever.
+ * Its own lever is its largest entry in a direction of an item, most that of all entries of its
+ * body.
  */
 static int stands(const nsdae_cone_island *c, const nsdae_island_equations *w, int j, double most,
                   double tol, double speed)
@@ -337,7 +338,7 @@ static int stands(const nsdae_cone_island *c, const nsdae_island_equations *w, i
   double v = fabs(w->v[j]), digits = fmin(tol, NSDAE_STILL);
   if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
   return !c->driven && v * c->lever[j] <= digits * speed &&
-         (v * most <= digits * speed || v <= digits * w->size[j]);
+         ((c->lever[j] > 0 && v * most <= digits * speed) || v <= digits * w->size[j]);
 }
 
 static void settle(const nsdae_cone_island *c, const nsdae_island_equations *w, int at, int n,

@@ -204,7 +204,7 @@ static void frictional_joint_velocities(const nsdae_contacts *c, const nsdae_ter
 {
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
-    velocity[j] = nsdae_terms_slide_rate(T, j, v);
+    velocity[j] = rate(c, &T->by.frictional_joint, T->frictional_joint.w, j, v);
   }
 }
 

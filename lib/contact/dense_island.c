@@ -48,7 +48,7 @@ static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *ro
   long rows_in_all = nsdae_contacts_rows(s, c->edges); /* but those of a list */
   if (!bounded || all || rows_in_all < few) size.rows = (bounded ? 0 : few) + (int)rows_in_all;
   if (!one && s->call.constraint_rows) size.parts = (int)rows->entries;
-  if (!one && !s->call.constraint_rows) size.parts = size.m * s->blocks.count;
+  if (!one && !s->call.constraint_rows) size.parts = d->m * s->blocks.count;
   return size;
 }
 
@@ -110,7 +110,10 @@ int nsdae_dense_island_grow(nsdae_dense_island *l, const nsdae_room *rows)
   nsdae_arena_release(&l->arena);
   int status = nsdae_arena_build(&l->arena, layout, l);
   c->active_count = 0;
-  return status < 0 ? status : nsdae_cones_open(&c->cones);
+  if (status == NSDAE_OK) status = nsdae_cones_open(&c->cones);
+  if (status < 0) nsdae_arena_release(&l->arena);
+  if (status < 0) l->most = (nsdae_dense_size){0};
+  return status;
 }
 
 void nsdae_dense_island_release(nsdae_dense_island *l)
@@ -137,7 +140,7 @@ static int enough(nsdae_dense_island *l, const nsdae_island_equations *w, int is
   const nsdae_dense_size *most = &l->most;
   nsdae_dense_size size = {.contacts = nsdae_members_count(&is->contact, island),
                            .m = nsdae_members_count(&is->row, island)};
-  if (l->contacts.edges == 0 && is->joints == 0) return 1;
+  if (l->contacts.edges == 0 && is->joints == 0) return l->arena.base != NULL;
   size.n = nsdae_island_size(w, island);
   size.rows = count_rows(l, w, island);
   if (size.n <= most->n && size.m <= most->m && size.contacts <= most->contacts &&
@@ -360,7 +363,8 @@ static int driven(const nsdae_dense_island *l, const nsdae_island_equations *w)
 }
 
 /* Whether no entry moves a contact by more than the digits of the solution, in parts of the largest
- * velocity of a contact without impulses; each as if by the largest lever. */
+ * velocity of a contact without impulses; each as if by the largest lever. One that moves none, as
+ * of a body apart from all contacts, is held against its own terms. */
 static int stands(const nsdae_dense_island *l)
 {
   const nsdae_contacts *c = &l->contacts;
@@ -368,9 +372,14 @@ static int stands(const nsdae_dense_island *l)
   double speed = nsdae_largest(c->columns, c->delassus.offset);
   for (int j = 0; j < l->kkt.n; j++) /* mostly the first */
     if (!(fabs(l->at.v[j]) <= digits * speed)) return 0;
-  double fastest = nsdae_largest(l->kkt.n, l->at.v);
-  double lever = nsdae_largest(c->columns * l->kkt.n, W);
-  return fastest * lever <= digits * speed;
+  double fastest = nsdae_largest(l->kkt.n, l->at.v), most = 0;
+  for (int j = 0; j < l->kkt.n; j++) {
+    double lever = 0;
+    for (int i = 0; i < c->columns; i++) lever = fmax(lever, fabs(W[i * l->kkt.n + j]));
+    if (lever == 0 && fabs(l->at.v[j]) > digits * l->at.size[j]) return 0;
+    most = fmax(most, lever);
+  }
+  return fastest * most <= digits * speed;
 }
 
 /* Exactly: it does not creep. */

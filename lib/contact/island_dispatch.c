@@ -53,6 +53,14 @@ int nsdae_island_dispatch_grow(nsdae_island_dispatch *d, const nsdae_system *sys
   return nsdae_cone_island_grow(&d->kept, system, contacts, rows);
 }
 
+int nsdae_island_dispatch_reserve(nsdae_island_dispatch *d, const nsdae_terms *terms)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < d->workers && status == NSDAE_OK; i++)
+    status = nsdae_worker_reserve(&d->worker[i], terms);
+  return status;
+}
+
 /* With the record of the worker that failed. */
 static int carry_out(nsdae_island_dispatch *d, const nsdae_worker *from)
 {

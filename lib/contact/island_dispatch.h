@@ -30,6 +30,9 @@ void nsdae_island_dispatch_layout(nsdae_island_dispatch *dispatch, const nsdae_s
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_system *system,
                                const nsdae_room *contacts, const nsdae_room *rows);
 
+/* nsdae_worker_reserve of every worker. */
+int nsdae_island_dispatch_reserve(nsdae_island_dispatch *dispatch, const nsdae_terms *terms);
+
 /* v and lambda of every island and of free blocks, and the impulses; a status with the record of
  * the first island that failed. */
 int nsdae_island_dispatch_solve(nsdae_island_dispatch *dispatch, nsdae_island_equations *whole);

@@ -37,6 +37,23 @@ int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_r
   return nsdae_cone_island_reserve(&w->cones, system, w->solver);
 }
 
+int nsdae_worker_reserve(nsdae_worker *w, const nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  nsdae_kkt *kkt = &w->dense.kkt;
+  const nsdae_kkt_part all = {.blocks = &s->blocks,
+                              .J = &T->by.jacobian,
+                              .block_count = s->blocks.count,
+                              .row_count = s->dims.m,
+                              .block = kkt->each,
+                              .row = kkt->each};
+  if (s->dims.m == 0 || !kkt->each) return NSDAE_OK;
+  w->dense.factored = -1;
+  nsdae_kkt_turn_to(kkt, &s->blocks, s->dims.nv, s->dims.m);
+  int status = nsdae_kkt_reserve(kkt, &T->by.jacobian);
+  return status < 0 || w->all_dense ? status : nsdae_sparse_kkt_analyse(&w->sparse, &all);
+}
+
 void nsdae_worker_release(nsdae_worker *w)
 {
   nsdae_dense_island_release(&w->dense);
@@ -251,7 +268,8 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (status == NSDAE_ARRAYS_GROW) w->error.status = status;
   if (status == NSDAE_ARRAYS_GROW) return status;
   count_rank(s, kkt->rank, kkt->kept, kkt->left);
-  if (any) {
+  int asked = any && (status == NSDAE_OK || w->error.status < 0); /* else it was not factored */
+  if (asked) {
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
     s->problem = &l->contacts;
@@ -262,7 +280,7 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (status == NSDAE_E_RANK)
     return bad_rank(w, whole, island, kkt->rank,
                     whole->islands->row.of[whole->islands->row.first[island] + kkt->dependent]);
-  return any ? name_island(w, whole, island, status) : unsolved(w, whole, island, status);
+  return asked ? name_island(w, whole, island, status) : unsolved(w, whole, island, status);
 }
 
 /* The factors of the constraints of a large island, and their rank. */

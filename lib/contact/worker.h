@@ -54,6 +54,9 @@ void nsdae_worker_layout(nsdae_worker *worker, const nsdae_system *system, nsdae
 /* Room for islands of all contacts: NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_worker_grow(nsdae_worker *worker, const nsdae_system *system, const nsdae_room *contacts,
                       const nsdae_room *rows);
+/* Memory of the sparse factors of the rows of Phi_q at the terms' point, which the islands of these
+ * rows find there: NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_worker_reserve(nsdae_worker *worker, const nsdae_terms *terms);
 void nsdae_worker_release(nsdae_worker *worker);
 
 /* Nothing is solved yet. */

@@ -101,7 +101,7 @@ static void solve_root(const nsdae_kkt *kkt, int transposed, int nrhs, double *r
 static void transform_rows(const nsdae_kkt *kkt, const nsdae_rows *J, double *Y)
 {
   size_t n = (size_t)kkt->n;
-  if (kkt->blocks->count > 1) memset(Y, 0, n * (size_t)kkt->m * sizeof *Y);
+  memset(Y, 0, n * (size_t)kkt->m * sizeof *Y); /* a row may have no part in an island */
   for (int i = 0; i < kkt->m; i++)
     nsdae_rows_gather(kkt->blocks, J, i, kkt->blocks->first, Y + (size_t)i * n, 1);
   solve_root(kkt, 0, kkt->m, Y, kkt->n);

@@ -170,13 +170,12 @@ void nsdae_result_change(nsdae_result *r, double t, int contact, int frictional_
   name_contact(r->end.system, contact, &change->id, change->block);
 }
 
-int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts, const nsdae_room *rows)
+int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts)
 {
   int room = (int)contacts->entries;
   const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
-  int status = nsdae_terms_grow(&r->end, contacts, rows);
-  if (status < 0 || !r->end.system->by_list) return status;
-  status = nsdae_closed_grow(&r->closed, &r->impulses, room);
+  if (!r->end.system->by_list) return NSDAE_OK;
+  int status = nsdae_closed_grow(&r->closed, &r->impulses, room);
   if (status == NSDAE_OK) status = nsdae_arrays_grow(impacts, 1, contacts->entries);
   if (status == NSDAE_OK) r->impacts_max = room;
   return status;

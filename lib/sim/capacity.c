@@ -11,13 +11,15 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
 {
   const nsdae_room c = nsdae_room_larger(&sim->lists.contacts, contacts),
                    r = nsdae_room_larger(&sim->lists.rows, rows);
-  int status = nsdae_terms_grow(&sim->stepper.middle, &c, &r);
-  for (int i = 0; i < (sim->aside ? 3 : 2) && status == NSDAE_OK; i++) {
-    status = nsdae_result_grow(&sim->point[i].result, &c, &r);
-    nsdae_point_show_arrays(&sim->point[i]);
-  }
-  if (status == NSDAE_OK) status = nsdae_problem_grow(&sim->stepper.problem, &c, &r);
+  int status = nsdae_problem_grow(&sim->stepper.problem, &c, &r), points = sim->aside ? 3 : 2;
   if (status == NSDAE_OK) status = nsdae_projector_grow(&sim->projection, &c, &r);
+  for (int i = 0; i < points && status == NSDAE_OK; i++)
+    status = nsdae_result_grow(&sim->point[i].result, &c);
+  /* the lists last: what is made from a list has room for all of it */
+  for (int i = 0; i < points && status == NSDAE_OK; i++)
+    status = nsdae_terms_grow(&sim->point[i].result.end, &c, &r);
+  if (status == NSDAE_OK) status = nsdae_terms_grow(&sim->stepper.middle, &c, &r);
+  for (int i = 0; i < points; i++) nsdae_point_show_arrays(&sim->point[i]);
   if (status < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
                            "out of memory for lists of %zu contacts and of %zu blocks of rows of "

@@ -262,6 +262,16 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   return status > 0 ? nsdae_point_start(sim, sim->next) : status;
 }
 
+/* Memory of the sparse factors of Phi_q at the start: no step allocates for them. */
+static int reserve_factors(nsdae_sim *sim, const nsdae_terms *start)
+{
+  nsdae_stepper *s = &sim->stepper;
+  if (!(start->have & NSDAE_TERM_JACOBIAN)) return NSDAE_OK;
+  int status = nsdae_island_dispatch_reserve(&s->problem.dispatch, start);
+  if (status == NSDAE_OK && sim->aside) status = nsdae_kkt_reserve(&s->kkt, &start->by.jacobian);
+  return status < 0 ? nsdae_error_memory(&sim->error, "nsdae_sim_init") : NSDAE_OK;
+}
+
 static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
 {
   nsdae_error_clear(&sim->error);
@@ -279,6 +289,7 @@ static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
     status = nsdae_least_reserve(&sim->projection.least, &sim->next->result.end,
                                  sim->projection.contacts.any ? NSDAE_LEAST_NORMALS
                                                               : NSDAE_LEAST_CONSTRAINTS);
+  if (status == NSDAE_OK) status = reserve_factors(sim, &sim->next->result.end);
   if (status == NSDAE_OK && sim->method->start)
     status = sim->method->start(sim->own, &sim->next->result.end);
   if (status < 0) return status;

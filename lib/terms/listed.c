@@ -242,13 +242,12 @@ int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_roo
   if (status == NSDAE_OK && T->by.joint_rows.rows)
     status = nsdae_row_list_grow(&T->by.joint_rows, rows);
   if (status < 0 || !(T->system->by_list || T->system->tracked)) return status;
-  status = nsdae_contact_list_grow(&T->by.list, contacts);
-  if (status == NSDAE_OK && !T->system->tracked)
-    status = grow_selected(T, contacts->entries + 1, T->by.list.nt);
+  /* the list last: all of it can be selected */
+  if (!T->system->tracked) status = grow_selected(T, contacts->entries + 1, T->by.list.nt);
   if (status == NSDAE_OK) status = nsdae_differences_grow(T->differences, contacts, T->error);
-  if (status < 0) return status;
+  if (status == NSDAE_OK) status = nsdae_contact_list_grow(&T->by.list, contacts);
   T->by.normal.value = T->by.tangent.value = T->by.list.value; /* what moved has its place again */
-  return NSDAE_OK;
+  return status;
 }
 
 void nsdae_terms_release(nsdae_terms *T)
