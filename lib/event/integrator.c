@@ -271,6 +271,18 @@ static int step_to_fall(nsdae_event_integrator *e)
   }
 }
 
+/* Open contacts that close at the end of a step: those that fell, or that one; each listed in time.
+ */
+static int close_listed(nsdae_event_integrator *e, double from, int fell, int contact)
+{
+  nsdae_event_setting *s = e->roots->phase->setting;
+  if (!s->system->tracked || e->again) return NSDAE_OK;
+  for (int i = 0; i < s->system->dims.k; i++) /* the first entries of roots are of kind normal */
+    e->tracking.closes[i] = e->roots->phase->modes.contact[i] == NSDAE_MODE_OPEN &&
+                            (i == contact || (fell && e->fallen[i]));
+  return nsdae_tracking_close(&e->tracking, from, e->ahead);
+}
+
 int nsdae_event_integrator_advance(nsdae_event_integrator *e)
 {
   nsdae_event_setting *s = e->roots->phase->setting;
@@ -285,7 +297,8 @@ int nsdae_event_integrator_advance(nsdae_event_integrator *e)
                              &hidden, &contact);
   if (found < 0) return found;
   if (contact >= 0) e->ahead = hidden, fell = 0;
-  int status = nsdae_event_integrator_read(e, e->ahead, e->y);
+  int status = close_listed(e, from, fell, contact);
+  if (status == NSDAE_OK) status = nsdae_event_integrator_read(e, e->ahead, e->y);
   e->roots->short_steps += e->ahead - from < SHORT * s->options->dt;
   int watched = status < 0 ? status : nsdae_event_watch_roots(e->roots, e->ahead, e->y);
   if (watched < 0) return watched;

@@ -434,7 +434,7 @@ static int search(nsdae_penalty *p, double from)
     p->gaps.found[contact] = 1;
   }
   p->gaps.pending = found > 0;
-  return status;
+  return status < 0 || !found ? status : nsdae_penalty_slots_close(p, from);
 }
 
 /* One step of the integrator, up to the first gap that crosses zero. */

@@ -55,6 +55,7 @@ int nsdae_penalty_slots_begin(nsdae_penalty *penalty, const nsdae_terms *from);
 int nsdae_penalty_slots_anew(void *penalty, nsdae_terms *at, double h);
 int nsdae_penalty_slots_trim(nsdae_penalty *penalty, const nsdae_terms *from);
 int nsdae_penalty_slots_cover(nsdae_penalty *penalty, double from);
+int nsdae_penalty_slots_close(nsdae_penalty *penalty, double from);
 
 /* The gaps of a step from `from` to the result's end; the table is that of the memory. */
 int nsdae_penalty_slots_show(nsdae_penalty *penalty, nsdae_terms *from, nsdae_result *result);

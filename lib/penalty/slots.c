@@ -104,6 +104,21 @@ int nsdae_penalty_slots_cover(nsdae_penalty *p, double from)
   return added < 0 ? added : NSDAE_OK;
 }
 
+/* Those that close at `ahead`, each listed in time. What is closed there may have become deeper in
+ * the step, and may just have left its feature: its depth is that just before. */
+int nsdae_penalty_slots_close(nsdae_penalty *p, double from)
+{
+  nsdae_tracking *tracking = &p->slots.tracking;
+  if (!nsdae_penalty_is_tracked(p) || p->slots.replays) return NSDAE_OK;
+  for (int i = 0; i < nsdae_penalty_dims(p)->k; i++) {
+    int closed = p->equations.base.closed[i];
+    tracking->closes[i] = p->gaps.found[i] && !closed;
+    if (!closed) continue;
+    tracking->near = fmax(tracking->near, 2 * (p->gaps.fall.low[i] - p->gaps.shift[i]));
+  }
+  return nsdae_tracking_close(tracking, from, p->ahead);
+}
+
 /* The gaps of a step by slots: at its start those of the contacts that have them now, at its end
  * those of all that did something in it. */
 int nsdae_penalty_slots_show(nsdae_penalty *p, nsdae_terms *from, nsdae_result *result)

@@ -1,5 +1,6 @@
 #include "tracking.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -12,6 +13,9 @@ static const double FASTER = 1.25;
 /* Of the largest W_N and velocities: rounding of a gap's rate, and of contact_speed. */
 static const double ROUNDING = 1e-9;
 
+/* Of a time: within which a root is found (fall.c). */
+static const double BRACKET = 100 * DBL_EPSILON;
+
 /* Factor of the reach, and how often, to have at the start what was listed later. */
 static const double WIDER = 4;
 enum { WIDEST = 3 };
@@ -23,7 +27,7 @@ void nsdae_tracking_layout(nsdae_tracking *t, nsdae_arena *arena)
 {
   t->fresh = NSDAE_ARENA_INTS(arena, t->model->dims.k);
   t->listed = NSDAE_ARENA_INTS(arena, t->model->dims.k);
-  t->gap = NSDAE_ARENA_DOUBLES(arena, t->model->dims.k);
+  t->closes = NSDAE_ARENA_INTS(arena, t->model->dims.k);
   t->anew = NSDAE_ARENA_DOUBLES(arena, t->model->dims.nv + 2L);
 }
 
@@ -173,7 +177,6 @@ static int take_slot(nsdae_tracking *t, const nsdae_contact_list *list, int i)
   t->table->id[slot] = list->id[i];
   memcpy(t->table->block + 2 * (size_t)slot, list->block + 2 * (size_t)i, 2 * sizeof *list->block);
   t->fresh[slot] = NEW;
-  t->gap[slot] = list->gap[i];
   return slot;
 }
 
@@ -253,15 +256,15 @@ int nsdae_tracking_trim(nsdae_tracking *t, nsdae_terms *T, double h, const int *
 
 /* ---- a step */
 
-static int not_in_time(const nsdae_tracking *t, const nsdae_terms *T, int slot, double reach)
+static int not_in_time(const nsdae_tracking *t, const nsdae_terms *T, int slot, double gap)
 {
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(
       t->error, NSDAE_E_CALLBACK, "nsdae_sim", "contacts",
-      "contacts did not list %s in time: its gap is %g in the step after t = %.17g, where "
-      "it was not listed within %g; list every contact within reach, or set contact_speed",
-      nsdae_system_called_id(t->model, t->table->id[slot], called), t->gap[slot],
-      nsdae_terms_time(T), reach);
+      "contacts did not list %s in time: its gap is %g at t = %.17g, before which it was not "
+      "listed within %g; list every contact within reach, or set contact_speed",
+      nsdae_system_called_id(t->model, t->table->id[slot], called), gap, nsdae_terms_time(T),
+      t->table->reach);
   return error_of(t, T, t->table->id[slot]);
 }
 
@@ -274,8 +277,8 @@ static int unlisted(const nsdae_tracking *t)
 }
 
 /* New contacts at the start of the step: within a reach that has them there. One that is then
- * nearer than `near` below zero was not listed in time; one that is not there at all neither, but
- * where it begins to be at a gap of about zero, as that of another feature. */
+ * nearer than `near` below zero was not listed in time. One that is not there at all may be that of
+ * another feature later in the step: see nsdae_tracking_close. */
 static int find_at_start(nsdae_tracking *t, double from, double reach, double speed)
 {
   nsdae_terms *T;
@@ -292,10 +295,9 @@ static int find_at_start(nsdae_tracking *t, double from, double reach, double sp
     int slot = nsdae_tracked_find(t->table, t->model->dims.k, list->id[i], last + 1);
     if (slot < 0) continue;
     last = slot;
-    if (t->fresh[slot] == NEW && t->listed[slot]) t->gap[slot] = list->gap[i];
+    if (t->fresh[slot] == NEW && list->gap[i] < -t->near)
+      return not_in_time(t, T, slot, list->gap[i]);
   }
-  for (int i = 0; i < t->model->dims.k; i++)
-    if (t->fresh[i] == NEW && t->gap[i] < -t->near) return not_in_time(t, T, i, reach);
   return NSDAE_OK;
 }
 
@@ -325,6 +327,28 @@ int nsdae_tracking_cover(nsdae_tracking *t, double from, double to)
   if (status == NSDAE_OK && added) status = find_at_start(t, from, reach, fastest);
   for (int i = 0; i < t->model->dims.k; i++) t->fresh[i] = t->fresh[i] != 0;
   return status < 0 ? status : added;
+}
+
+int nsdae_tracking_close(nsdae_tracking *t, double from, double to)
+{
+  const double at[3] = {to, from, to}, within = BRACKET * (fabs(to) + (to - from));
+  int k = t->model->dims.k, any = 0, late = -1, status = NSDAE_OK;
+  nsdae_terms *T;
+  for (int i = 0; i < k; i++) any |= t->closes[i];
+  for (int n = 0; n < 3 && any && status == NSDAE_OK; n++) {
+    status = t->look(at[n], &T, t->user);
+    if (status == NSDAE_OK)
+      status = nsdae_terms_need(T, NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS);
+    if (status < 0) return status;
+    if (n == 2) return not_in_time(t, T, late, T->gap[late]);
+    any = 0;
+    for (int i = 0; i < k; i++) {
+      double way = within * fabs(nsdae_terms_normal_rate(T, i, T->v));
+      t->closes[i] &= n == 0 ? T->gap[i] < -(t->near + way) : !(T->gap[i] < NSDAE_FAR);
+      if (t->closes[i]) any = 1, late = i;
+    }
+  }
+  return status;
 }
 
 int nsdae_tracking_show(const nsdae_tracking *t, nsdae_terms *T, const int *needed)

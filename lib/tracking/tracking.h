@@ -13,7 +13,15 @@
  *
  * over the velocities of the two fastest blocks, with L_j the largest |W_N| at velocity j so far,
  * at least 1 and the width of the block, and w the largest |w_N| so far. Open contacts have no
- * force: a step remains right whichever of them have slots. */
+ * force: a step remains right whichever of them have slots.
+ *
+ * A step of the integrator may go beyond its first root t1, as nothing closes in it. Past t1 bodies
+ * overlap, and a feature that is listed first there may have any negative gap: the motion never
+ * has it. So every new contact has its slot, open and far where it is not listed, and a gap that
+ * jumps from there through zero is a root as others are. Up to t1 a gap g_N in time is continuous
+ * while listed, or appears at g_N >= -near, as that of another feature that touches. Hence the
+ * contact is late exactly if its jump is the first root and g_N(t1) < -near. A jump after t1 is
+ * none of the motion; the next step, from t1, finds it again if it is. */
 #ifndef NSDAE_TRACKING_H
 #define NSDAE_TRACKING_H
 
@@ -34,7 +42,7 @@ typedef struct nsdae_tracking {
   void *user;
   int *fresh;  /* k: 1 since the slot has its contact, until the user sets it to 0 */
   int *listed; /* k: where the list was asked last */
-  double *gap; /* k: of a fresh contact where it was listed first */
+  int *closes; /* k: see nsdae_tracking_close */
   /* in the method's memory */
   int *used, *block, *id;      /* k, 2 k, 2 k: both halves of the number */
   double *law, *lever, *still; /* 3 k: mu, e_n, e_t; nv: L_j; 2: w, the table's reach */
@@ -66,10 +74,16 @@ int nsdae_tracking_add(nsdae_tracking *tracking, nsdae_terms *terms);
 int nsdae_tracking_trim(nsdae_tracking *tracking, nsdae_terms *terms, double h, const int *keep);
 
 /* After a step from one time to another: every contact that comes as near as `near` in it gets a
- * slot. The number of new ones, or a status; NSDAE_E_CALLBACK if a contact was not listed in time,
- * or moves faster than contact_speed says. Lists within the table's reach then have the new ones
- * from the start of the step on. The terms that `look` moved are anywhere in it. */
+ * slot. The number of new ones, or a status; NSDAE_E_CALLBACK if a new one is below -near at the
+ * start, or a contact moves faster than contact_speed says. Lists within the table's reach then
+ * have the new ones from the start of the step on, if they are there. The terms that `look` moved
+ * are anywhere in it. */
 int nsdae_tracking_cover(nsdae_tracking *tracking, double from, double to);
+
+/* Open contacts that are marked in `closes` close at `to`, the first root of the step from `from`:
+ * NSDAE_E_CALLBACK if one was not listed at `from` and is now below -near, by more than the
+ * rounding of `to` makes. Changes the marks; the terms that `look` moved are at one of both. */
+int nsdae_tracking_close(nsdae_tracking *tracking, double from, double to);
 
 /* Terms are at the end of a dt: their list has the slots that are needed [k], as those that had an
  * impulse in it and are farther than the last step's way by now. One of another feature may be
