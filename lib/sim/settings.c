@@ -123,7 +123,7 @@ static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
 {
   const char *where = "nsdae_sim_set_contact";
   nsdae_error_clear(&sim->error);
-  if (i < 0 || i >= sim->model.dims.k) return bad_index(sim, where, "i", i, sim->model.dims.k);
+  if (i < 0 || i >= sim->system->dims.k) return bad_index(sim, where, "i", i, sim->system->dims.k);
   int status = check_mu(sim, where, NSDAE_NAME_CONTACT, i, sim->system->contact[i].mu, mu);
   if (status < 0) return status;
   if (!(e_n >= 0 && e_n <= 1))
