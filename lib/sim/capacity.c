@@ -119,11 +119,15 @@ static int no_memory_for_slots(nsdae_sim *sim, int k)
 }
 
 /* The contact problem of all that are tracked is one, and has its limit. */
-static int check_slots(nsdae_sim *sim, int k)
+int nsdae_sim_most_slots(const nsdae_sim *sim)
 {
   int edges = nsdae_law_edges_to_start(sim->options.polygon);
-  int each = nsdae_law_rows(sim->model.dims.nt, 1, edges),
-      most = nsdae_contacts_rows_limit() / each;
+  return nsdae_contacts_rows_limit() / nsdae_law_rows(sim->model.dims.nt, 1, edges);
+}
+
+static int check_slots(nsdae_sim *sim, int k)
+{
+  int most = nsdae_sim_most_slots(sim);
   if (k <= most) return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "method",
                          "method = %s has %d contacts near the motion at t = %.17g, and at most "

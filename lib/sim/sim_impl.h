@@ -151,6 +151,7 @@ int nsdae_sim_grow(nsdae_sim *sim);
 /* k slots, more than there are: everything by contact has room for them. NSDAE_OK, NSDAE_E_MEMORY,
  * NSDAE_E_ARGUMENT where the method has a limit: as before. */
 int nsdae_sim_make_slots(nsdae_sim *sim, int k);
+int nsdae_sim_most_slots(const nsdae_sim *sim); /* that limit */
 /* Puts into the slots what the list has near the terms' point, as far as a motion of a time h
  * comes. NSDAE_OK, NSDAE_ARRAYS_GROW, the failure of a callback. */
 int nsdae_sim_track(nsdae_sim *sim, nsdae_terms *at, double h);

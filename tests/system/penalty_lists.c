@@ -475,6 +475,17 @@ static int weight(double t, const double *q, const double *v, double *F, void *u
   return 0;
 }
 
+/* A simulation takes its own state, whatever its option contacts_max is. */
+static void put_back(nsdae_sim *sim)
+{
+  size_t size;
+  char *block = state_of(sim, &size);
+  int status = nsdae_sim_set_state(sim, block, size);
+  if (status < 0) print_message("%s\n", nsdae_sim_error(sim)->text);
+  assert_int_equal(status, NSDAE_OK);
+  free(block);
+}
+
 static void roll(int many, int integrator, double *q, int *impacts, int *ids)
 {
   const nsdae_dims dims = {.nq = 2, .nt = 1};
@@ -488,6 +499,7 @@ static void roll(int many, int integrator, double *q, int *impacts, int *ids)
   o.dt = 2e-3, o.rtol = 1e-9, o.atol = 1e-12;
   o.penalty_law = NSDAE_PENALTY_HERTZ;
   o.penalty_stiffness = 1e7;
+  o.contacts_max = 1; /* a step has two */
   assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
   nsdae_system_set_user(system, &many);
   nsdae_system_set_blocks(system, 1, &two, &two);
@@ -502,11 +514,14 @@ static void roll(int many, int integrator, double *q, int *impacts, int *ids)
     if (status < 0) print_message("step %d: %s\n", i, nsdae_sim_error(sim)->text);
     assert_true(status >= 0);
     nsdae_sim_get_record(sim, &r);
+    put_back(sim);
     *impacts += r.impacts;
     for (int j = 0; j < r.contacts.count; j++) *ids += r.contacts.id[j] > last;
     for (int j = 0; j < r.contacts.count; j++)
       if (r.contacts.id[j] > last) last = r.contacts.id[j];
   }
+  assert_int_equal(nsdae_sim_set_contact(sim, 0, 0.1, 1, 0), NSDAE_E_ARGUMENT); /* none is fixed */
+  assert_string_equal(nsdae_sim_error(sim)->argument, "i");
   memcpy(q, r.q, 2 * sizeof *q);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
