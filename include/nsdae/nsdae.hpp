@@ -891,7 +891,7 @@ public:
   {
     demand(use([&](nsdae_sim *c) { return nsdae_sim_set_options(c, with.c()); }));
   }
-  /* nsdae_sim_set_contact: coefficients of contact i in this simulation. */
+  /* nsdae_sim_set_contact: coefficients of fixed contact i in this simulation. */
   void set_contact(int i, double mu, double e_n, double e_t = 0)
   {
     demand(nsdae_sim_set_contact(c(), i, mu, e_n, e_t));

@@ -209,7 +209,8 @@ typedef struct nsdae_record {
   double kinetic, potential;        /* [J]; potential is 0 without its callback */
   double dissipated;                /* work absorbed by all contact impulses since the start [J] */
   double lcp_residual;           /* scaled natural residual of the contact problem, 0 without one;
-                                    contact list: that of friction.h over all contacts of the step */
+                                    time stepping: that of friction.h over all contacts of the step;
+                                    event: the largest of its complementarity problems */
   double constraint_drift;       /* max |Phi| */
   double penetration;            /* max(0, -g_N) of all contacts */
   const nsdae_impact *impact;    /* [impacts] */
@@ -377,9 +378,9 @@ NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
  * fixed. If one of them differs, the call returns NSDAE_E_ARGUMENT, names the option and changes
  * nothing. The run continues from the current state. */
 NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);
-/* Sets the coefficients of contact i or frictional joint j in this simulation, in place of the
- * system's. A frictionless contact or joint must remain frictionless, and a frictional joint must
- * keep mu > 0: else NSDAE_E_ARGUMENT. */
+/* Sets the coefficients of fixed contact i or frictional joint j in this simulation, in place of
+ * the system's; those of a contact list are in its callback. A frictionless contact or joint must
+ * remain frictionless, and a frictional joint must keep mu > 0: else NSDAE_E_ARGUMENT. */
 NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
 NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
 
@@ -406,7 +407,8 @@ typedef struct nsdae_step_friction {
  * NSDAE_E_STATE if the last step had no such problem:
  *
  * - no closed contact
- * - several islands, all solved as complementarity problems
+ * - several islands, all solved as complementarity problems, or one of very many frictionless
+ *   contacts
  * - frictional joints: their friction depends on a bilateral force, which has no cone
  * - methods event and penalty */
 NSDAE_API int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction);

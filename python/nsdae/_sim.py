@@ -238,7 +238,7 @@ class Sim:
         Parameters
         ----------
         i : int
-            Contact.
+            Fixed contact.
         mu, e_n, e_t : float
             Coefficient of friction, normal and tangential restitution.
         """
