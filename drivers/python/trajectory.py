@@ -77,7 +77,9 @@ def as_version_3(file, path):
     """The trajectory by the names of version 3, whatever version wrote it."""
     if text(file.attrs.get("format", "")) != "nsdae-trajectory":
         raise Problem(f"'{path}' is not an nsdae trajectory")
-    version = file.attrs.get("format_version", VERSION)
+    version = np.asarray(file.attrs.get("format_version", VERSION))
+    if version.dtype.kind not in "iu":
+        raise Problem(f"'{path}' is damaged: its attribute format_version must be a whole number")
     if version > VERSION:
         raise Problem(f"'{path}' is of format version {version}; this program reads up to {VERSION}")
     return file if version == VERSION else Older(file)

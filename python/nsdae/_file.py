@@ -153,6 +153,14 @@ def _put_certificate(file: Any, trajectory: Trajectory, listed: bool) -> None:
             _put(file, path, np.ascontiguousarray(trajectory.certificate[name]), unit, description, ("time",))
 
 
+def _rows(file: Any, path: str, n: int) -> Any:
+    """The first n rows of a dataset."""
+    values = file[path][:n]
+    if len(values) < n:
+        raise ValueError(f"its /{path} has {len(values)} of {n} rows")
+    return values
+
+
 def _read_certificate(file: Any, columns: dict[str, Any]) -> np.ndarray | None:
     """None if the file has no certificate; omitted figures are 0."""
     if "energy/unexplained" not in file:
@@ -162,7 +170,7 @@ def _read_certificate(file: Any, columns: dict[str, Any]) -> np.ndarray | None:
         rows[name] = -1 if CERTIFICATE_ROW[name].kind == "i" else 0
     for path, name, *_ in CERTIFICATE:
         if path in file:
-            rows[name] = file[path][: len(rows)]
+            rows[name] = _rows(file, path, len(rows))
     for name in ("penetration", "constraint_drift", "dissipated"):
         rows[name] = columns[name]
     rows["energy"] = columns["kinetic"] + (0 if columns["potential"] is None else columns["potential"])
@@ -326,12 +334,18 @@ def _read_names(file: Any, counts: dict[str, int]) -> dict[str, list[tuple[str, 
     return names
 
 
-def _read_column(rows: np.ndarray, name: str, values: Any) -> None:
-    """Into a field; of tangential impulses there may be fewer than the field has."""
+def _read_column(rows: np.ndarray, name: str, file: Any, path: str, shape: tuple[int, ...]) -> None:
+    """A dataset, which has an entry for each row, into a field; tangential impulses may have fewer directions."""
+    values, field = file[path][: shape[0]], rows[name]
+    inner = field.shape[rows.ndim :]
+    has = values.shape[len(shape) :]
+    if values.shape[: len(shape)] != shape or len(has) != len(inner) or (
+            has > inner if name == "tangential_impulse" else has != inner):
+        raise ValueError(f"its /{path} has the shape {values.shape}; it must be {shape + inner}")
     if name == "tangential_impulse":
-        rows[name][..., : values.shape[-1]] = values
+        field[..., : has[0]] = values
     else:
-        rows[name] = values
+        field[...] = values
 
 
 def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
@@ -339,7 +353,7 @@ def _read_events(file: Any, group: str, of: np.dtype) -> np.ndarray:
     rows["block"] = rows["id"] = -1
     for name in of.names or ():
         if f"{group}/{name}" in file:
-            _read_column(rows, name, file[f"{group}/{name}"][: len(rows)])
+            _read_column(rows, name, file, f"{group}/{name}", rows.shape)
     rows["contact"] = -1 if "contacts/first" in file else rows["id"]  # contacts of a list have no number
     return rows
 
@@ -358,6 +372,10 @@ def _read_list(file: Any, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
     """The contacts of the n records; the list of a killed run may be longer."""
+    if any(f"contacts/{name}" in file for name in ("first", "contact", *(of.names or ()))):
+        missing = [name for name in ("id", "gap", "normal_impulse", "mode") if f"contacts/{name}" not in file]
+        if missing:
+            raise ValueError(f"it has no /contacts/{missing[0]}")
     if "contacts/first" in file:
         count, blocks = _read_list(file, n)
         shape: tuple[int, ...] = (int(count.sum()),)
@@ -369,7 +387,7 @@ def _read_contacts(file: Any, n: int, of: np.dtype) -> dict[str, Any]:
     for name in of.names or ():
         if f"contacts/{name}" in file:
             of_all = name == "id" and blocks is None  # fixed contacts: the same in all records
-            _read_column(rows, name, file[f"contacts/{name}"][: None if of_all else len(rows)])
+            _read_column(rows, name, file, f"contacts/{name}", shape[1:] if of_all else shape)
     return {"contacts": rows, "contact_count": count, "blocks": blocks}
 
 
@@ -423,7 +441,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     contacts = _read_contacts(file, n, contact_row(nt))
     for path, name, _, _, _ in RECORDS:
         kind = "i4" if name.endswith("mode") else "f8"
-        columns[name] = file[path][:n] if path in file else np.zeros((n, 0), dtype=kind)
+        columns[name] = _rows(file, path, n) if path in file else np.zeros((n, 0), dtype=kind)
     if "energy/potential" not in file:
         columns["potential"] = None
     counts = {kind: columns[name].shape[1] for kind, name in

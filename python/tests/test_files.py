@@ -149,6 +149,60 @@ def test_files_of_older_versions(tmp_path, name):
             assert run.contacts["id"].tolist() == [[0, 1, 2]] * len(run) and len(run.changes) > 0
 
 
+def ball_of_list():
+    """On the ground, by a contact list."""
+    def contacts(t, q, v, reach, found):
+        found.add([7], [[0, -1]], [q[0]], [[[[1]], [[0]]]])
+
+    def mass_blocks(t, q, M):
+        M[:] = 1
+
+    def force(t, q, v, F):
+        F[:] = -G
+
+    return nsdae.System(blocks=[1], mass_blocks=mass_blocks, force=force, contacts=contacts)
+
+
+@pytest.mark.parametrize("listed", [False, True])
+@pytest.mark.parametrize("name", ["gap", "mode", "id", "normal_impulse"])
+@pytest.mark.parametrize("rows", [None, 1, -1])
+def test_a_file_with_too_few_contacts(ball, tmp_path, listed, name, rows):
+    """A column of the contacts that is missing, or shorter than the others, is an error that names it."""
+    path = tmp_path / "run.h5"
+    nsdae.solve(ball_of_list() if listed else ball, 0.1, [0], method="moreau").save(path)
+    with h5py.File(path, "a") as file:
+        values = file[f"contacts/{name}"][...]
+        of_all = name == "id" and not listed
+        assert len(values) > 2 or of_all
+        del file[f"contacts/{name}"]
+        if rows is not None:
+            file[f"contacts/{name}"] = values[: 0 if of_all else rows]
+    with pytest.raises(ValueError, match="contacts" if name == "id" else f"/contacts/{name}"):
+        nsdae.load(path)
+
+
+@pytest.mark.parametrize("name", ["v", "energy/kinetic", "energy/work"])
+def test_a_file_with_too_few_rows(ball, tmp_path, name):
+    path = tmp_path / "run.h5"
+    nsdae.solve(ball, 0.1, [1]).save(path)
+    with h5py.File(path, "a") as file:
+        values = file[name][:1]
+        del file[name]
+        file[name] = values
+    with pytest.raises(ValueError, match=f"/{name} has 1 of"):
+        nsdae.load(path)
+
+
+@pytest.mark.parametrize("version", ["three", b"3", 3.5, np.nan])
+def test_a_file_whose_version_is_no_number(ball, tmp_path, version):
+    path = tmp_path / "run.h5"
+    nsdae.solve(ball, 0.1, [1]).save(path)
+    with h5py.File(path, "a") as file:
+        file.attrs["format_version"] = version
+    with pytest.raises(ValueError, match="format_version must be a whole number"):
+        nsdae.load(path)
+
+
 @needs_programs
 def test_a_saved_run_is_laid_out_as_the_programs_lay_it_out(tmp_path):
     """The bouncing ball by its program and by Python: the same bytes in every dataset."""
