@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Structure of the C sources: no circle of includes, no header name twice; prints the ratio of comments.
+"""Structure of the C sources: no circle of includes, no header name twice, contacts in one form; prints the ratio of comments.
 
 A file is its header and its source together: block_list.h and block_list.c. usage: structure.py SOURCE_DIR
 """
@@ -46,6 +46,19 @@ def circles(graph):
     return sorted(groups)
 
 
+def asked(root):
+    """Where C code asks how a system describes its contacts: only lib/system and the sources of the terms may."""
+    found = []
+    for path in sorted((root / "lib").rglob("*.[ch]")):
+        name = path.relative_to(root).as_posix()
+        bare = re.sub(r'/\*.*?\*/|"[^"\n]*"', "", path.read_text(), flags=re.S)
+        words = r"by_list|is_listed|nsdae_system_is_listed"
+        if not name.startswith(("lib/system/", "lib/terms/", "lib/bodies/")):
+            words += "" if name.startswith(("lib/friction/", "lib/lcp/")) else "|listed"
+            found += [f"{name} asks how contacts are described: {word}" for word in set(re.findall(rf"\b(?:{words})\b", bare))]
+    return found
+
+
 def comment_ratio(root):
     """Lines of comments over lines of comments and code, in C sources of lib."""
     comments = code = 0
@@ -69,6 +82,7 @@ def main():
     for circle in circles(graph):
         if not all(name.startswith(EXCEPTED) for name in circle):
             faults.append("a circle of includes: " + ", ".join(circle))
+    faults += asked(root)
     print("lib, C: %d lines of code, %d of comments: %.1f %%" % (lambda c, k, r: (c, k, 100 * r))(*comment_ratio(root)))
     print(f"{len(headers)} headers, {sum(map(len, graph.values()))} includes between files")
     for fault in faults:

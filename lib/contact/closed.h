@@ -1,5 +1,6 @@
-/* The contacts by list that were closed in a step: who they are. What they did is in the impulses
- * of the same step, by the same places; the next step begins with it, by id. */
+/* The contacts of a step: who they are. What they did is in the impulses of the same step, by the
+ * same places; of a list the next step begins with it, by id. Fixed contacts are there always, also
+ * open ones, and are not counted: contact i has the id i and no blocks. */
 #ifndef NSDAE_CLOSED_H
 #define NSDAE_CLOSED_H
 
@@ -7,10 +8,11 @@
 #include "terms.h"
 
 typedef struct nsdae_closed {
-  int count, room, nt, rows; /* rows: of a contact in a complementarity problem, at most */
+  int count, room, nt,
+      rows; /* count: of a list; rows: of a contact in a complementarity problem, at most */
   long *id;
   int *block;  /* 2 count */
-  double *gap; /* count */
+  double *gap; /* count; of fixed contacts those of the end */
   int *fresh;  /* no impulse in the step before */
   int *basis;  /* rows count */
 } nsdae_closed;

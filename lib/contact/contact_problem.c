@@ -15,13 +15,13 @@ int nsdae_problem_make(nsdae_problem *p, const nsdae_system *system, int threads
 }
 
 /* The arrays of the closed contacts. */
-enum { ARRAYS = 6 };
+enum { ARRAYS = 5 };
 
 #define EACH(p)                                                                    \
   {                                                                                \
     NSDAE_ARRAY((p)->dispatch.islands.contact.of, 1), NSDAE_ARRAY((p)->number, 1), \
-        NSDAE_ARRAY((p)->picked.fresh, 1), NSDAE_ARRAY((p)->picked.item, 1),       \
-        NSDAE_ARRAY((p)->picked.place, 1), NSDAE_ARRAY((p)->picked.law, 1)         \
+        NSDAE_ARRAY((p)->picked.item, 1), NSDAE_ARRAY((p)->picked.place, 1),       \
+        NSDAE_ARRAY((p)->picked.law, 1)                                            \
   }
 
 void nsdae_problem_release(nsdae_problem *p)
@@ -128,12 +128,10 @@ static int close_list(nsdae_problem *p, nsdae_terms *terms, double touch, const 
 {
   pick(p, &terms->by.list, touch);
   p->law = p->picked.law;
-  p->fresh = p->closed->fresh;
   p->warm.basis = p->closed->basis;
   int status = distinct(p, p->closed, terms);
   if (status < 0) return status;
   nsdae_closed_clear(p->closed, p->results);
-  nsdae_impulses_clear_joints(p->results, p->system->dims.f);
   recall_all(p, last, was);
   nsdae_terms_select(terms, p->closed->count, p->picked.item);
   p->count = p->closed->count;
@@ -144,7 +142,7 @@ static void recall_fixed(nsdae_problem *p, int i, const nsdae_impulses *was)
 {
   int nt = p->system->dims.nt;
   p->number[p->count++] = i;
-  p->picked.fresh[i] = was->normal[i] == 0;
+  p->closed->fresh[i] = was->normal[i] == 0;
   p->results->normal[i] = was->normal[i];
   for (int j = i * nt; j < (i + 1) * nt; j++) p->results->tangential[j] = was->tangential[j];
 }
@@ -154,9 +152,7 @@ static void close_fixed(nsdae_problem *p, const nsdae_terms *terms, double touch
                         const nsdae_impulses *was)
 {
   int k = p->system->dims.k, rows = p->contacts->rows_most, *basis = p->warm.basis;
-  nsdae_impulses_clear(p->results, &p->system->dims);
   p->law = p->system->contact;
-  p->fresh = p->picked.fresh;
   p->count = 0;
   for (int i = 0; i < k; i++, basis += rows) {
     if (!(terms->gap[i] > touch))
@@ -179,6 +175,7 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   const nsdae_contact_list *list;
   int status = nsdae_terms_find(terms, touch, &list);
   if (status < 0) return status;
+  nsdae_impulses_clear(results, &p->system->dims);
   if (list) return close_list(p, terms, touch, last, was);
   close_fixed(p, terms, touch, was);
   return NSDAE_OK;
@@ -280,7 +277,7 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                                   .terms = terms,
                                   .law = p->law,
                                   .id = p->closed->id,
-                                  .fresh = p->fresh,
+                                  .fresh = p->closed->fresh,
                                   .warm = p->warm,
                                   .factorisation = &p->dispatch.factorisation,
                                   .M = M,

@@ -13,11 +13,10 @@
 #include "island_dispatch.h"
 #include "listed.h"
 
-/* Of the closed contacts, by number. */
+/* Of the closed contacts of a list, by number. */
 typedef struct nsdae_picked {
-  int *item, *place;       /* of a list: entries of it; of another list */
-  nsdae_coefficients *law; /* of a list */
-  int *fresh;              /* of fixed contacts */
+  int *item, *place; /* entries of it; of another list */
+  nsdae_coefficients *law;
   nsdae_ids ids;
 } nsdae_picked;
 
@@ -25,13 +24,12 @@ typedef struct nsdae_problem {
   const nsdae_system *system;
   nsdae_error *error;
   nsdae_contacts *contacts;      /* settings, and the bases of fixed contacts and joints */
-  nsdae_closed *closed;          /* of a list, of the step in work */
+  nsdae_closed *closed;          /* of the step in work */
   nsdae_impulses *results;       /* of the step in work */
   const nsdae_terms *home;       /* where the contacts were found closed */
   int count, *number;            /* closed contacts */
   const nsdae_coefficients *law; /* by number */
   nsdae_picked picked;
-  const int *fresh; /* by number: no impulse in the step before */
   nsdae_contact_warm warm;
   int *hit; /* islands with an impact */
   nsdae_island_dispatch dispatch;

@@ -21,39 +21,26 @@ void nsdae_impulses_layout(nsdae_impulses *r, const nsdae_dims *dims, nsdae_aren
   double *real = NSDAE_ARENA_DOUBLES(arena, doubles(dims));
   int *whole = NSDAE_ARENA_INTS(arena, wholes(dims));
   if (!real || !whole) return; /* measuring */
-  r->before = real;
+  r->slide_before = real;
+  r->slide_after = r->slide_before + f;
+  r->frictional_joint_impulse = r->slide_after + f;
+  r->frictional_joint_mode = whole;
+  if (k == 0) return; /* those of a list grow with it */
+  r->before = r->frictional_joint_impulse + f;
   r->before_t = r->before + k;
   r->after = r->before_t + kt;
   r->after_t = r->after + k;
   r->normal = r->after_t + kt;
   r->tangential = r->normal + k;
-  r->slide_before = r->tangential + kt;
-  r->slide_after = r->slide_before + f;
-  r->frictional_joint_impulse = r->slide_after + f;
-  r->impact = whole;
+  r->impact = r->frictional_joint_mode + f;
   r->mode = r->impact + k;
-  r->frictional_joint_mode = r->mode + k;
 }
 
 void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)
 {
-  memset(r->before, 0, doubles(dims) * sizeof *r->before);
-  memset(r->impact, 0, wholes(dims) * sizeof *r->impact);
-}
-
-void nsdae_impulses_layout_joints(nsdae_impulses *r, int f, nsdae_arena *arena)
-{
-  double **const each[] = {&r->slide_before, &r->slide_after, &r->frictional_joint_impulse, NULL};
-  nsdae_arena_doubles(arena, f, each);
-  r->frictional_joint_mode = NSDAE_ARENA_INTS(arena, f);
-}
-
-void nsdae_impulses_clear_joints(nsdae_impulses *r, int f)
-{
-  for (int j = 0; j < f; j++) {
-    r->slide_before[j] = r->slide_after[j] = r->frictional_joint_impulse[j] = 0;
-    r->frictional_joint_mode[j] = 0;
-  }
+  if (dims->k + dims->f == 0) return;
+  memset(r->slide_before, 0, doubles(dims) * sizeof *r->slide_before);
+  memset(r->frictional_joint_mode, 0, wholes(dims) * sizeof *r->frictional_joint_mode);
 }
 
 double nsdae_impulses_work(const nsdae_impulses *r, int nt, int count, const int *contact)
@@ -71,7 +58,7 @@ double nsdae_impulses_work(const nsdae_impulses *r, int nt, int count, const int
 void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double share,
                           const nsdae_impulses *from)
 {
-  nsdae_blend((int)doubles(dims), share, from->before, to->before);
+  nsdae_blend((int)doubles(dims), share, from->slide_before, to->slide_before);
 }
 
 void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,

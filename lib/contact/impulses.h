@@ -19,11 +19,9 @@ typedef struct nsdae_impulses {
   int *frictional_joint_mode;         /* f */
 } nsdae_impulses;
 
+/* Of k = 0 those of the frictional joints alone: a list has the others. */
 void nsdae_impulses_layout(nsdae_impulses *impulses, const nsdae_dims *dims, nsdae_arena *arena);
 void nsdae_impulses_clear(nsdae_impulses *impulses, const nsdae_dims *dims);
-/* The same of the frictional joints alone. */
-void nsdae_impulses_layout_joints(nsdae_impulses *impulses, int f, nsdae_arena *arena);
-void nsdae_impulses_clear_joints(nsdae_impulses *impulses, int f);
 
 /* Those of the first contacts, and of the frictional joints, of impulses of other dimensions; of
  * the rest none. */

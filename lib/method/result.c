@@ -54,14 +54,20 @@ void nsdae_count_rank(nsdae_counters *c, int rank, double kept, double left)
   c->rank_discarded = nsdae_larger(c->rank_discarded, left);
 }
 
-/* Of tracked contacts they are as many as there are slots. */
-static void lay_out_closed(nsdae_closed *closed, int k, nsdae_arena *arena)
+/* Tracked contacts are as many as there are slots; those of a list grow with it. */
+static void lay_out_closed(nsdae_closed *closed, const nsdae_terms *end, nsdae_arena *arena)
 {
+  int k = end->system->dims.k, tracked = end->system->tracked != NULL;
+  if (nsdae_terms_most(end->system) == NSDAE_ANY_NUMBER) return;
   closed->id = nsdae_arena_take(arena, k, sizeof *closed->id);
   closed->block = NSDAE_ARENA_INTS(arena, 2L * k);
-  closed->gap = NSDAE_ARENA_DOUBLES(arena, k);
+  closed->gap = tracked ? NSDAE_ARENA_DOUBLES(arena, k) : end->gap;
   closed->fresh = NSDAE_ARENA_INTS(arena, k);
-  closed->basis = NSDAE_ARENA_INTS(arena, (long)closed->rows * k);
+  closed->basis = NSDAE_ARENA_INTS(arena, tracked ? (long)closed->rows * k : 0);
+  for (int i = 0; arena->base && !tracked && i < k; i++) {
+    closed->id[i] = i;
+    closed->block[2 * i] = closed->block[2 * i + 1] = -1;
+  }
 }
 
 void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
@@ -69,16 +75,14 @@ void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
   const nsdae_dims *dims = &r->end.system->dims;
   nsdae_terms_layout(&r->end, arena);
   r->closed.nt = dims->nt;
-  if (r->end.system->tracked) lay_out_closed(&r->closed, dims->k, arena);
-  if (r->end.system->by_list)
-    nsdae_impulses_layout_joints(&r->impulses, dims->f, arena);
-  else
-    nsdae_impulses_layout(&r->impulses, dims, arena);
+  lay_out_closed(&r->closed, &r->end, arena);
+  nsdae_impulses_layout(&r->impulses, dims, arena);
   r->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
-  int listed = r->end.system->by_list;
-  if (!listed) r->impacts_max = 64 + 2 * dims->k; /* else they grow with the lists */
-  r->changes_max = listed ? 0 : r->impacts_max + 2 * dims->f;
-  if (!listed) r->impact = nsdae_arena_take(arena, r->impacts_max, sizeof *r->impact);
+  if (nsdae_terms_most(r->end.system) < NSDAE_ANY_NUMBER) { /* else they grow with the list */
+    r->impacts_max = 64 + 2 * dims->k;
+    r->changes_max = r->impacts_max + 2 * dims->f;
+    r->impact = nsdae_arena_take(arena, r->impacts_max, sizeof *r->impact);
+  }
   r->change = nsdae_arena_take(arena, r->changes_max, sizeof *r->change);
   r->memory.real = NSDAE_ARENA_DOUBLES(arena, r->memory.reals);
   r->memory.whole = NSDAE_ARENA_INTS(arena, r->memory.wholes);
@@ -94,7 +98,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   const nsdae_dims *dims = &r->end.system->dims;
   for (int i = 0; i < dims->m; i++) r->multiplier[i] = 0;
   r->closed.count = 0;
-  if (!r->end.system->by_list && !impulses_follow) nsdae_impulses_clear(&r->impulses, dims);
+  if (!impulses_follow) nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
   r->work = r->lifted = r->gain = r->turnover = r->worst_residual = r->carried = 0;
   r->smooth = r->located = r->given_up = 0;
@@ -136,9 +140,9 @@ int nsdae_result_room(const nsdae_result *r)
 /* Id and blocks of a contact: of one in a slot those of the list. */
 static void name_contact(const nsdae_system *s, int contact, long *id, int block[2])
 {
-  int listed = s->tracked && contact >= 0;
-  *id = listed ? s->tracked->id[contact] : contact;
-  for (int i = 0; i < 2; i++) block[i] = listed ? s->tracked->block[2 * contact + i] : -1;
+  int in_slot = s->tracked && contact >= 0;
+  *id = in_slot ? s->tracked->id[contact] : contact;
+  for (int i = 0; i < 2; i++) block[i] = in_slot ? s->tracked->block[2 * contact + i] : -1;
 }
 
 nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double before)
@@ -174,7 +178,7 @@ int nsdae_result_grow(nsdae_result *r, const nsdae_room *contacts)
 {
   int room = (int)contacts->entries;
   const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
-  if (!r->end.system->by_list) return NSDAE_OK;
+  if (nsdae_terms_most(r->end.system) < NSDAE_ANY_NUMBER) return NSDAE_OK;
   int status = nsdae_closed_grow(&r->closed, &r->impulses, room);
   if (status == NSDAE_OK) status = nsdae_arrays_grow(impacts, 1, contacts->entries);
   if (status == NSDAE_OK) r->impacts_max = room;
@@ -185,7 +189,7 @@ void nsdae_result_release(nsdae_result *r)
 {
   const nsdae_array impacts[] = {NSDAE_ARRAY(r->impact, 1)};
   nsdae_terms_release(&r->end);
-  if (!r->end.system || !r->end.system->by_list) return;
+  if (!r->end.system || nsdae_terms_most(r->end.system) < NSDAE_ANY_NUMBER) return;
   nsdae_closed_release(&r->closed, &r->impulses);
   nsdae_arrays_release(impacts, 1);
 }

@@ -87,7 +87,7 @@ nsdae_impact *nsdae_result_impact(nsdae_result *result, double t, int contact, d
 void nsdae_result_change(nsdae_result *result, double t, int contact, int frictional_joint,
                          int before, int after);
 
-/* Room in the lists without those of its terms; NSDAE_OK or NSDAE_E_MEMORY. */
+/* Room in the lists, without those of its terms; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_result_grow(nsdae_result *result, const nsdae_room *contacts);
 void nsdae_result_release(nsdae_result *result);
 

@@ -331,12 +331,12 @@ static int switch_contacts(nsdae_penalty *p, nsdae_result *result, double t)
   for (int i = 0; i < nsdae_penalty_dims(p)->k && status == NSDAE_OK; i++) {
     double v_n = p->equations.at.v_n[i];
     int closed = p->equations.base.closed[i];
-    int listed = p->equations.stepper->middle.gap[i] < NSDAE_FAR;
+    int near = p->equations.stepper->middle.gap[i] < NSDAE_FAR;
     int appears = nsdae_penalty_is_tracked(p) && p->gaps.fall.low[i] >= NSDAE_FAR;
     if (!p->gaps.found[i]) continue;
-    if (closed && (v_n > 0 || !listed))
+    if (closed && (v_n > 0 || !near))
       open_contact(p, result, i);
-    else if (!closed && (v_n <= 0 || appears) && listed)
+    else if (!closed && (v_n <= 0 || appears) && near)
       status = close_contact(p, i, t);
   }
   return status < 0 ? status : start(p, t, 0);

@@ -182,8 +182,8 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
   nsdae_record *record = &point->record;
   nsdae_certificate *c = &record->certificate;
   const nsdae_system *s = r->end.system;
-  int status = NSDAE_OK, listed = s->by_list, count = listed ? r->closed.count : s->dims.k;
-  const double *gap = listed ? r->closed.gap : r->end.gap;
+  int status = NSDAE_OK, count = r->closed.count + s->dims.k;
+  const double *gap = s->tracked ? r->end.gap : r->closed.gap;
   *c = none;
   /* ---- places */
   for (int i = 0; i < count; i++) worst(-gap[i], i, &c->penetration, &c->penetration_contact);
@@ -213,7 +213,7 @@ int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
   *w = (nsdae_work){.potential = point->record.potential};
   w->power = w->earlier = power_of(&point->result.end, &rounding);
   int status = measure_certificate(sim, point);
-  if (sim->system->by_list) c->penetration_contact = -1; /* the record has no list yet */
+  if (sim->system->dims.k == 0) c->penetration_contact = -1; /* the record has no list yet */
   point->accounts.stats.certificate = *c;
   return status;
 }

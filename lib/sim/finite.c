@@ -40,7 +40,7 @@ static int find_not_finite(const nsdae_point *point)
   const nsdae_result *result = &point->result;
   const nsdae_record *r = &point->record;
   const nsdae_dims *d = &result->end.system->dims;
-  int k = r->contacts.count, contact = result->end.system->by_list ? OF_NONE : NSDAE_NAME_CONTACT;
+  int k = r->contacts.count, contact = d->k > 0 ? NSDAE_NAME_CONTACT : OF_NONE;
   const part parts[] = {
       {"time", &r->time, 1, OF_ONE, 1},
       {"q", r->q, d->nq, NSDAE_NAME_COORDINATE, 1},
@@ -82,7 +82,7 @@ static double sum(const double *a, int n)
 
 /* A finite sum has finite terms: where it is none they are looked at one by one. In it are not: the
  * energies, of which work and unexplained are sums; v, of which kinetic is none unless all are
- * finite; gaps, which were looked at as they came. */
+ * finite. */
 int nsdae_point_finite(const nsdae_point *point)
 {
   const nsdae_record *r = &point->record;
@@ -91,9 +91,9 @@ int nsdae_point_finite(const nsdae_point *point)
   const nsdae_certificate *c = &r->certificate;
   double all = r->time + c->work + c->unexplained + r->lcp_residual + r->constraint_drift +
                c->constraint_rate + c->complementarity;
-  all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->contacts.normal_impulse, k) +
-         sum(r->contacts.tangential_impulse, k * d->nt) + sum(r->frictional_joint_impulse, d->f);
-  if (point->result.end.system->by_list) all += sum(r->contacts.gap, k);
+  all += sum(r->q, d->nq) + sum(r->multiplier, d->m) + sum(r->contacts.gap, k) +
+         sum(r->contacts.normal_impulse, k) + sum(r->contacts.tangential_impulse, k * d->nt) +
+         sum(r->frictional_joint_impulse, d->f);
   for (int i = 0; i < r->impacts; i++) all += sum_of(&r->impact[i]);
   return isfinite(all) ? NSDAE_OK : find_not_finite(point);
 }

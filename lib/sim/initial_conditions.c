@@ -61,7 +61,7 @@ static int check_gaps(nsdae_terms *T, int method, double tol)
   int event = method == NSDAE_METHOD_EVENT, i = -1;
   int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
   double bound = 0, q = nsdae_largest(T->system->dims.nq, T->q);
-  if (T->system->by_list) nsdae_terms_select(T, T->by.list.count, NULL);
+  nsdae_terms_select_all(T);
   /* the deepest of the contacts that overlap by more than their bound */
   for (int j = 0; j < T->by.normal.count && method != NSDAE_METHOD_PENALTY; j++) {
     double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, j));
@@ -415,9 +415,7 @@ static int at_bench(nsdae_sim *sim, task work, double t, double *q, double *v)
 {
   bench b = {.model = sim->model, .tools = sim->stepper};
   nsdae_arena arena;
-  b.model.dims.k = sim->system->dims.k;
-  b.model.tracked = NULL;
-  b.model.by_list = sim->system->by_list;
+  nsdae_system_track_no_more(&b.model);
   b.tools.system = &b.model;
   nsdae_stepper_prepare_terms(&b.tools, &b.terms);
   b.terms.differences = &sim->stepper.differences;
@@ -480,11 +478,11 @@ int nsdae_initial_touch(nsdae_sim *sim, nsdae_terms *T)
   if (sim->options.method != NSDAE_METHOD_EVENT) return NSDAE_OK;
   for (int i = 0; i < T->by.normal.count; i++) overlaps |= T->gap[i] < -nsdae_terms_touch(T);
   if (!overlaps) return NSDAE_OK;
-  if (sim->system->by_list)
+  if (sim->model.tracked)
     status = at_bench(sim, touch_at_bench, T->t, T->q, T->v);
   else
     status = touch(&sim->projection, T);
-  if (sim->system->by_list) nsdae_terms_forget(T);
+  if (sim->model.tracked) nsdae_terms_forget(T);
   return status < 0 ? status : 1;
 }
 

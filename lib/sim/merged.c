@@ -141,12 +141,8 @@ static int report(nsdae_point *point, const merged *m)
   nsdae_error_set(end->error, NSDAE_WARN_IMPACTS, "nsdae_sim", "dt",
                   "impacts are merged in the step to t = %.6g: %s and %s have up to %.3g "
                   "consecutive impacts: make dt smaller, or use method = event",
-                  nsdae_terms_time(end),
-                  s->by_list ? nsdae_system_called_id(s, id[m->contact], one)
-                             : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->contact, one),
-                  s->by_list ? nsdae_system_called_id(s, id[m->other], other)
-                             : nsdae_system_called(s, NSDAE_NAME_CONTACT, m->other, other),
-                  m->impacts);
+                  nsdae_terms_time(end), nsdae_system_called_contact(s, id, m->contact, one),
+                  nsdae_system_called_contact(s, id, m->other, other), m->impacts);
   return nsdae_error_at(end->error, NSDAE_WARN_IMPACTS,
                         nsdae_system_index(s, NSDAE_NAME_CONTACT, m->contact),
                         nsdae_terms_time(end));

@@ -94,7 +94,7 @@ static int report(nsdae_point *point, const excess *e, int status)
                   "at t = %.12g %s %.3g, above the bound of the method (%.3g): %s",
                   nsdae_terms_time(end), r->what, e->value, e->bound, r->advice);
   end->error->time = nsdae_terms_time(end);
-  if (r->kind >= 0 && !(r->kind == NSDAE_NAME_CONTACT && end->system->by_list))
+  if (r->kind >= 0 && (r->kind != NSDAE_NAME_CONTACT || end->system->dims.k > 0))
     nsdae_system_name_item(end->system, r->kind, e->item, end->error);
   return status;
 }

@@ -1,6 +1,7 @@
 /* Records, impacts, certificates and statistics of a point, from its result alone. */
 #include <string.h>
 
+#include "listed.h"
 #include "sim_impl.h"
 
 enum {
@@ -11,11 +12,11 @@ enum {
   EVERY_TERM = ALL_TERMS | NSDAE_TERM_ACCELERATION
 };
 
-/* k of a system with fixed contacts, 0 of one with a contact list. */
+/* k of fixed contacts, which have their places in every record. */
 static int fixed_contacts(const nsdae_point *p)
 {
   const nsdae_system *s = p->result.end.system;
-  return nsdae_system_is_listed(s) ? 0 : s->dims.k;
+  return s->tracked ? 0 : s->dims.k;
 }
 
 /* Where the arrays are: made anew when lists grew. */
@@ -23,7 +24,7 @@ void nsdae_point_show_arrays(nsdae_point *p)
 {
   const nsdae_result *r = &p->result;
   const nsdae_impulses *impulses = &r->impulses;
-  int listed = nsdae_system_is_listed(r->end.system);
+  const nsdae_system *s = r->end.system;
   nsdae_record *to = &p->record;
   nsdae_contact_set *contacts = &to->contacts;
   to->q = r->end.q;
@@ -35,13 +36,13 @@ void nsdae_point_show_arrays(nsdae_point *p)
   to->frictional_joint_mode = impulses->frictional_joint_mode;
   to->impact = r->impact;
   to->change = r->change;
-  contacts->id = listed ? r->closed.id : p->number;
-  contacts->block = listed ? r->closed.block : p->no_block;
-  contacts->gap = listed ? r->closed.gap : r->end.gap;
+  contacts->id = r->closed.id;
+  contacts->block = r->closed.block;
+  contacts->gap = r->closed.gap;
   contacts->normal_impulse = impulses->normal;
   contacts->tangential_impulse = impulses->tangential;
   contacts->mode = impulses->mode;
-  if (listed) return;
+  if (s->tracked || nsdae_terms_most(s) == NSDAE_ANY_NUMBER) return;
   to->gap = contacts->gap;
   to->normal_impulse = contacts->normal_impulse;
   to->tangential_impulse = contacts->tangential_impulse;
@@ -59,12 +60,6 @@ void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
   p->normal_force = NSDAE_ARENA_DOUBLES(arena, k);
   p->tangential_force = NSDAE_ARENA_DOUBLES(arena, k * d->nt);
   p->frictional_joint_force = NSDAE_ARENA_DOUBLES(arena, d->f);
-  p->number = nsdae_arena_take(arena, k, sizeof *p->number);
-  p->no_block = NSDAE_ARENA_INTS(arena, 2 * k);
-  for (int i = 0; arena->base && i < k; i++) {
-    p->number[i] = i;
-    p->no_block[2 * i] = p->no_block[2 * i + 1] = -1;
-  }
   nsdae_point_show_arrays(p);
 }
 
@@ -101,8 +96,7 @@ static void fill_record(nsdae_point *p)
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
   record->lcp_residual = r->worst_residual;
-  record->contacts.count =
-      nsdae_system_is_listed(r->end.system) ? r->closed.count : fixed_contacts(p);
+  record->contacts.count = r->closed.count + fixed_contacts(p);
   record->impacts = r->impacts;
   record->changes = r->changes;
 }
@@ -135,12 +129,10 @@ static void certify(nsdae_stats *stats, const nsdae_record *r)
   stats->energy_balance = r->kinetic + r->potential + r->dissipated - stats->energy_start;
 }
 
-/* Whether contact i had an impulse in the step before; one in a slot by its id. */
-static int had_impulse(const nsdae_result *last, int i)
+/* Whether the contact in slot i had an impulse in the step before, by its id. */
+static int had_impulse(const nsdae_result *last, const nsdae_tracked *tracked, int i)
 {
-  const nsdae_tracked *tracked = last->end.system->tracked;
   int any = 0;
-  if (!tracked) return last->impulses.normal[i] != 0;
   for (int a = 0; a < last->closed.count && !any; a++)
     any = last->closed.id[a] == tracked->id[i] && last->impulses.normal[a] != 0;
   return any;
@@ -153,20 +145,19 @@ static void find_impacts(const nsdae_result *last, nsdae_result *result, double 
   const nsdae_impulses *r = &result->impulses;
   const nsdae_dims *dims = &result->end.system->dims;
   const nsdae_closed *closed = &result->closed;
-  int listed = result->end.system->by_list, count = listed ? closed->count : dims->k;
-  for (int i = 0; i < count; i++) {
-    int idle = listed ? closed->fresh[i] : !had_impulse(last, i);
+  const nsdae_tracked *tracked = result->end.system->tracked;
+  for (int i = 0; i < dims->k + closed->count; i++) {
+    int idle = tracked ? !had_impulse(last, tracked, i) : closed->fresh[i];
     int fresh = idle || r->impact[i];
     if (!(r->normal[i] > 0) || !fresh || !(r->before[i] < -slow)) continue;
     nsdae_impact *impact = &result->impact[result->impacts++];
-    *impact = (nsdae_impact){
-        .time = nsdae_terms_time(&result->end),
-        .contact = i,
-        .normal_impulse = r->normal[i],
-        .velocity_before = r->before[i],
-        .velocity_after = r->after[i],
-        .id = listed ? closed->id[i] : i,
-        .block = {listed ? closed->block[2 * i] : -1, listed ? closed->block[2 * i + 1] : -1}};
+    *impact = (nsdae_impact){.time = nsdae_terms_time(&result->end),
+                             .contact = i,
+                             .normal_impulse = r->normal[i],
+                             .velocity_before = r->before[i],
+                             .velocity_after = r->after[i],
+                             .id = closed->id[i],
+                             .block = {closed->block[2 * i], closed->block[2 * i + 1]}};
     for (int j = 0; j < dims->nt; j++)
       impact->tangential_impulse[j] = r->tangential[i * dims->nt + j];
   }

@@ -38,7 +38,6 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
 {
   nsdae_sim_options defaults;
   nsdae_sim_options_default(&defaults);
-  if (system->by_list) return NSDAE_OK;
   if (!options) options = &defaults;
   int edges = options->polygon, limit = nsdae_contacts_rows_limit();
   if (options->method == NSDAE_METHOD_EVENT) edges = nsdae_law_edges_to_start(edges);
@@ -65,10 +64,8 @@ static int copy_system(nsdae_sim *sim)
   size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
   memcpy(&sim->model, from, sizeof *from);
   sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
-  if (from->by_list && sim->method->tracks) {
-    sim->model.by_list = 0;
-    sim->model.contact = NULL;
-    sim->model.tracked = &sim->tracked;
+  if (from->call.contacts && sim->method->tracks) {
+    nsdae_system_track(&sim->model, &sim->tracked);
     if (nsdae_sim_make_slots(sim, SLOTS) < 0) return NSDAE_E_MEMORY;
   } else {
     sim->model.contact = calloc(k + 1, sizeof *sim->model.contact);
@@ -89,7 +86,7 @@ static int first_room(nsdae_sim *sim)
   size_t most = (size_t)sim->options.contacts_max, pairs = blocks < most ? blocks : most;
   nsdae_room contacts = {pairs, 2 * columns * (size_t)d->nv};
   nsdae_room rows = {2 * (size_t)d->m, 12 * (size_t)d->m};
-  if (!sim->system->by_list) contacts = (nsdae_room){0};
+  if (!sim->system->call.contacts) contacts = (nsdae_room){0};
   if (!sim->system->call.constraint_rows && !sim->system->call.joint_friction_rows)
     rows = (nsdae_room){0};
   return nsdae_sim_make_room(sim, &contacts, &rows);
@@ -101,7 +98,7 @@ static void choose_projected(nsdae_sim *sim)
 {
   nsdae_projector *p = &sim->projection;
   const nsdae_sim_options *o = &sim->options;
-  int event = o->method == NSDAE_METHOD_EVENT && !sim->system->by_list;
+  int event = o->method == NSDAE_METHOD_EVENT && !sim->model.tracked;
   p->tools = &sim->stepper;
   p->rows = event || o->projection != NSDAE_PROJECTION_NONE ? sim->system->dims.m : 0;
   p->contacts.any = event || o->projection >= NSDAE_PROJECTION_CONTACTS;

@@ -89,8 +89,6 @@ typedef struct nsdae_point {
   nsdae_record record; /* made of them */
   double *acceleration, *normal_force, *tangential_force,
       *frictional_joint_force; /* means of the step */
-  long *number;                /* of fixed contacts: k, 0 .. k - 1 */
-  int *no_block;               /* of fixed contacts: 2 k, -1 */
 } nsdae_point;
 
 void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);

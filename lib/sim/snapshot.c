@@ -152,8 +152,8 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   nsdae_result *r = &p->result;
   nsdae_accounts *a = &p->accounts;
   nsdae_dims dims = r->end.system->dims, *d = &dims;
-  int listed = r->end.system->by_list || r->end.system->tracked;
-  if (listed) d->k = 0;
+  int tracked = r->end.system->tracked != NULL;
+  if (tracked) d->k = 0;
   _Static_assert(sizeof *a ==
                      2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
                  "an account that the state does not keep");
@@ -178,7 +178,7 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   visit_doubles(c, r->impulses.frictional_joint_impulse, d->f);
   visit_ints(c, r->impulses.mode, d->k);
   visit_ints(c, r->impulses.frictional_joint_mode, d->f);
-  if (listed) visit_closed(c, r, *have);
+  if (tracked || nsdae_terms_most(r->end.system) == NSDAE_ANY_NUMBER) visit_closed(c, r, *have);
   visit(c, r->memory.real, r->memory.reals * sizeof(double));
   visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
 }
@@ -398,7 +398,7 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
   if (status < 0) return status;
   int tracked = sim->model.tracked != NULL;
   int most = tracked ? nsdae_sim_most_slots(sim) : sim->options.contacts_max;
-  if (h.closed < 0 || h.closed > most || (h.closed > 0 && !sim->system->by_list) || h.slots < 0 ||
+  if (h.closed < 0 || h.closed > most || (h.closed > 0 && !sim->system->call.contacts) || h.slots < 0 ||
       (tracked ? h.slots > most : h.slots != sim->model.dims.k))
     return refuse_state(sim, "block",
                         "the state has an invalid number of contacts in the contact list");
@@ -447,12 +447,12 @@ static int check_values(nsdae_sim *sim)
       r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
       c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
   /* the listed contacts */
-  int listed = r->closed.count, right = listed == 0 || r->end.by.reach >= 0;
-  for (int i = 0; i < 2 * listed; i++)
+  int count = r->closed.count, right = count == 0 || r->end.by.reach >= 0;
+  for (int i = 0; i < 2 * count; i++)
     right &= r->closed.block[i] >= -1 && r->closed.block[i] < sim->system->blocks.count;
-  if (listed > 0)
-    right &= are_finite(r->impulses.normal, listed) && are_finite(r->closed.gap, listed) &&
-             are_finite(r->impulses.tangential, listed * r->closed.nt);
+  if (count > 0)
+    right &= are_finite(r->impulses.normal, count) && are_finite(r->closed.gap, count) &&
+             are_finite(r->impulses.tangential, count * r->closed.nt);
   if (right && are_finite(sums, (int)(sizeof sums / sizeof *sums)) && are_finite(r->end.q, d->nq) &&
       are_finite(r->end.v, d->nv) && are_finite(r->multiplier, d->m) &&
       are_finite(r->impulses.normal, d->k) && are_finite(r->impulses.tangential, d->k * d->nt) &&

@@ -36,7 +36,7 @@ void nsdae_units_layout(nsdae_projector *p, nsdae_arena *arena)
 /* Whether contacts are found by id, at each point. */
 static int finds_contacts(const nsdae_projector *p)
 {
-  return p->contacts.any && p->tools->system->by_list;
+  return p->contacts.any && nsdae_terms_most(p->tools->system) == NSDAE_ANY_NUMBER;
 }
 
 static void lay_out_rows(void *object, nsdae_arena *arena)
@@ -338,7 +338,7 @@ void nsdae_projector_clear(nsdae_projector *p)
 
 static int count_contacts(const nsdae_projector *p, const nsdae_terms *T)
 {
-  return !p->contacts.any ? 0 : T->system->by_list ? T->by.normal.count : T->system->dims.k;
+  return p->contacts.any ? T->by.normal.count : 0;
 }
 
 /* Rows W_i . d = -c; worst: the largest |c| in units of its rounding, that of the terms it is made

@@ -86,7 +86,7 @@ static int list_closed(nsdae_sim *sim, double length)
 static double gap_before(const nsdae_sim *sim, int i)
 {
   const nsdae_terms *start = &sim->now->result.end;
-  if (!sim->system->by_list) return sim->now->record.gap[i];
+  if (sim->system->dims.k > 0) return start->gap[i];
   int entry = nsdae_ids_find(&sim->projection.contacts.ids, sim->next->result.closed.id[i]);
   return entry < 0 ? INFINITY : start->by.list.gap[entry];
 }
@@ -100,21 +100,21 @@ static int choose_contacts(nsdae_sim *sim, double length)
   nsdae_result *r = &sim->next->result;
   nsdae_terms *start = &sim->now->result.end;
   nsdae_projected *c = &sim->projection.contacts;
-  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS, listed = sim->system->by_list;
+  int lasting = sim->options.projection == NSDAE_PROJECTION_DEPTHS;
+  int fixed = sim->system->dims.k, by_id = lasting && r->closed.count > 0;
   int status = nsdae_terms_need(&r->end, NSDAE_TERM_GAP);
   nsdae_projector_clear(&sim->projection);
   if (!c->any) return status;
   if (status == NSDAE_OK) status = list_closed(sim, length);
-  if (status == NSDAE_OK && listed && lasting)
-    status = nsdae_terms_contacts(start, nsdae_terms_touch(start));
+  if (status == NSDAE_OK && by_id) status = nsdae_terms_contacts(start, nsdae_terms_touch(start));
   if (status < 0) return status;
-  if (listed && lasting) nsdae_ids_fill(&c->ids, start->by.list.count, start->by.list.id);
-  for (int i = 0; i < (listed ? r->closed.count : sim->system->dims.k); i++) {
+  if (by_id) nsdae_ids_fill(&c->ids, start->by.list.count, start->by.list.id);
+  for (int i = 0; i < fixed + r->closed.count; i++) {
     double gap = lasting ? gap_before(sim, i) : 0, depth = fmin(gap, 0);
     int chosen = r->impulses.mode[i] != NSDAE_MODE_OPEN && r->end.gap[i] < depth && !(gap > 0);
-    if (!listed) c->depth[i] = depth;
-    if (!listed) c->closed[i] = chosen;
-    if (!listed || !chosen) continue;
+    if (fixed > 0) c->depth[i] = depth;
+    if (fixed > 0) c->closed[i] = chosen;
+    if (fixed > 0 || !chosen) continue;
     c->id[c->kept] = r->closed.id[i];
     c->id_depth[c->kept++] = depth;
   }

@@ -121,6 +121,21 @@ int nsdae_system_set_contacts(nsdae_system *s, nsdae_contacts_fn callback)
   return NSDAE_OK;
 }
 
+void nsdae_system_track(nsdae_system *model, nsdae_tracked *table)
+{
+  model->by_list = 0;
+  model->contact = NULL;
+  model->tracked = table;
+}
+
+void nsdae_system_track_no_more(nsdae_system *model)
+{
+  if (!model->tracked) return;
+  model->by_list = 1;
+  model->dims.k = 0;
+  model->tracked = NULL;
+}
+
 /* M, D and K are by blocks or dense; Phi_q and W_S of a system with blocks are either, too. */
 static const char *misplaced(const nsdae_system *s)
 {

@@ -120,11 +120,10 @@ static inline int nsdae_system_contacts(const nsdae_system *system)
   return tracked ? nsdae_tracked_count(tracked, system->dims.k) : system->dims.k;
 }
 
-/* Whether its contacts are those of a list, numbered from step to step or by slot. */
-static inline int nsdae_system_is_listed(const nsdae_system *system)
-{
-  return system->by_list || system->tracked;
-}
+/* The contacts of the model's list are those in the slots of a table, none at first; and again
+ * those of the list. */
+void nsdae_system_track(nsdae_system *model, nsdae_tracked *table);
+void nsdae_system_track_no_more(nsdae_system *model);
 
 /* 'contact 3', or 'contact 3 "stop"' where it has a name, with the words of the system's maker in
  * brackets; in text, which is returned. Of an island in the numbers of the whole; contacts by their

@@ -149,6 +149,11 @@ void nsdae_terms_select(nsdae_terms *T, int count, const int *item)
   }
 }
 
+void nsdae_terms_select_all(nsdae_terms *T)
+{
+  if (T->system->by_list) nsdae_terms_select(T, T->by.list.count, NULL);
+}
+
 /* ---- contacts by slot */
 
 enum {

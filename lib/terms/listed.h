@@ -19,6 +19,9 @@ int nsdae_terms_contacts(nsdae_terms *terms, double reach);
  * NULL: it is entry a. */
 void nsdae_terms_select(nsdae_terms *terms, int count, const int *item);
 
+/* Every contact of a list. */
+void nsdae_terms_select_all(nsdae_terms *terms);
+
 /* Gaps, directions, velocities at v = 0 of the slots, from the list within the table's reach; with
  * the statuses of nsdae_terms_contacts. */
 int nsdae_terms_slots(nsdae_terms *terms);

@@ -26,7 +26,7 @@ enum { NEW = 2 };
 void nsdae_tracking_layout(nsdae_tracking *t, nsdae_arena *arena)
 {
   t->fresh = NSDAE_ARENA_INTS(arena, t->model->dims.k);
-  t->listed = NSDAE_ARENA_INTS(arena, t->model->dims.k);
+  t->seen = NSDAE_ARENA_INTS(arena, t->model->dims.k);
   t->closes = NSDAE_ARENA_INTS(arena, t->model->dims.k);
   t->anew = NSDAE_ARENA_DOUBLES(arena, t->model->dims.nv + 2L);
 }
@@ -189,7 +189,7 @@ static int ask(nsdae_tracking *t, nsdae_terms *T, double reach, double speed, in
   if (status == NSDAE_OK && t->model->call.contact_speed) status = check_speed(t, T, speed);
   if (status < 0) return status;
   if (!t->model->call.contact_speed) learn(t, list);
-  memset(t->listed, 0, (size_t)k * sizeof *t->listed);
+  memset(t->seen, 0, (size_t)k * sizeof *t->seen);
   for (int i = 0, last = -1; i < list->count; i++) {
     int slot = nsdae_tracked_find(t->table, k, list->id[i], last + 1);
     if (slot < 0 && (!added || !(list->gap[i] <= reach))) continue;
@@ -197,7 +197,7 @@ static int ask(nsdae_tracking *t, nsdae_terms *T, double reach, double speed, in
     full |= slot < 0;
     if (slot < 0) continue;
     last = slot;
-    t->listed[slot] = list->gap[i] <= reach;
+    t->seen[slot] = list->gap[i] <= reach;
     t->model->contact[slot] = list->law[i];
   }
   nsdae_terms_forget_slots(T);
@@ -250,7 +250,7 @@ int nsdae_tracking_trim(nsdae_tracking *t, nsdae_terms *T, double h, const int *
   int status = speed_at(t, T, &speed);
   if (status == NSDAE_OK) status = ask(t, T, t->near + h * speed, speed, NULL);
   for (int i = 0; i < t->model->dims.k && status == NSDAE_OK; i++)
-    t->table->used[i] &= keep[i] || t->listed[i];
+    t->table->used[i] &= keep[i] || t->seen[i];
   return status;
 }
 
@@ -272,7 +272,7 @@ static int not_in_time(const nsdae_tracking *t, const nsdae_terms *T, int slot, 
 static int unlisted(const nsdae_tracking *t)
 {
   for (int i = 0; i < t->model->dims.k; i++)
-    if (t->fresh[i] == NEW && !t->listed[i]) return i;
+    if (t->fresh[i] == NEW && !t->seen[i]) return i;
   return -1;
 }
 

@@ -41,7 +41,7 @@ typedef struct nsdae_tracking {
   nsdae_tracking_look *look;
   void *user;
   int *fresh;  /* k: 1 since the slot has its contact, until the user sets it to 0 */
-  int *listed; /* k: where the list was asked last */
+  int *seen;   /* k: where the list was asked last */
   int *closes; /* k: see nsdae_tracking_close */
   /* in the method's memory */
   int *used, *block, *id;      /* k, 2 k, 2 k: both halves of the number */

@@ -127,26 +127,26 @@ const nsdae_table nsdae_tables[NSDAE_TABLES] = {
 nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim)
 {
   nsdae_dims d;
-  int listed = nsdae_sim_get_system(sim)->by_list;
+  int varies = nsdae_sim_get_system(sim)->call.contacts != NULL;
   nsdae_sim_get_dims(sim, &d);
   return (nsdae_sizes){
-      .axis = {d.nq, d.nv, d.m, d.k, d.k > 0 || listed ? d.nt : 0, d.f, 2 * listed},
+      .axis = {d.nq, d.nv, d.m, d.k, d.k > 0 || varies ? d.nt : 0, d.f, 2 * varies},
       .potential = nsdae_sim_has_potential(sim),
-      .listed = listed};
+      .varies = varies};
 }
 
 int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_sizes *sizes,
                       int shape[2], int axis[2])
 {
-  const int *length = sizes->axis, listed = sizes->listed;
+  const int *length = sizes->axis, varies = sizes->varies;
   const int one[] = {[NSDAE_WIDTH_ONE] = 1,
                      [NSDAE_WIDTH_POTENTIAL] = sizes->potential,
-                     [NSDAE_WIDTH_LIST] = listed,
-                     [NSDAE_WIDTH_CONTACTS] = listed || length[NSDAE_WIDTH_K] > 0,
+                     [NSDAE_WIDTH_LIST] = varies,
+                     [NSDAE_WIDTH_CONTACTS] = varies || length[NSDAE_WIDTH_K] > 0,
                      [NSDAE_WIDTH_CONSTRAINTS] = length[NSDAE_WIDTH_M] > 0};
   int rank = 0;
   shape[0] = shape[1] = 1;
-  if (table->by_contact && !listed) axis[rank++] = NSDAE_WIDTH_K;
+  if (table->by_contact && !varies) axis[rank++] = NSDAE_WIDTH_K;
   if (width < NSDAE_AXES) axis[rank++] = (int)width;
   for (int i = 0; i < rank; i++) shape[i] = length[axis[i]];
   if (width >= NSDAE_AXES) shape[1] *= one[width];
@@ -155,7 +155,7 @@ int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_s
 
 int nsdae_table_chunk(const nsdae_table *table, const nsdae_sizes *sizes)
 {
-  return table->by_contact && sizes->listed ? CONTACTS : ROWS;
+  return table->by_contact && sizes->varies ? CONTACTS : ROWS;
 }
 
 int nsdae_contact_rows(const nsdae_record *r)

@@ -25,7 +25,7 @@ typedef enum nsdae_width {
 typedef struct nsdae_sizes {
   int axis[NSDAE_AXES]; /* their lengths */
   int potential;        /* 1: the model gives it */
-  int listed;           /* 1: contact list, 0: fixed contacts */
+  int varies;           /* 1: contacts vary from step to step, 0: fixed contacts */
 } nsdae_sizes;
 
 nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim);

@@ -53,7 +53,7 @@ static void write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
   if (h5->status == NSDAE_OK) {
     H5Ldelete(h5->file, "/bodies", H5P_DEFAULT); /* fails if there is none */
     H5Ldelete(h5->file, "/shapes", H5P_DEFAULT);
-    nsdae_bodies_write(h5, n, body, &names, sizes.listed);
+    nsdae_bodies_write(h5, n, body, &names, sizes.varies);
   }
   free(coordinate);
 }
@@ -71,10 +71,10 @@ static void write_own_bodies(nsdae_trajectory *t)
 }
 
 /* The ids of fixed contacts, beside their names; which of the two kinds the group has. */
-static void write_contacts(nsdae_h5 *h5, int k, int listed, hid_t names)
+static void write_contacts(nsdae_h5 *h5, int k, int varies, hid_t names)
 {
   static const char id_path[] = "/contacts/id";
-  if (k == 0 && !listed) return;
+  if (k == 0 && !varies) return;
   if (k > 0) {
     long *id = nsdae_h5_allocate(h5, (size_t)k, sizeof *id);
     for (int i = 0; id && i < k; i++) id[i] = i;
@@ -94,7 +94,7 @@ static void write_contacts(nsdae_h5 *h5, int k, int listed, hid_t names)
 static void write_blocks(nsdae_h5 *h5, const nsdae_system *system)
 {
   hsize_t n = (hsize_t)system->blocks.count;
-  if (!system->by_list) return;
+  if (!system->call.contacts) return;
   nsdae_h5_vector(h5, "/blocks/q", H5T_NATIVE_INT, n, system->coordinates.first, "1",
                   "first coordinate of each block");
   nsdae_h5_vector(h5, "/blocks/v", H5T_NATIVE_INT, n, system->blocks.first, "1",
@@ -116,11 +116,11 @@ static void make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   const nsdae_sizes sizes = nsdae_sizes_of(t->sim);
   nsdae_series *series = t->rows.series;
   for (int i = 0; i < NSDAE_TABLES; i++) {
-    int of_records = nsdae_tables[i].by_contact && !sizes.listed;
+    int of_records = nsdae_tables[i].by_contact && !sizes.varies;
     nsdae_series_create(&series[i], h5, axes,
                         of_records ? series[NSDAE_RECORDS].column[0].set : -1);
   }
-  write_contacts(h5, sizes.axis[NSDAE_WIDTH_K], sizes.listed, axes[NSDAE_WIDTH_K]);
+  write_contacts(h5, sizes.axis[NSDAE_WIDTH_K], sizes.varies, axes[NSDAE_WIDTH_K]);
   nsdae_h5_flush(h5);
 }
 
