@@ -495,8 +495,9 @@ static int read_state(event *e, double t)
 static int lacks_room(const event *e)
 {
   const nsdae_tracked *tracked = e->setting.system->tracked;
-  return tracked && (e->tools->differences.by_id.wanted.entries > 0 ||
-                     tracked->wanted > e->setting.system->dims.k);
+  const nsdae_room *wanted = e->tools->differences.by_id.wanted;
+  return wanted[0].entries > 0 || wanted[1].entries > 0 ||
+         (tracked && tracked->wanted > e->setting.system->dims.k);
 }
 
 static int integrate(event *e)
@@ -699,7 +700,6 @@ static void open_memory(event *e, nsdae_result *result)
   e->setting.result = result;
   nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, &result->memory);
   e->integrator.late = e->base.late;
-  e->tools->differences.by_id.wanted = (nsdae_room){0};
   if (!e->setting.system->tracked) return;
   nsdae_tracking_load(&e->integrator.tracking);
   e->setting.system->tracked->wanted = 0;
