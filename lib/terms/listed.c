@@ -171,6 +171,7 @@ int nsdae_terms_slots(nsdae_terms *T)
   for (int i = 0, slot = -1; i < list->count; i++) {
     if (list->gap[i] > tracked->reach) continue; /* of a list that was asked for more */
     int found = nsdae_tracked_find(tracked, k, list->id[i], slot + 1);
+    if (found >= 0 && place[found] >= 0) return nsdae_terms_id_twice(T, list->id[i]);
     if (found >= 0) place[slot = found] = i;
   }
   nsdae_terms_select(T, k, place);

@@ -266,6 +266,43 @@ static void test_more_each_time(void **state)
   }
 }
 
+/* ---- one id twice in a list */
+
+static int one_twice(double t, const double *q, const double *v, double reach,
+                     nsdae_contact_list *list, void *user)
+{
+  const model *p = user;
+  nsdae_contact c = {.id = 7, .block = {0, -1}, .gap = q[0]};
+  (void)t, (void)v;
+  c.direction[0][0][0] = 1;
+  if (c.gap <= reach) nsdae_contact_add(list, &c);
+  c.gap += p->more * 1e-3;
+  if (c.gap <= reach) nsdae_contact_add(list, &c);
+  return 0;
+}
+
+static void test_one_twice(void **state)
+{
+  (void)state;
+  const int method[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_EVENT, NSDAE_METHOD_PENALTY};
+  for (int i = 0; i < 9; i++) {
+    model p = {.what = NONE, .more = i / 3};
+    nsdae_system *s = make(&p);
+    nsdae_sim_options options;
+    nsdae_sim *sim;
+    nsdae_system_set_contacts(s, one_twice);
+    nsdae_sim_options_default(&options);
+    options.method = method[i % 3];
+    assert_int_equal(nsdae_sim_create(s, &options, &sim, NULL), NSDAE_OK);
+    int status = nsdae_sim_init(sim, 0, q0, v0);
+    if (status == NSDAE_OK) status = nsdae_sim_run(sim, 1);
+    assert_int_equal(status, NSDAE_E_ARGUMENT);
+    assert_string_equal(nsdae_sim_error(sim)->argument, "id");
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&s);
+  }
+}
+
 /* ---- rows that have more parts later */
 
 enum { POINTS = 6 };
@@ -484,6 +521,6 @@ int main(void)
       cmocka_unit_test(test_check),          cmocka_unit_test(test_steps),
       cmocka_unit_test(test_more_each_time), cmocka_unit_test(test_some_not_listed),
       cmocka_unit_test(test_setters),        cmocka_unit_test(test_misplaced),
-      cmocka_unit_test(test_longer_rows)};
+      cmocka_unit_test(test_longer_rows),    cmocka_unit_test(test_one_twice)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
