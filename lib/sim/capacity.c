@@ -111,8 +111,17 @@ static void carry(nsdae_sim *sim, nsdae_result *to, const nsdae_result *was)
   nsdae_terms_forget_slots(&to->end);
 }
 
+/* The method that is there goes on: coefficients may have moved with the model's contacts. */
+static void keep_method(nsdae_sim *sim)
+{
+  if (!sim->own) return;
+  nsdae_stepper_prepare(&sim->stepper);
+  sim->method->prepare(sim->own);
+}
+
 static int no_memory_for_slots(nsdae_sim *sim, int k)
 {
+  keep_method(sim);
   return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
                          "out of memory for %d contacts of the list near the motion", k);
 }
@@ -161,6 +170,7 @@ int nsdae_sim_make_slots(nsdae_sim *sim, int k)
     sim->method->destroy(sim->own);
     sim->own = own;
     nsdae_arena_restore(&sim->arena, nsdae_sim_layout, change_slots, sim, &old);
+    keep_method(sim);
   } else {
     sim->method->destroy(own);
   }
