@@ -398,7 +398,7 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
   if (status < 0) return status;
   int most = sim->options.contacts_max, tracked = sim->model.tracked != NULL;
   if (h.closed < 0 || h.closed > most || (h.closed > 0 && !sim->system->by_list) || h.slots < 0 ||
-      (tracked ? h.slots > most || h.closed > h.slots : h.slots != sim->model.dims.k))
+      (tracked ? h.slots > most : h.slots != sim->model.dims.k))
     return refuse_state(sim, "block",
                         "the state has an invalid number of contacts in the contact list");
   ours = make_head(sim, size, h.slots);
@@ -508,8 +508,9 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   const nsdae_room contacts = {(size_t)h.closed, 0}, rows = {0};
   if ((size_t)h.closed > sim->lists.contacts.entries)
     status = nsdae_sim_make_room(sim, &contacts, &rows);
-  if (status == NSDAE_OK && h.slots > sim->model.dims.k)
-    status = nsdae_sim_make_slots(sim, h.slots);
+  int slots = h.closed > h.slots ? h.closed : h.slots; /* closed ones are in arrays of slots */
+  if (status == NSDAE_OK && sim->model.tracked && slots > sim->model.dims.k)
+    status = nsdae_sim_make_slots(sim, slots);
   while (status == NSDAE_OK && (status = read_block(sim, block)) == NSDAE_ARRAYS_GROW)
     status = nsdae_sim_grow(sim);
   if (status == NSDAE_OK && sim->method->start)
