@@ -489,6 +489,8 @@ static int read_block(nsdae_sim *sim, const void *block)
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   nsdae_terms_forget(&r->end);
   if (status == NSDAE_OK) status = check_values(sim);
+  if (status == NSDAE_OK && sim->method->check && sim->method->check(sim->own, &r->memory) < 0)
+    status = refuse_state(sim, "block", "the state has an invalid number of steps, slot or block");
   nsdae_stepper_count(&sim->stepper, &state, r);
   if (status == NSDAE_OK) status = nsdae_point_show(p, have);
   if (sim->model.tracked) nsdae_terms_forget_slots(&r->end);

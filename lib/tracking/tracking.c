@@ -70,6 +70,17 @@ void nsdae_tracking_load(nsdae_tracking *t)
   t->table->reach = t->still[1];
 }
 
+int nsdae_tracking_is_valid(const nsdae_tracking *t)
+{
+  int valid = 1;
+  for (int i = 0; t->table && i < t->model->dims.k; i++) {
+    valid &= t->used[i] == 0 || t->used[i] == 1;
+    for (int s = 2 * i; s < 2 * i + 2; s++)
+      valid &= t->block[s] >= -1 && t->block[s] < t->model->blocks.count;
+  }
+  return valid;
+}
+
 /* ---- speed */
 
 /* Largest |W_N| at each velocity, and |w_N|, of a list. */
