@@ -211,9 +211,10 @@ int nsdae_problem_update(nsdae_problem *p, nsdae_terms *terms, double reach)
     p->picked.place[a] = list->count;
     nsdae_contact_list_copy(list, &p->home->by.list, p->picked.item[a], reach);
   }
-  if (!nsdae_room_enough(&list->room, &list->taken)) {
+  status = nsdae_differences_room(terms->differences, 0, &list->room, &list->taken);
+  if (status < 0) {
     terms->have &= ~(unsigned)NSDAE_TERM_CONTACTS;
-    return NSDAE_ARRAYS_GROW;
+    return status;
   }
   nsdae_terms_select(terms, p->closed->count, p->picked.place);
   memcpy(p->closed->gap, terms->gap, (size_t)p->closed->count * sizeof *terms->gap);

@@ -495,8 +495,9 @@ static int read_state(event *e, double t)
 static int lacks_room(const event *e)
 {
   const nsdae_tracked *tracked = e->setting.system->tracked;
-  return tracked && (e->tools->differences.by_id.wanted.entries > 0 ||
-                     tracked->wanted > e->setting.system->dims.k);
+  const nsdae_room *wanted = e->tools->differences.by_id.wanted;
+  return wanted[0].entries > 0 || wanted[1].entries > 0 ||
+         (tracked && tracked->wanted > e->setting.system->dims.k);
 }
 
 static int integrate(event *e)
@@ -534,7 +535,7 @@ static int replay(event *e, const nsdae_terms *to)
   nsdae_event_restore(&e->base, g);
   g->again = 1;
   int status = nsdae_event_integrator_start(g, *e->base.t);
-  for (int i = 0; i < steps && status == NSDAE_OK; i++) status = step(e);
+  for (int i = 0; i < steps && status == NSDAE_OK && !(g->ahead > to->t); i++) status = step(e);
   g->again = 0;
   if (lacks_room(e)) return NSDAE_ARRAYS_GROW;
   if (status < 0 && e->setting.error->status == NSDAE_E_CALLBACK) return NSDAE_E_CALLBACK;
@@ -699,7 +700,6 @@ static void open_memory(event *e, nsdae_result *result)
   e->setting.result = result;
   nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, &result->memory);
   e->integrator.late = e->base.late;
-  e->tools->differences.by_id.wanted = (nsdae_room){0};
   if (!e->setting.system->tracked) return;
   nsdae_tracking_load(&e->integrator.tracking);
   e->setting.system->tracked->wanted = 0;
@@ -712,6 +712,14 @@ static void close_memory(const event *e)
   if (!tracked) return;
   nsdae_tracking_store(&e->integrator.tracking);
   r->memory.slots = nsdae_tracked_count(tracked, e->setting.system->dims.k);
+}
+
+static int check(void *own, nsdae_memory *memory)
+{
+  event *e = own;
+  nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, memory);
+  int steps = *e->base.steps >= 0 && *e->base.steps <= STEPS_MAX;
+  return steps && nsdae_tracking_is_valid(&e->integrator.tracking) ? NSDAE_OK : NSDAE_E_ARGUMENT;
 }
 
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
@@ -782,6 +790,7 @@ const nsdae_stepping nsdae_stepping_event = {
     .prepare = prepare,
     .start = start_run,
     .settle = settle,
+    .check = check,
     .advance = advance,
     .track = track,
     .tracks = 1};

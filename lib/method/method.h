@@ -30,6 +30,10 @@ typedef struct nsdae_stepping {
    * between: see nsdae_sim_interpolate. */
   int (*settle)(void *own, const nsdae_state *state, nsdae_result *result);
 
+  /* Whether the memory, which is of a block, is one that this method can leave there: NSDAE_OK or
+   * NSDAE_E_ARGUMENT; NULL: no number in it leads anywhere. */
+  int (*check)(void *own, nsdae_memory *memory);
+
   /* From the state to t_end, into the result, which comes cleared and with the state's memory. A
    * status < 0 drops the result; the error record says why. */
   int (*advance)(void *own, const nsdae_state *state, double t_end, nsdae_result *result);

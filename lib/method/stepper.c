@@ -76,6 +76,7 @@ int nsdae_stepper_start(nsdae_stepper *s, nsdae_newton_kkt *newton, const nsdae_
 void nsdae_stepper_count(nsdae_stepper *s, const nsdae_state *state, nsdae_result *result)
 {
   s->counters = &result->counters;
+  memset(s->differences.by_id.wanted, 0, sizeof s->differences.by_id.wanted);
   state->terms->evals = s->middle.evals = result->end.evals = &result->counters.evals;
 }
 

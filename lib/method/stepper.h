@@ -58,7 +58,7 @@ int nsdae_stepper_made(const nsdae_stepper *stepper, int status, const char *met
 /* Prepares Newton's equations of an integrator at the point of the terms, uncounted. */
 int nsdae_stepper_start(nsdae_stepper *stepper, nsdae_newton_kkt *newton, const nsdae_terms *at);
 
-/* Where the evaluations of the step from state into result are counted. */
+/* Where the evaluations of the step from state into result are counted; no list lacks room yet. */
 void nsdae_stepper_count(nsdae_stepper *stepper, const nsdae_state *state, nsdae_result *result);
 
 /* The memory of a method that keeps the bases of its contacts alone; them, which another problem

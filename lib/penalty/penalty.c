@@ -541,7 +541,8 @@ static int replay(nsdae_penalty *p, const nsdae_terms *to)
   memcpy(p->peak, b->peak, (size_t)d->k * sizeof *p->peak);
   int status = start_integrator(p);
   p->slots.replays = 1;
-  for (*b->steps = 0; status == NSDAE_OK && *b->steps < steps;) status = one_step(p);
+  *b->steps = 0;
+  while (status == NSDAE_OK && *b->steps < steps && !(p->ahead > to->t)) status = one_step(p);
   p->slots.replays = 0;
   if (status < 0) return integrator_failed(p, status, p->ahead);
   if (to->t <= p->ahead) status = read_state(p, to->t, p->equations.room);
@@ -611,6 +612,14 @@ static int start_run(void *own, const nsdae_terms *at)
                            : NSDAE_OK;
 }
 
+static int check(void *own, nsdae_memory *memory)
+{
+  nsdae_penalty *p = own;
+  nsdae_penalty_base_find(&p->equations.base, &p->slots.tracking, p->equations.stepper, memory);
+  int steps = *p->equations.base.steps >= 0 && *p->equations.base.steps <= STEPS_MAX;
+  return steps && nsdae_tracking_is_valid(&p->slots.tracking) ? NSDAE_OK : NSDAE_E_ARGUMENT;
+}
+
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
   nsdae_penalty *p = own;
@@ -653,6 +662,7 @@ const nsdae_stepping nsdae_stepping_penalty = {
     .prepare = prepare,
     .start = start_run,
     .settle = settle,
+    .check = check,
     .advance = advance,
     .track = nsdae_penalty_slots_anew,
     .tracks = 1};

@@ -57,23 +57,24 @@ int nsdae_sim_enlarge(nsdae_sim *sim, double t, const nsdae_room *taken, nsdae_r
   return NSDAE_OK;
 }
 
+/* What grows is asked for by lists without room, by slots, or by islands of listed contacts. */
 int nsdae_sim_grow(nsdae_sim *sim)
 {
-  const nsdae_terms *const all[] = {&sim->stepper.middle, &sim->point[0].result.end,
-                                    &sim->point[1].result.end, &sim->point[2].result.end};
-  nsdae_room taken[] = {sim->stepper.differences.by_id.wanted, {0}};
+  const nsdae_room *wanted = sim->stepper.differences.by_id.wanted;
   nsdae_room contacts = sim->lists.contacts, rows = sim->lists.rows;
-  for (int i = 0; i < 4; i++) {
-    taken[0] = nsdae_room_larger(&taken[0], &all[i]->by.list.taken);
-    taken[1] = nsdae_room_larger(&taken[1], &all[i]->by.rows.taken);
-    taken[1] = nsdae_room_larger(&taken[1], &all[i]->by.joint_rows.taken);
-  }
-  int status =
-      nsdae_sim_enlarge(sim, nsdae_terms_time(&sim->now->result.end), taken, &contacts, &rows);
+  double t = nsdae_terms_time(&sim->now->result.end);
+  int status = nsdae_sim_enlarge(sim, t, wanted, &contacts, &rows);
   if (status < 0) return status;
-  if (sim->model.tracked && nsdae_room_enough(&sim->lists.contacts, &taken[0]) &&
-      nsdae_room_enough(&sim->lists.rows, &taken[1])) /* no slot is left */
-    return nsdae_sim_make_slots(sim, slots_to_have(sim));
+  if (nsdae_room_enough(&sim->lists.contacts, &wanted[0]) &&
+      nsdae_room_enough(&sim->lists.rows, &wanted[1]) && !sim->model.by_list) {
+    if (sim->model.tracked && sim->tracked.wanted > sim->model.dims.k)
+      return nsdae_sim_make_slots(sim, slots_to_have(sim));
+    return nsdae_error_set(
+        &sim->error, NSDAE_E_MEMORY, "nsdae_sim", "method",
+        "method = %s has no room in a list after t = %.17g, but no list asks for "
+        "more: use method = implicit",
+        sim->method->name, t);
+  }
   status = nsdae_sim_make_room(sim, &contacts, &rows);
   if (status == NSDAE_OK) sim->lists.growths++;
   return status;
@@ -112,8 +113,17 @@ static void carry(nsdae_sim *sim, nsdae_result *to, const nsdae_result *was)
   nsdae_terms_forget_slots(&to->end);
 }
 
+/* The method that is there goes on: coefficients may have moved with the model's contacts. */
+static void keep_method(nsdae_sim *sim)
+{
+  if (!sim->own) return;
+  nsdae_stepper_prepare(&sim->stepper);
+  sim->method->prepare(sim->own);
+}
+
 static int no_memory_for_slots(nsdae_sim *sim, int k)
 {
+  keep_method(sim);
   return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "contacts",
                          "out of memory for %d contacts of the list near the motion", k);
 }
@@ -166,6 +176,7 @@ int nsdae_sim_make_slots(nsdae_sim *sim, int k)
     sim->method->destroy(sim->own);
     sim->own = own;
     nsdae_arena_restore(&sim->arena, nsdae_sim_layout, change_slots, sim, &old);
+    keep_method(sim);
   } else {
     sim->method->destroy(own);
   }

@@ -398,8 +398,8 @@ static int check_head(nsdae_sim *sim, const char *block, size_t size)
   if (status < 0) return status;
   int tracked = sim->model.tracked != NULL;
   int most = tracked ? nsdae_sim_most_slots(sim) : sim->options.contacts_max;
-  if (h.closed < 0 || h.closed > most || (h.closed > 0 && !sim->system->call.contacts) || h.slots < 0 ||
-      (tracked ? h.slots > most : h.slots != sim->model.dims.k))
+  if (h.closed < 0 || h.closed > most || (h.closed > 0 && !sim->system->call.contacts) ||
+      h.slots < 0 || (tracked ? h.slots > most : h.slots != sim->model.dims.k))
     return refuse_state(sim, "block",
                         "the state has an invalid number of contacts in the contact list");
   ours = make_head(sim, size, h.slots);
@@ -490,6 +490,8 @@ static int read_block(nsdae_sim *sim, const void *block)
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   nsdae_terms_forget(&r->end);
   if (status == NSDAE_OK) status = check_values(sim);
+  if (status == NSDAE_OK && sim->method->check && sim->method->check(sim->own, &r->memory) < 0)
+    status = refuse_state(sim, "block", "the state has an invalid number of steps, slot or block");
   nsdae_stepper_count(&sim->stepper, &state, r);
   if (status == NSDAE_OK) status = nsdae_point_show(p, have);
   if (sim->model.tracked) nsdae_terms_forget_slots(&r->end);

@@ -22,8 +22,8 @@ typedef struct nsdae_differences_of_ids {
   double *velocity;        /* 5 k (1 + nt): at each point, by slot */
   int *listed;             /* 5 k: whether it is listed there */
   int status;              /* what a list was refused with, NSDAE_ARRAYS_GROW; or NSDAE_OK */
-  nsdae_room wanted;       /* what the longest list took, of those without room, here and in terms,
-                              since it was set to zero */
+  nsdae_room wanted[2];    /* what the longest list of contacts and of rows took, of those without
+                              room, here and in terms, since it was set to zero */
 } nsdae_differences_of_ids;
 
 typedef struct nsdae_differences {
@@ -87,6 +87,18 @@ int nsdae_differences_by_id(nsdae_differences *differences, double t, const doub
  * the callback `failed`, or else of `callback`. With the record. */
 int nsdae_differences_status(const nsdae_differences *differences, int code, const char *callback,
                              double t, nsdae_error *error);
+
+/* NSDAE_OK if a list (0: of contacts, 1: of rows) has room; else NSDAE_ARRAYS_GROW, noted in
+ * wanted.
+ */
+static inline int nsdae_differences_room(nsdae_differences *differences, int list,
+                                         const nsdae_room *room, const nsdae_room *taken)
+{
+  if (nsdae_room_enough(room, taken)) return NSDAE_OK;
+  nsdae_room *wanted = &differences->by_id.wanted[list];
+  *wanted = nsdae_room_larger(wanted, taken);
+  return NSDAE_ARRAYS_GROW;
+}
 
 /* Whether velocities or accelerations are of differences. */
 int nsdae_differences_used(const nsdae_system *system);

@@ -43,9 +43,8 @@ static int list_at(nsdae_differences *d, double t, const double *q, const double
   for (int i = 0; i < system->dims.nq; i++) d->moved[i] = q[i] + s * d->qdot[i];
   nsdae_contact_list_clear(list);
   int code = system->call.contacts(t + s, d->moved, v, reach, list, system->user);
-  int enough = nsdae_room_enough(&list->room, &list->taken);
-  d->by_id.status = list->status < 0 ? list->status : code || enough ? NSDAE_OK : NSDAE_ARRAYS_GROW;
-  if (!enough) d->by_id.wanted = nsdae_room_larger(&d->by_id.wanted, &list->taken);
+  int grows = nsdae_differences_room(d, 0, &list->room, &list->taken);
+  d->by_id.status = list->status < 0 ? list->status : code ? NSDAE_OK : grows;
   if (code || d->by_id.status < 0) d->failed = "contacts";
   return d->by_id.status < 0 ? d->by_id.status : code;
 }

@@ -20,13 +20,14 @@ static int explain(nsdae_terms *T, const char *callback, int status)
 static int listed(nsdae_terms *T, int code, int refused, const char *callback,
                   const nsdae_room *room, const nsdae_room *taken)
 {
+  int of_rows = taken != &T->by.list.taken;
   if (refused < 0) {
     if (T->error) T->error->time = nsdae_terms_time(T);
     return explain(T, callback, refused);
   }
   int status = nsdae_system_callback_status(code, callback, nsdae_terms_time(T), T->error);
   if (status < 0) return explain(T, callback, status);
-  return nsdae_room_enough(room, taken) ? NSDAE_OK : NSDAE_ARRAYS_GROW;
+  return nsdae_differences_room(T->differences, of_rows, room, taken);
 }
 
 /* The velocity whose column in its block the error's entry of M is in. */
@@ -96,8 +97,6 @@ int nsdae_terms_contacts(nsdae_terms *T, double reach)
                  ? s->call.contacts(nsdae_terms_time(T), T->q, T->v, reach, list, s->user)
                  : 0;
   int status = listed(T, code, list->status, "contacts", &list->room, &list->taken);
-  if (status == NSDAE_ARRAYS_GROW && s->tracked)
-    T->differences->by_id.wanted = nsdae_room_larger(&T->differences->by_id.wanted, &list->taken);
   if (status < 0) return status;
   T->by.reach = reach;
   T->have |= NSDAE_TERM_CONTACTS;
@@ -177,6 +176,7 @@ int nsdae_terms_slots(nsdae_terms *T)
   for (int i = 0, slot = -1; i < list->count; i++) {
     if (list->gap[i] > tracked->reach) continue; /* of a list that was asked for more */
     int found = nsdae_tracked_find(tracked, k, list->id[i], slot + 1);
+    if (found >= 0 && place[found] >= 0) return nsdae_terms_id_twice(T, list->id[i]);
     if (found >= 0) place[slot = found] = i;
   }
   nsdae_terms_select(T, k, place);

@@ -74,6 +74,17 @@ void nsdae_tracking_load(nsdae_tracking *t)
   t->table->reach = t->still[1];
 }
 
+int nsdae_tracking_is_valid(const nsdae_tracking *t)
+{
+  int valid = 1;
+  for (int i = 0; t->table && i < t->model->dims.k; i++) {
+    valid &= t->used[i] == 0 || t->used[i] == 1;
+    for (int s = 2 * i; s < 2 * i + 2; s++)
+      valid &= t->block[s] >= -1 && t->block[s] < t->model->blocks.count;
+  }
+  return valid;
+}
+
 /* ---- speed */
 
 /* Largest |W_N| at each velocity, and |w_N|, of a list. */
@@ -110,6 +121,7 @@ static int speed_at(nsdae_tracking *t, const nsdae_terms *T, double *speed)
 {
   const nsdae_system *s = t->model;
   double time = nsdae_terms_time(T);
+  *speed = 0;
   if (!s->call.contact_speed) {
     *speed = estimate(t, T->v);
     return NSDAE_OK;
@@ -185,22 +197,24 @@ static int take_slot(nsdae_tracking *t, const nsdae_contact_list *list, int i)
 static int ask(nsdae_tracking *t, nsdae_terms *T, double reach, double speed, int *added)
 {
   const nsdae_contact_list *list = &T->by.list;
-  int k = t->model->dims.k, full = 0, status = nsdae_terms_contacts(T, reach);
+  int k = t->model->dims.k, full = 0, *place = T->by.place, status = nsdae_terms_contacts(T, reach);
   if (status == NSDAE_OK && t->model->call.contact_speed) status = check_speed(t, T, speed);
   if (status < 0) return status;
   if (!t->model->call.contact_speed) learn(t, list);
   memset(t->seen, 0, (size_t)k * sizeof *t->seen);
+  nsdae_terms_forget_slots(T);
+  for (int i = 0; i < k; i++) place[i] = -1;
   for (int i = 0, last = -1; i < list->count; i++) {
     int slot = nsdae_tracked_find(t->table, k, list->id[i], last + 1);
     if (slot < 0 && (!added || !(list->gap[i] <= reach))) continue;
     if (slot < 0) *added += (slot = take_slot(t, list, i)) >= 0;
     full |= slot < 0;
     if (slot < 0) continue;
-    last = slot;
+    if (place[slot] >= 0) return nsdae_terms_id_twice(T, list->id[i]);
+    place[last = slot] = i;
     t->seen[slot] = list->gap[i] <= reach;
     t->model->contact[slot] = list->law[i];
   }
-  nsdae_terms_forget_slots(T);
   return full ? NSDAE_ARRAYS_GROW : NSDAE_OK;
 }
 

@@ -56,6 +56,8 @@ void nsdae_tracking_lay(nsdae_tracking *tracking, const nsdae_system *model,
                         nsdae_memory_part *part);
 void nsdae_tracking_store(const nsdae_tracking *tracking);
 void nsdae_tracking_load(nsdae_tracking *tracking);
+/* Whether the memory has slots that are used or not, each with blocks of the model. */
+int nsdae_tracking_is_valid(const nsdae_tracking *tracking);
 
 /* Terms are at the start of a motion, whose longest step is h: what is within R has a slot, all
  * other slots are free. The status of a callback or a list; NSDAE_ARRAYS_GROW also if a slot is

@@ -266,6 +266,126 @@ static void test_more_each_time(void **state)
   }
 }
 
+/* ---- one id twice in a list */
+
+static int one_twice(double t, const double *q, const double *v, double reach,
+                     nsdae_contact_list *list, void *user)
+{
+  const model *p = user;
+  nsdae_contact c = {.id = 7, .block = {0, -1}, .gap = q[0]};
+  (void)t, (void)v;
+  c.direction[0][0][0] = 1;
+  if (c.gap <= reach) nsdae_contact_add(list, &c);
+  c.gap += p->more * 1e-3;
+  if (c.gap <= reach) nsdae_contact_add(list, &c);
+  return 0;
+}
+
+static void test_one_twice(void **state)
+{
+  (void)state;
+  const int method[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_EVENT, NSDAE_METHOD_PENALTY};
+  for (int i = 0; i < 9; i++) {
+    model p = {.what = NONE, .more = i / 3};
+    nsdae_system *s = make(&p);
+    nsdae_sim_options options;
+    nsdae_sim *sim;
+    nsdae_system_set_contacts(s, one_twice);
+    nsdae_sim_options_default(&options);
+    options.method = method[i % 3];
+    assert_int_equal(nsdae_sim_create(s, &options, &sim, NULL), NSDAE_OK);
+    int status = nsdae_sim_init(sim, 0, q0, v0);
+    if (status == NSDAE_OK) status = nsdae_sim_run(sim, 1);
+    assert_int_equal(status, NSDAE_E_ARGUMENT);
+    assert_string_equal(nsdae_sim_error(sim)->argument, "id");
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&s);
+  }
+}
+
+/* ---- rows that have more parts later */
+
+enum { POINTS = 6 };
+
+static int point_masses(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < POINTS; i++) M[i] = 1;
+  return 0;
+}
+
+static int all_fall(double t, const double *q, const double *v, double *f, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  for (int i = 1; i < POINTS; i++) f[i] = -1;
+  return 0;
+}
+
+/* The first point is held; the others have zeros in its row as soon as the last one has fallen. */
+static int row_of_first(double t, const double *q, nsdae_row_list *list, void *user)
+{
+  static const double one = 1, zero = 0;
+  (void)t, (void)user;
+  nsdae_row_add(list, 0, 0, &one);
+  for (int b = 1; b < POINTS && q[POINTS - 1] < 0.7; b++) nsdae_row_add(list, 0, b, &zero);
+  return 0;
+}
+
+static int same_of_joint(double t, const double *q, nsdae_row_list *list, double *w, void *user)
+{
+  (void)w;
+  return row_of_first(t, q, list, user);
+}
+
+static int hold_first(double t, const double *q, double *phi, void *user)
+{
+  (void)t, (void)user;
+  phi[0] = q[0];
+  return 0;
+}
+
+/* The list has no room inside a step of event and penalty: q = 1 - t^2 / 2 all the same. */
+static void fall_on(int method, int of_joint)
+{
+  const nsdae_dims dims = {.nq = POINTS, .nv = POINTS, .m = 1, .f = of_joint};
+  const int size[POINTS] = {1, 1, 1, 1, 1, 1};
+  double q[POINTS] = {0, 1, 1, 1, 1, 1}, v[POINTS] = {0};
+  nsdae_sim_options options;
+  nsdae_system *s;
+  nsdae_sim *sim;
+  nsdae_record r;
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  nsdae_system_set_blocks(s, POINTS, size, size);
+  nsdae_system_set_mass_blocks(s, point_masses);
+  nsdae_system_set_force(s, all_fall);
+  nsdae_system_set_constraint(s, hold_first);
+  nsdae_system_set_constraint_rows(s, row_of_first);
+  if (of_joint) nsdae_system_set_joint_friction_rows(s, same_of_joint);
+  if (of_joint) nsdae_system_set_frictional_joint(s, 0, 0, 0.1);
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.dt = 0.05;
+  assert_int_equal(nsdae_sim_create(s, &options, &sim, NULL), NSDAE_OK);
+  int status = nsdae_sim_init(sim, 0, q, v);
+  if (status == NSDAE_OK) status = nsdae_sim_run(sim, 1);
+  if (status < 0) print_message("%s\n", nsdae_sim_error(sim)->text);
+  assert_int_equal(status, NSDAE_OK);
+  nsdae_sim_get_record(sim, &r);
+  for (int i = 0; i < POINTS; i++) assert_near(r.q[i], i > 0 ? 0.5 : 0, 1e-9);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&s);
+}
+
+static void test_longer_rows(void **state)
+{
+  (void)state;
+  for (int of_joint = 0; of_joint < 2; of_joint++) {
+    fall_on(NSDAE_METHOD_IMPLICIT, of_joint);
+    fall_on(NSDAE_METHOD_PENALTY, of_joint);
+    fall_on(NSDAE_METHOD_EVENT, of_joint);
+  }
+}
+
 /* Of three masses over the ground those below 1 are listed, in descending order every other time:
  * what is listed on one side of the point alone says nothing, and the others are found by id. */
 static int some_contacts(double t, const double *q, const double *v, double reach,
@@ -400,6 +520,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_check),          cmocka_unit_test(test_steps),
       cmocka_unit_test(test_more_each_time), cmocka_unit_test(test_some_not_listed),
-      cmocka_unit_test(test_setters),        cmocka_unit_test(test_misplaced)};
+      cmocka_unit_test(test_setters),        cmocka_unit_test(test_misplaced),
+      cmocka_unit_test(test_longer_rows),    cmocka_unit_test(test_one_twice)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
