@@ -138,25 +138,36 @@ static int close_list(nsdae_problem *p, nsdae_terms *terms, double touch, const 
   return NSDAE_OK;
 }
 
-static void recall_fixed(nsdae_problem *p, int i, const nsdae_impulses *was)
+/* Where the impulses before have contact i: of slots, they are by place in a list; -1: nowhere. */
+static int place_before(const nsdae_problem *p, int i, const nsdae_closed *last)
+{
+  const nsdae_tracked *tracked = p->system->tracked;
+  if (!tracked) return i;
+  int from = last->count - 1;
+  while (from >= 0 && last->id[from] != tracked->id[i]) from--;
+  return from;
+}
+
+static void recall_fixed(nsdae_problem *p, int i, const nsdae_impulses *was, int from)
 {
   int nt = p->system->dims.nt;
   p->number[p->count++] = i;
-  p->closed->fresh[i] = was->normal[i] == 0;
-  p->results->normal[i] = was->normal[i];
-  for (int j = i * nt; j < (i + 1) * nt; j++) p->results->tangential[j] = was->tangential[j];
+  p->closed->fresh[i] = from < 0 || was->normal[from] == 0;
+  if (from < 0) return;
+  p->results->normal[i] = was->normal[from];
+  for (int j = 0; j < nt; j++) p->results->tangential[i * nt + j] = was->tangential[from * nt + j];
 }
 
 /* One that is open forgets its basis, as one that leaves a list. */
 static void close_fixed(nsdae_problem *p, const nsdae_terms *terms, double touch,
-                        const nsdae_impulses *was)
+                        const nsdae_closed *last, const nsdae_impulses *was)
 {
   int k = p->system->dims.k, rows = p->contacts->rows_most, *basis = p->warm.basis;
   p->law = p->system->contact;
   p->count = 0;
   for (int i = 0; i < k; i++, basis += rows) {
     if (!(terms->gap[i] > touch))
-      recall_fixed(p, i, was);
+      recall_fixed(p, i, was, place_before(p, i, last));
     else
       for (int l = 0; l < rows; l++) basis[l] = 0;
   }
@@ -177,7 +188,7 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   if (status < 0) return status;
   nsdae_impulses_clear(results, &p->system->dims);
   if (list) return close_list(p, terms, touch, last, was);
-  close_fixed(p, terms, touch, was);
+  close_fixed(p, terms, touch, last, was);
   return NSDAE_OK;
 }
 

@@ -66,7 +66,8 @@ int nsdae_sim_grow(nsdae_sim *sim)
   int status = nsdae_sim_enlarge(sim, t, wanted, &contacts, &rows);
   if (status < 0) return status;
   if (nsdae_room_enough(&sim->lists.contacts, &wanted[0]) &&
-      nsdae_room_enough(&sim->lists.rows, &wanted[1]) && !sim->model.by_list) {
+      nsdae_room_enough(&sim->lists.rows, &wanted[1]) &&
+      (sim->model.tracked || !sim->model.call.contacts)) {
     if (sim->model.tracked && sim->tracked.wanted > sim->model.dims.k)
       return nsdae_sim_make_slots(sim, slots_to_have(sim));
     return nsdae_error_set(

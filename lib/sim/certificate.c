@@ -85,7 +85,8 @@ static double rounding_of_contacts(const nsdae_problem *p, const nsdae_point *po
 }
 
 /* By the method's quadrature. The terms at the end are those that the next step begins with. */
-static int work_of_step(const nsdae_problem *p, nsdae_point *before, nsdae_point *point)
+static int work_of_step(const nsdae_problem *p, int integrates, nsdae_point *before,
+                        nsdae_point *point)
 {
   nsdae_terms *from = &before->result.end, *to = &point->result.end;
   nsdae_work *w = &point->work;
@@ -96,7 +97,7 @@ static int work_of_step(const nsdae_problem *p, nsdae_point *before, nsdae_point
   int status = nsdae_terms_need(from, terms);
   if (status == NSDAE_OK) status = nsdae_terms_need(to, terms);
   if (status < 0) return status;
-  if (before->result.located) start = power_of(from, &rounding); /* nobody needed it */
+  if (integrates) start = power_of(from, &rounding); /* nobody needed it */
   *w = before->work;
   w->power = power_of(to, &rounding);
   w->forces = h / 2 * (start + w->power);
@@ -230,7 +231,7 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
     w->sum += gain - r->work;
     w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
-    status = work_of_step(&sim->stepper.problem, before, point);
+    status = work_of_step(&sim->stepper.problem, sim->aside != NULL, before, point);
   }
   if (status == NSDAE_OK) status = measure_certificate(sim, point);
   /* most := the larger of each figure, the energies of the other */

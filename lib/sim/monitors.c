@@ -31,8 +31,10 @@ static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const ns
   const nsdae_terms *to = &result->end;
   const nsdae_dims *d = &to->system->dims;
   const nsdae_impulses *r = &result->impulses;
+  const nsdae_tracked *tracked = to->system->tracked;
   double speed = 0, h = to->t - from->t;
   for (int i = 0; i < d->k; i++) {
+    if (tracked && !tracked->used[i]) continue; /* a free slot has no gap */
     double gap = gap_of(to, i);
     w->change = nsdae_larger(w->change, fabs(gap - gap_of(from, i)));
     if (w->apart > 0) w->apart = nsdae_larger(w->apart, gap);

@@ -85,7 +85,7 @@ int nsdae_differences_by_id(nsdae_differences *differences, double t, const doub
 
 /* The status of what a function here returned: where it is not 0, that of a list, or of the code of
  * the callback `failed`, or else of `callback`. With the record. */
-int nsdae_differences_status(const nsdae_differences *differences, int code, const char *callback,
+int nsdae_differences_status(nsdae_differences *differences, int code, const char *callback,
                              double t, nsdae_error *error);
 
 /* NSDAE_OK if a list (0: of contacts, 1: of rows) has room; else NSDAE_ARRAYS_GROW, noted in

@@ -27,10 +27,15 @@ void nsdae_differences_release(nsdae_differences *d)
   nsdae_contact_list_release(&d->by_id.list);
 }
 
-int nsdae_differences_status(const nsdae_differences *d, int code, const char *callback, double t,
+int nsdae_differences_status(nsdae_differences *d, int code, const char *callback, double t,
                              nsdae_error *error)
 {
-  if (code < 0 && code == d->by_id.status) return code;
+  int of_list = d->by_id.status;
+  d->by_id.status = NSDAE_OK;
+  if (code < 0 && code == of_list && d->failed && strcmp(d->failed, "contacts") == 0) {
+    if (error && code != NSDAE_ARRAYS_GROW) error->time = t;
+    return code;
+  }
   return nsdae_system_callback_status(code, d->failed ? d->failed : callback, t, error);
 }
 

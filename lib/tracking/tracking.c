@@ -187,7 +187,6 @@ static int take_slot(nsdae_tracking *t, const nsdae_contact_list *list, int i)
   if (slot == k) return -1;
   t->table->used[slot] = 1;
   t->table->id[slot] = list->id[i];
-  memcpy(t->table->block + 2 * (size_t)slot, list->block + 2 * (size_t)i, 2 * sizeof *list->block);
   t->fresh[slot] = NEW;
   return slot;
 }
@@ -212,6 +211,7 @@ static int ask(nsdae_tracking *t, nsdae_terms *T, double reach, double speed, in
     if (slot < 0) continue;
     if (place[slot] >= 0) return nsdae_terms_id_twice(T, list->id[i]);
     place[last = slot] = i;
+    memcpy(t->table->block + 2 * slot, list->block + 2 * i, 2 * sizeof *list->block);
     t->seen[slot] = list->gap[i] <= reach;
     t->model->contact[slot] = list->law[i];
   }
