@@ -138,7 +138,7 @@ contains
   subroutine print_energy(c)
     type(nsdae_certificate), intent(in) :: c
     print '(7a)', 'energy: work ', number(c%work, '(sp, es10.3)'), ' J, dissipated ', &
-        number(c%dissipated, '(es9.3)'), ' J, unexplained ', number(c%unexplained, '(sp, es10.3)'), &
+        number(c%dissipated, '(es10.3)'), ' J, unexplained ', number(c%unexplained, '(sp, es10.3)'), &
         ' J (< 0: lost by the method)'
   end subroutine
 
