@@ -664,9 +664,8 @@ static int read_results(event *e, nsdae_terms *from)
   if (status < 0) return status;
   nsdae_terms_at(&r->end, e->reached, e->integrator.y, e->integrator.y + d->nq);
   for (int i = 0; i < d->m; i++) r->multiplier[i] /= e->reached - from->t;
-  memcpy(r->impulses.mode, m->contact, (size_t)d->k * sizeof *m->contact);
-  memcpy(r->impulses.frictional_joint_mode, m->frictional_joint,
-         (size_t)d->f * sizeof *m->frictional_joint);
+  for (int i = 0; i < d->k; i++) r->impulses.mode[i] = m->contact[i];
+  for (int j = 0; j < d->f; j++) r->impulses.frictional_joint_mode[j] = m->frictional_joint[j];
   r->located = 1;
   r->smooth = r->counters.events == 0;
   nsdae_event_move(&e->setting, e->reached, e->integrator.y);
