@@ -25,7 +25,7 @@
  * differences what it lists, without the steps that event tunes. */
 static const double NEAR = 1e-10, DIFFERENCED = 1e-6;
 
-enum { SIZE = 512, STEPS = 120, SEEDS = 60 };
+enum { SIZE = 2048, STEPS = 120, SEEDS = 60 };
 
 typedef struct scene {
   nsdae_system *system; /* with fixed contacts */
