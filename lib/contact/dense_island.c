@@ -105,14 +105,15 @@ int nsdae_dense_island_grow(nsdae_dense_island *l, const nsdae_room *rows)
   widen(&size, &first);
   widen(&size, &l->need);
   if (l->arena.base && memcmp(&size, &l->most, sizeof size) == 0) return NSDAE_OK;
+  nsdae_dense_island before = *l; /* it stays if there is no memory */
   l->most = size;
   l->factored = l->closed = -1;
-  nsdae_arena_release(&l->arena);
+  l->arena = (nsdae_arena){0};
   int status = nsdae_arena_build(&l->arena, layout, l);
   c->active_count = 0;
   if (status == NSDAE_OK) status = nsdae_cones_open(&c->cones);
-  if (status < 0) nsdae_arena_release(&l->arena);
-  if (status < 0) l->most = (nsdae_dense_size){0};
+  nsdae_arena_release(status == NSDAE_OK ? &before.arena : &l->arena);
+  if (status < 0) *l = before;
   return status;
 }
 
@@ -140,7 +141,7 @@ static int enough(nsdae_dense_island *l, const nsdae_island_equations *w, int is
   const nsdae_dense_size *most = &l->most;
   nsdae_dense_size size = {.contacts = nsdae_members_count(&is->contact, island),
                            .m = nsdae_members_count(&is->row, island)};
-  if (l->contacts.edges == 0 && is->joints == 0) return l->arena.base != NULL;
+  if (l->contacts.edges == 0 && is->joints == 0) return 1;
   size.n = nsdae_island_size(w, island);
   size.rows = count_rows(l, w, island);
   if (size.n <= most->n && size.m <= most->m && size.contacts <= most->contacts &&

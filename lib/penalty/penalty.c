@@ -358,7 +358,9 @@ static int begin(nsdae_penalty *p, const nsdae_terms *from)
   *b->steps = *b->is_stiff = p->integrator.is_stiff = 0;
   *b->first = 0;
   for (int i = 0; i < d->k; i++) b->closed[i] = 0, b->start_rate[i] = 1;
+  for (int i = 0; i < d->k; i++) p->gaps.shift[i] = 0; /* nothing of a run before */
   p->gaps.pending = 0;
+  p->gaps.depth = 0;
   int status = nsdae_penalty_slots_begin(p, from);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, from->t, p->qv);
   for (int i = 0; i < d->k && status == NSDAE_OK; i++)
