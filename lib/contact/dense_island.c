@@ -113,6 +113,7 @@ int nsdae_dense_island_grow(nsdae_dense_island *l, const nsdae_room *rows)
   c->active_count = 0;
   if (status == NSDAE_OK) status = nsdae_cones_open(&c->cones);
   nsdae_arena_release(status == NSDAE_OK ? &before.arena : &l->arena);
+  before.contacts.cones.solver = c->cones.solver; /* it has memory of its own */
   if (status < 0) *l = before;
   return status;
 }
