@@ -115,7 +115,7 @@ static int observe(const nsdae_record *r, nsdae_error *error, void *user)
   *p = (point){.time = r->time, .dissipated = r->dissipated};
   memcpy(p->q, r->q, (size_t)w->dims.nq * sizeof *p->q);
   memcpy(p->v, r->v, (size_t)w->dims.nv * sizeof *p->v);
-  memcpy(p->normal, r->normal_impulse, (size_t)w->dims.k * sizeof *p->normal);
+  for (int i = 0; i < w->dims.k; i++) p->normal[i] = r->normal_impulse[i];
   w->impacts += r->impacts;
   return r->step == w->stop_at;
 }
