@@ -1,6 +1,5 @@
 /* The blocks of a mechanism: a body is one, coordinates of one's own are the last; and contacts by
  * list, found by the broad phase. */
-#include <float.h>
 #include <stdlib.h>
 
 #include "broad_phase.h"
@@ -27,110 +26,43 @@ typedef struct listing {
   int omega; /* is asked for */
   long id;   /* of the pair's first feature */
   nsdae_bodies_pair law;
+  nsdae_meeting met;
 } listing;
-
-static nsdae_couple couple_of(const listing *l, int i, int j)
-{
-  const nsdae_solid_of *s = l->broad->b->solid.at;
-  return (nsdae_couple){
-      {s + i, s + j},
-      {nsdae_broad_pose(l->broad, s[i].body), nsdae_broad_pose(l->broad, s[j].body)}};
-}
-
-/* touch: with rates; NULL: no omega. */
-static int add_contact(const listing *l, int number, const nsdae_couple *two,
-                       const nsdae_still *still, const nsdae_touch *touch)
-{
-  int dimension = l->broad->b->dimension;
-  if (still->far || still->gap > l->reach) return 0;
-  nsdae_contact c = {.id = l->id + number,
-                     .gap = still->gap,
-                     .mu = l->law.mu,
-                     .e_n = l->law.e_n,
-                     .e_t = l->law.e_t,
-                     .omega_given = touch != NULL};
-  nsdae_bodies_contact_rows(dimension, two, still, dimension, &c);
-  if (touch) nsdae_bodies_contact_omega(dimension, two, touch, c.omega);
-  return nsdae_contact_add(l->list, &c);
-}
 
 static int list_feature(void *to, const nsdae_feature *f)
 {
   const listing *l = to;
-  const nsdae_couple two = couple_of(l, f->solid[0], f->solid[1]);
-  if (!l->omega && two.solid[0]->points == 1) {
-    const nsdae_still still = nsdae_round_still(&two, f->part[1]);
-    return add_contact(l, f->number, &two, &still, NULL);
+  int dimension = l->broad->b->dimension;
+  nsdae_closest closest;
+  if (!nsdae_feature_closest(f, &l->met, &closest)) return 0;
+  const nsdae_couple two = nsdae_feature_couple(f, &l->met);
+  const nsdae_still still = nsdae_closest_still(&closest, &two);
+  if (still.gap > l->reach) return 0;
+  nsdae_contact c = {.id = l->id + f->number,
+                     .gap = still.gap,
+                     .mu = l->law.mu,
+                     .e_n = l->law.e_n,
+                     .e_t = l->law.e_t,
+                     .omega_given = l->omega};
+  nsdae_bodies_contact_rows(dimension, &two, &still, dimension, &c);
+  if (l->omega) {
+    const nsdae_touch touch = nsdae_closest_touch(&closest, &two);
+    nsdae_bodies_contact_omega(dimension, &two, &touch, c.omega);
   }
-  const nsdae_touch touch = nsdae_feature_touch(f, &two);
-  const nsdae_still still = nsdae_still_of(&touch);
-  return add_contact(l, f->number, &two, &still, l->omega ? &touch : NULL);
+  return nsdae_contact_add(l->list, &c);
 }
 
-/* Corners of the second solid against edges of the first, numbered from first on. */
-static int list_corners(const listing *l, int first, const nsdae_couple *two,
-                        const nsdae_meeting *met)
-{
-  double most = l->reach + two->solid[0]->radius + two->solid[1]->radius;
-  int status = 0;
-  for (int i = 0; i < two->solid[1]->points && status >= 0; i++) {
-    if (nsdae_height_above(met->by[0].above, two->solid[1]->point + 3 * i) > most) continue;
-    const nsdae_still still = nsdae_polygon_still(two, i, met);
-    status = add_contact(l, first + i, two, &still, NULL);
-  }
-  return status;
-}
-
-/* Corners of the second solid against a plane. Most of a body's are too high; their heights in its
- * own frame have another rounding: four sums of terms up to |height| + size. */
-static int list_plane(const listing *l, int base, int other)
-{
-  const nsdae_couple two = couple_of(l, base, other);
-  const nsdae_solid_of *plane = two.solid[0], *solid = two.solid[1];
-  nsdae_still still = {.far = 0};
-  double x0[3], x1[3], above[3], height = 0;
-  int status = 0;
-  nsdae_turn(two.pose[0]->R, plane->R + 6, still.normal);
-  nsdae_pose_put(two.pose[0], plane->origin, x0);
-  nsdae_turn_back(two.pose[1]->R, still.normal, above);
-  for (int i = 0; i < 3; i++) height += still.normal[i] * (two.pose[1]->r[i] - x0[i]);
-  double most = l->reach + solid->radius;
-  most += 16 * DBL_EPSILON * (most + fabs(height) + solid->size);
-  for (int i = 0; i < solid->points && status >= 0; i++) {
-    const double *p = nsdae_solid_corner(solid, i);
-    if (height + nsdae_dot3(above, p) > most) continue;
-    nsdae_pose_put(two.pose[1], p, x1);
-    nsdae_still_plane(&still, x0, x1, solid->radius);
-    status = add_contact(l, i, &two, &still, NULL);
-  }
-  return status;
-}
-
-/* Features of two solids of the plane with edges. Nothing if they are apart by more than the reach
- * along a normal of either. */
-static int list_polygons(const listing *l, const nsdae_couple *two)
-{
-  const nsdae_couple other = {{two->solid[1], two->solid[0]}, {two->pose[1], two->pose[0]}};
-  double enough = l->reach + two->solid[0]->radius + two->solid[1]->radius;
-  const nsdae_meeting met = nsdae_find_meeting(two, enough);
-  if (met.by[0].value > enough || met.by[1].value > enough) return 0;
-  const nsdae_meeting turned = {{met.by[1], met.by[0]}};
-  int status = list_corners(l, 0, two, &met);
-  return status < 0 ? status : list_corners(l, two->solid[1]->points, &other, &turned);
-}
-
-/* Features of two solids in the order of nsdae_pair_features; without omega the frequent ones by
- * shorter formulas. */
+/* Features of two solids in the order of nsdae_pair_features. */
 static int list_features(listing *l, int i, int j)
 {
-  const nsdae_couple two = couple_of(l, i, j);
-  if (!l->omega) {
-    if (nsdae_has_edges(two.solid[0]) && nsdae_has_edges(two.solid[1]))
-      return list_polygons(l, &two);
-    if (two.solid[0]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, i, j);
-    if (two.solid[1]->shape == NSDAE_SHAPE_PLANE) return list_plane(l, j, i);
-  }
-  return nsdae_pair_features(l->broad->b->solid.at, i, j, two.pose, list_feature, l);
+  const nsdae_solid_of *solids = l->broad->b->solid.at;
+  int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
+  const nsdae_solid_of *s0 = &solids[turned ? j : i], *s1 = &solids[turned ? i : j];
+  const nsdae_couple two = {
+      {s0, s1}, {nsdae_broad_pose(l->broad, s0->body), nsdae_broad_pose(l->broad, s1->body)}};
+  nsdae_meet(&two, l->reach, &l->met);
+  if (l->met.far) return 0;
+  return nsdae_pair_features(solids, i, j, &l->met, list_feature, l);
 }
 
 static int list_pair(void *to, nsdae_broad *p, int i, int j)

@@ -92,31 +92,46 @@ void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const ns
 
 /* ---- fixed contacts, then those of the user rows */
 
-/* Feature i, of bodies whose poses are in at. If another feature is nearer its gap is constant, and
- * its directions are those between the origins of the solids. */
-static nsdae_touch touch_at(const nsdae_bodies *b, int i, const double *q, const double *v,
-                            nsdae_places *at, nsdae_couple *two)
+/* Where the fixed contacts are: two bodies and solids, kept from one feature of a pair to the next,
+ * and the closest parts of one. */
+typedef struct nsdae_fixed {
+  nsdae_places at;
+  nsdae_meeting met;
+  nsdae_couple two;
+  nsdae_closest closest;
+  int far;
+} fixed;
+
+/* Feature i, after those before it. If another is nearer (far) its gap is constant and positive,
+ * and its directions are those between the origins of the solids. */
+static void find(const nsdae_bodies *b, int i, const double *q, const double *v, fixed *c)
 {
   const nsdae_feature *f = nsdae_feature_at(b, i);
-  *two = (nsdae_couple){{nsdae_solid_at(b, f->solid[0]), nsdae_solid_at(b, f->solid[1])},
-                        {&at->pose[0], &at->pose[1]}};
-  const int body[2] = {two->solid[0]->body, two->solid[1]->body};
-  nsdae_jet length;
-  nsdae_bodies_place(b, body, q, v, at);
-  nsdae_touch touch = nsdae_feature_touch(f, two);
-  if (!touch.far) return touch;
-  for (int j = 0; j < 2; j++) touch.at[j] = nsdae_pose_point(two->pose[j], two->solid[j]->origin);
-  touch.normal = nsdae_direction(nsdae_jet3_sub(touch.at[1], touch.at[0]), 1, &length);
-  return touch;
+  const nsdae_solid_of *s[2] = {nsdae_solid_at(b, f->solid[0]), nsdae_solid_at(b, f->solid[1])};
+  if (f->number == 0) {
+    const nsdae_couple first = {{s[0], s[1]}, {&c->at.pose[0], &c->at.pose[1]}};
+    const int body[2] = {s[0]->body, s[1]->body};
+    nsdae_bodies_place(b, body, q, v, &c->at);
+    nsdae_meet(&first, INFINITY, &c->met);
+  }
+  c->two = nsdae_feature_couple(f, &c->met);
+  c->far = !nsdae_feature_closest(f, &c->met, &c->closest);
+  if (!c->far) return;
+  c->closest = (nsdae_closest){.kind = NSDAE_POINT_POINT, .side = 1};
+  for (int j = 0; j < 2; j++)
+    for (int k = 0; k < 3; k++) c->closest.x[j][k] = s[j]->origin[k];
 }
 
 static int gap(double t, const double *q, double *g, void *user)
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
-  nsdae_places at = nsdae_nowhere;
-  nsdae_couple two;
-  for (int i = 0; i < b->feature.count; i++) g[i] = touch_at(b, i, q, NULL, &at, &two).gap.x;
+  fixed c = {.at = nsdae_nowhere};
+  for (int i = 0; i < b->feature.count; i++) {
+    find(b, i, q, NULL, &c);
+    g[i] = c.far ? c.two.solid[0]->size + c.two.solid[1]->size
+                 : nsdae_closest_still(&c.closest, &c.two).gap;
+  }
   return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
 }
 
@@ -125,16 +140,15 @@ static double *put_columns(const nsdae_bodies *b, const double *q, int first, in
                            int ldw)
 {
   int nv = nsdae_body_nv(b);
-  nsdae_places at = nsdae_nowhere;
-  nsdae_couple two;
+  fixed f = {.at = nsdae_nowhere};
   for (int i = 0; i < b->feature.count; i++) {
-    const nsdae_touch touch = touch_at(b, i, q, NULL, &at, &two);
-    const nsdae_still still = nsdae_still_of(&touch);
+    find(b, i, q, NULL, &f);
+    const nsdae_still still = nsdae_closest_still(&f.closest, &f.two);
     nsdae_contact c;
-    nsdae_bodies_contact_rows(b->dimension, &two, &still, rows, &c);
+    nsdae_bodies_contact_rows(b->dimension, &f.two, &still, rows, &c);
     for (int d = first; d < rows; d++, W += ldw)
       for (int s = 0; s < 2; s++)
-        for (int j = 0; j < nv && c.block[s] != NSDAE_GROUND && (d > 0 || !touch.far); j++)
+        for (int j = 0; j < nv && c.block[s] != NSDAE_GROUND && (d > 0 || !f.far); j++)
           W[c.block[s] * nv + j] += c.direction[s][d][j];
   }
   return W;
@@ -171,17 +185,17 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
   const nsdae_user_rows *own = &b->own;
   int k = nsdae_bodies_fixed(b), f = b->frictional_joint.count, nt = b->dimension - 1;
   nsdae_primitive_value value;
-  nsdae_places at = nsdae_nowhere;
-  nsdae_couple two;
+  fixed c = {.at = nsdae_nowhere};
   double omega[3];
   for (int i = 0; i < k; i++) {
-    const nsdae_touch touch = touch_at(b, i, q, v, &at, &two);
-    nsdae_bodies_contact_omega(b->dimension, &two, &touch, omega);
-    omega_n[i] = omega[0];
+    find(b, i, q, v, &c);
+    const nsdae_touch touch = nsdae_closest_touch(&c.closest, &c.two);
+    nsdae_bodies_contact_omega(b->dimension, &c.two, &touch, omega);
+    omega_n[i] = c.far ? 0 : omega[0];
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = omega[1 + j];
   }
   for (int i = 0; i < f; i++) {
-    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &at, &value);
+    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &c.at, &value);
     omega_s[i] = value.phi.dd;
   }
   if (!own->contact_acceleration) return 0;

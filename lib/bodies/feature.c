@@ -1,5 +1,8 @@
 #include "narrow_phase.h"
 
+#include <float.h>
+#include <string.h>
+
 #include "separating_axis.h"
 
 int nsdae_solid_edges(const nsdae_solid_of *s)
@@ -7,102 +10,86 @@ int nsdae_solid_edges(const nsdae_solid_of *s)
   return s->shape == NSDAE_SHAPE_CAPSULE ? 1 : s->shape == NSDAE_SHAPE_BOX ? 12 : 0;
 }
 
-/* Two lines through x_i along unit vectors u, w, with d = x_1 - x_0 and m = u x w:
- * a = m . (d x w) / m^2,  b = m . (d x u) / m^2 are the places of their nearest points along u and
- * w;  n = +-m / |m|, towards line 1. (Written with scalar products alone the same cancels where the
- * lines are near parallel, as the square of their angle.) */
-typedef struct two_lines {
-  nsdae_jet3 x[2], u[2], m;
-  nsdae_jet a, b;
-} two_lines;
-
-/* ---- lines */
-
-/* hint: a vector that n is to point along. */
-static nsdae_touch line_line(const two_lines *l, const double *hint, double r0, double r1)
+void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met)
 {
-  nsdae_touch touch = {.far = 0};
-  double along = 0;
-  for (int i = 0; i < 3; i++) along += hint[i] * l->m.at[i].x;
-  nsdae_jet3 n = nsdae_jet3_scale(
-      along < 0 ? -1 : 1, nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet3_length(l->m)), l->m));
-  nsdae_jet3 x0 = nsdae_jet3_add(l->x[0], nsdae_jet3_times(l->a, l->u[0]));
-  nsdae_jet3 x1 = nsdae_jet3_add(l->x[1], nsdae_jet3_times(l->b, l->u[1]));
-  touch.gap = nsdae_jet3_dot(n, nsdae_jet3_sub(l->x[1], l->x[0]));
-  touch.gap.x -= r0 + r1;
-  touch.normal = n;
-  touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(r0, n));
-  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, n));
-  return touch;
+  const nsdae_solid_of *const *s = two->solid;
+  met->two = *two;
+  met->far = 0;
+  met->enough = INFINITY;
+  if (reach < INFINITY) { /* with what rounding explains */
+    double scale = s[0]->size + s[1]->size, at = 0;
+    for (int i = 0; i < 3; i++) at += fabs(two->pose[0]->r[i]) + fabs(two->pose[1]->r[i]);
+    met->enough = reach + s[0]->radius + s[1]->radius + NSDAE_SLACK * scale + 32 * DBL_EPSILON * at;
+  }
+  if (s[0]->points < 2 || s[1]->points < 2) return;
+  if (nsdae_solid_edges(s[0]) > 0)
+    met->far = !nsdae_find_separating_axis(two, met->enough, &met->axis);
+  else
+    nsdae_find_separations(met);
+}
+
+/* ---- a corner on a rod */
+
+/* Where a point x of the frame of one body is in the solid of another's frame. */
+static void place_in(const nsdae_couple *two, const double *x, double *place)
+{
+  const nsdae_solid_of *s = two->solid[0];
+  double at[3], own[3];
+  nsdae_pose_put(two->pose[1], x, at);
+  for (int i = 0; i < 3; i++) at[i] -= two->pose[0]->r[i];
+  nsdae_turn_back(two->pose[0]->R, at, own);
+  for (int i = 0; i < 3; i++) own[i] -= s->origin[i];
+  nsdae_turn_back(s->R, own, place);
+}
+
+static void set(const double *from, double *to)
+{
+  memcpy(to, from, 3 * sizeof *to);
 }
 
 /* A segment or capsule: its ends, or between them its line; a segment without rounding is solid on
  * one side. */
-static nsdae_touch against_rod(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1,
-                               double r1)
+static void corner_on_rod(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
 {
-  int axis = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2;
-  nsdae_jet3 end[2] = {nsdae_pose_point(pose, nsdae_solid_corner(s, 0)),
-                       nsdae_pose_point(pose, nsdae_solid_corner(s, 1))};
-  nsdae_jet3 u = nsdae_pose_direction(pose, s->R + 3 * axis);
-  double along = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, end[0])).x;
-  if (along < 0 || along > 2 * s->half[axis])
-    return nsdae_touch_point_point(end[along > 0], s->radius, 1, x1, r1);
-  if (s->shape == NSDAE_SHAPE_SEGMENT && s->radius == 0)
-    return nsdae_touch_plane_point(end[0], nsdae_pose_direction(pose, s->R + 3), x1, r1);
-  return nsdae_touch_line_point(end[0], u, s->radius, x1, r1);
+  int axis = s->shape == NSDAE_SHAPE_SEGMENT ? 0 : 2, beyond = fabs(place[axis]) > s->half[axis];
+  int one_side = s->shape == NSDAE_SHAPE_SEGMENT && s->radius == 0;
+  c->kind = beyond ? NSDAE_POINT_POINT : one_side ? NSDAE_PLANE_POINT : NSDAE_LINE_POINT;
+  set(nsdae_solid_corner(s, beyond && place[axis] > 0), c->x[0]);
+  if (!beyond) set(s->R + 3 * (one_side ? 1 : axis), c->u[0]);
 }
 
 /* ---- a corner on a box */
 
-/* Where a point in space is in a box's own frame. */
-static void own_place(const nsdae_solid_of *s, const nsdae_pose *pose, nsdae_jet3 x1, double *place)
-{
-  double x[3], from[3];
-  for (int i = 0; i < 3; i++) from[i] = x1.at[i].x - pose->r[i];
-  nsdae_turn_back(pose->R, from, x);
-  for (int i = 0; i < 3; i++) x[i] -= s->origin[i];
-  nsdae_turn_back(s->R, x, place);
-}
-
-/* The corner of a box on whose sides a place lies. */
-static nsdae_jet3 box_corner(const nsdae_solid_of *s, const nsdae_pose *pose, const double *place)
-{
-  double from[3], spot[3];
-  for (int i = 0; i < 3; i++) from[i] = place[i] < 0 ? -s->half[i] : s->half[i];
-  nsdae_turn(s->R, from, spot);
-  for (int i = 0; i < 3; i++) spot[i] += s->origin[i];
-  return nsdae_pose_point(pose, spot);
-}
-
 /* The face of a box across an axis, on its side 1 or -1. */
-static nsdae_touch on_face(const nsdae_solid_of *s, const nsdae_pose *pose, int axis, double side,
-                           nsdae_jet3 x1, double r1)
+static void on_face(const nsdae_solid_of *s, int axis, double side, nsdae_closest *c)
 {
-  double n[3], on[3];
-  for (int i = 0; i < 3; i++) {
-    n[i] = side * s->R[3 * axis + i];
-    on[i] = side; /* any corner of that face */
-  }
-  return nsdae_touch_plane_point(box_corner(s, pose, on), nsdae_pose_direction(pose, n), x1, r1);
+  c->kind = NSDAE_PLANE_POINT;
+  set(nsdae_solid_corner(s, side > 0 ? 7 : 0), c->x[0]);
+  for (int i = 0; i < 3; i++) c->u[0][i] = side * s->R[3 * axis + i];
 }
 
 /* One coordinate beyond its half edge is a face, two an edge, three a corner; none is inside, where
- * the nearest face counts. */
-static nsdae_touch nearest_on_box(const nsdae_solid_of *s, const nsdae_pose *pose,
-                                  const double *place, nsdae_jet3 x1, double r1)
+ * the nearest face counts. None is nearer than the coordinate that is the farthest beyond. */
+static int nearest_on_box(const nsdae_solid_of *s, const double *place, double enough,
+                          nsdae_closest *c)
 {
-  int beyond = 0, deepest = 0, within = 0;
+  int beyond = 0, deepest = 0, within = 0, corner = 0;
   for (int i = 0; i < 3; i++) {
-    beyond += fabs(place[i]) > s->half[i];
-    if (fabs(place[i]) <= s->half[i]) within = i;
+    int out = fabs(place[i]) > s->half[i];
+    beyond += out;
+    corner |= (place[i] >= 0) << i;
+    if (!out) within = i;
     if (fabs(place[i]) - s->half[i] > fabs(place[deepest]) - s->half[deepest]) deepest = i;
   }
-  if (beyond <= 1) return on_face(s, pose, deepest, place[deepest] < 0 ? -1 : 1, x1, r1);
-  nsdae_jet3 corner = box_corner(s, pose, place);
-  if (beyond == 2)
-    return nsdae_touch_line_point(corner, nsdae_pose_direction(pose, s->R + 3 * within), 0, x1, r1);
-  return nsdae_touch_point_point(corner, 0, 1, x1, r1);
+  if (fabs(place[deepest]) - s->half[deepest] > enough) return 0;
+  if (beyond <= 1) {
+    on_face(s, deepest, place[deepest] < 0 ? -1 : 1, c);
+    return 1;
+  }
+  c->kind = beyond == 2 ? NSDAE_LINE_POINT : NSDAE_POINT_POINT;
+  set(nsdae_solid_corner(s, corner), c->x[0]);
+  if (beyond == 2) set(s->R + 3 * within, c->u[0]);
+  return 1;
 }
 
 /* Whether a place is beside the face across an axis by no more than slack. */
@@ -114,19 +101,17 @@ static int is_over(const nsdae_solid_of *s, const double *place, int axis, doubl
 }
 
 /* Whether the face that is the least deep can be another than the nearest one to a corner: it is
- * within the box, or came out on the side that is away from its solid. */
-static int may_be_over(const nsdae_couple *two, const double *place)
+ * within the box, or came out on the side that is away from its solid, whose middle is given. */
+static int may_be_over(const nsdae_solid_of *s, const double *place, const double *middle,
+                       double beside)
 {
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  double beside = NSDAE_BESIDE * (s0->size + s1->size), middle[3];
   int out = 0, axis = 0;
   for (int i = 0; i < 3; i++) {
-    if (fabs(place[i]) <= s0->half[i] + beside) continue;
+    if (fabs(place[i]) <= s->half[i] + beside) continue;
     axis = i;
     out++;
   }
   if (out != 1) return out == 0;
-  own_place(s0, two->pose[0], nsdae_pose_point(two->pose[1], s1->origin), middle);
   /* in the middle rounding says which side that is */
   return fabs(middle[axis]) <= beside || place[axis] * middle[axis] < 0;
 }
@@ -134,20 +119,20 @@ static int may_be_over(const nsdae_couple *two, const double *place)
 /* Corners of what overlaps a box touch the face that is the least deep in it, not each the face
  * that is nearest to it: blocks that lie flush keep the common face, though at their corners others
  * are as near. None is deeper than the overlap. */
-static nsdae_touch corner_on_box(const nsdae_couple *two, nsdae_jet3 x1)
+static int corner_on_box(const nsdae_meeting *met, int base, const double *place, nsdae_closest *c)
 {
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  const nsdae_pose *pose0 = two->pose[0];
-  double place[3];
-  own_place(s0, pose0, x1, place);
-  if (s1->points == 1 || !may_be_over(two, place))
-    return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  nsdae_separating_axis o = nsdae_separating_axis_find(two);
-  int by_edges = o.face < o.most - o.slack; /* then no corner in the box is deeper than they are */
-  if (o.most > o.slack || by_edges || !is_over(s0, place, o.axis, o.beside))
-    return nearest_on_box(s0, pose0, place, x1, s1->radius);
-  if (o.side * place[o.axis] - s0->half[o.axis] < o.most - o.slack) return nsdae_touch_far(two);
-  return on_face(s0, pose0, o.axis, o.side, x1, s1->radius);
+  const nsdae_solid_of *s = met->two.solid[base];
+  const nsdae_separating_axis *o = &met->axis;
+  int axis = 0, over = 0;
+  if (met->two.solid[1 - base]->points > 1 && o->most <= o->slack) {
+    axis = o->axis[base];
+    over = o->face[base] >= o->most - o->slack && /* or no corner in the box is deeper than edges */
+           may_be_over(s, place, o->way[base], o->beside) && is_over(s, place, axis, o->beside);
+  }
+  if (!over) return nearest_on_box(s, place, met->enough, c);
+  if (o->side[base] * place[axis] - s->half[axis] < o->most - o->slack) return 0;
+  on_face(s, axis, o->side[base], c);
+  return 1;
 }
 
 /* ---- an edge on an edge */
@@ -164,50 +149,34 @@ static int edge_of(const nsdae_solid_of *s, int i, double *sign)
   return axis;
 }
 
-/* Two solids in space: their axes (columns), and the way from the one's origin to the other's. */
-typedef struct two_solids {
-  double axes[2][9], way[3];
-} two_solids;
-
-static two_solids in_space(const nsdae_couple *couple)
-{
-  const nsdae_solid_of *const *s = couple->solid;
-  const nsdae_pose *const *pose = couple->pose;
-  two_solids two;
-  double at[2][3];
-  for (int i = 0; i < 2; i++) {
-    for (int j = 0; j < 3; j++) nsdae_turn(pose[i]->R, s[i]->R + 3 * j, two.axes[i] + 3 * j);
-    nsdae_turn(pose[i]->R, s[i]->origin, at[i]);
-  }
-  for (int i = 0; i < 3; i++) two.way[i] = at[1][i] + pose[1]->r[i] - at[0][i] - pose[0]->r[i];
-  return two;
-}
-
-/* The unit vector at right angles to an axis of each, from 0 to 1, in the frame of solid 0, and its
- * opposite in that of solid 1; 0 where the axes are parallel. */
-static int between_axes(const two_solids *two, int axis0, int axis1, double n[2][3])
+/* The unit vector at right angles to axis i of solid 0 and j of solid 1, from 0 to 1, in the frame
+ * of solid 0, and its opposite in that of solid 1; side: whether it is along their cross product or
+ * back. 0 where the axes are parallel. */
+static int between_axes(const nsdae_separating_axis *o, int i, int j, double n[2][3], double *side)
 {
   /* edges nearer to parallel than this, as the square of their angle, touch by their corners as
    * well: there these are as near up to 1e-8 of their length, and of places eight digits are left
    */
-  const double parallel = 1e-16;
-  double m[3];
-  nsdae_cross3(two->axes[0] + 3 * axis0, two->axes[1] + 3 * axis1, m);
-  double square = nsdae_dot3(m, m);
+  const double parallel = 1e-16, *w = o->cosine + 3 * j;
+  int p = (i + 1) % 3, q = (i + 2) % 3;
+  double square = w[p] * w[p] + w[q] * w[q];
   if (square < parallel) return 0;
-  double scale = (nsdae_dot3(m, two->way) < 0 ? -1 : 1) / sqrt(square);
-  for (int side = 0; side < 2; side++, scale = -scale)
-    for (int i = 0; i < 3; i++) n[side][i] = scale * nsdae_dot3(m, two->axes[side] + 3 * i);
+  *side = w[p] * o->way[0][q] - w[q] * o->way[0][p] < 0 ? -1 : 1;
+  double scale = *side / sqrt(square);
+  n[0][i] = 0;
+  n[0][p] = -scale * w[q];
+  n[0][q] = scale * w[p];
+  for (int l = 0; l < 3; l++) n[1][l] = -nsdae_dot3(n[0], o->cosine + 3 * l);
   return 1;
 }
 
 /* Whether the direction n (in the solid's frame) leaves a box between the two faces of the edge, or
  * along one of them up to rounding; a capsule's line is round. */
+static const double leaving_rounding = 1e-4;
 static int leaves_by(const double *sign, const double *n)
 {
-  const double rounding = 1e-4;
   for (int i = 0; i < 3; i++)
-    if (sign[i] * n[i] < -rounding) return 0;
+    if (sign[i] * n[i] < -leaving_rounding) return 0;
   return 1;
 }
 
@@ -224,15 +193,19 @@ static unsigned leaving(const nsdae_solid_of *s, int axis, const double *n)
   return mask;
 }
 
-void nsdae_find_facing(const nsdae_couple *couple, nsdae_facing *facing)
+void nsdae_find_facing(const nsdae_meeting *met, nsdae_facing *facing)
 {
-  const nsdae_solid_of *s0 = couple->solid[0], *s1 = couple->solid[1];
-  two_solids two = in_space(couple);
+  const nsdae_solid_of *s0 = met->two.solid[0], *s1 = met->two.solid[1];
+  const nsdae_separating_axis *o = &met->axis;
+  /* Edges that a direction leaves lie behind the foremost corner of their box by at most the
+   * rounding of two edges, 2 (h_p + h_q) < 3 size: those below that are too deep. */
+  double low = o->most - o->slack - 3 * leaving_rounding * (s0->size + s1->size);
   *facing = (nsdae_facing){{0}};
   for (int i = s0->shape == NSDAE_SHAPE_BOX ? 0 : 2; i < 3; i++)
     for (int j = s1->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++) {
-      double n[2][3];
-      if (!between_axes(&two, i, j, n)) continue;
+      double n[2][3], side, apart = o->edges[3 * i + j];
+      if (apart < 0 && apart < low) continue;
+      if (!between_axes(o, i, j, n, &side)) continue;
       unsigned first = leaving(s0, i, n[0]), second = leaving(s1, j, n[1]);
       for (int k = 0; k < NSDAE_EDGES_MAX; k++)
         if (first >> k & 1) facing->of[k] |= second;
@@ -240,59 +213,75 @@ void nsdae_find_facing(const nsdae_couple *couple, nsdae_facing *facing)
 }
 
 /* Of solids that overlap only the edges of the axis of least depth touch; see separating_axis.h.
- * Lines along a face are as deep as the face up to rounding, and do. */
-static nsdae_touch edges(const nsdae_feature *f, const nsdae_couple *two)
+ * Lines along a face are as deep as the face up to rounding, and do. With m = e_i x w and
+ * d = x_1 - x_0 from middle to middle in the frame of solid 0, b = -(d_p w_p + d_q w_q) / m^2,
+ * a = d_i + b w_i are the places of the nearest points: see narrow_phase.c. */
+static int edge_on_edge(const nsdae_feature *f, const nsdae_meeting *met, nsdae_closest *c)
 {
-  const nsdae_solid_of *const *s = two->solid;
-  two_solids placed = in_space(two);
-  two_lines l = {.a = {0}};
-  double sign[2][3], n[2][3], middle[3];
+  const nsdae_solid_of *const *s = met->two.solid;
+  const nsdae_separating_axis *o = &met->axis;
+  double sign[2][3], n[2][3], from[2][3], d[3];
   int axis[2];
   for (int i = 0; i < 2; i++) axis[i] = edge_of(s[i], f->part[i], sign[i]);
-  if (!between_axes(&placed, axis[0], axis[1], n) || !leaves_by(sign[0], n[0]) ||
+  if (!between_axes(o, axis[0], axis[1], n, &c->side) || !leaves_by(sign[0], n[0]) ||
       !leaves_by(sign[1], n[1]))
-    return nsdae_touch_far(two);
+    return 0;
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 3; j++) from[i][j] = sign[i][j] == 0 ? 0 : sign[i][j] * s[i]->half[j];
+  nsdae_turn(o->cosine, from[1], d);
+  for (int j = 0; j < 3; j++) d[j] += o->way[0][j] - from[0][j];
+  const double *w = o->cosine + 3 * axis[1];
+  int p = (axis[0] + 1) % 3, q = (axis[0] + 2) % 3;
+  double b = -(d[p] * w[p] + d[q] * w[q]) / (w[p] * w[p] + w[q] * w[q]);
+  double a = d[axis[0]] + b * w[axis[0]], apart = nsdae_dot3(n[0], d);
+  if (fabs(a) > s[0]->half[axis[0]] || fabs(b) > s[1]->half[axis[1]]) return 0;
+  if (apart > met->enough || (apart < 0 && apart < o->most - o->slack)) return 0;
+  c->kind = NSDAE_LINE_LINE;
   for (int i = 0; i < 2; i++) {
-    for (int j = 0; j < 3; j++) { /* in the body's frame */
-      middle[j] = s[i]->origin[j];
-      for (int k = 0; k < 3; k++) middle[j] += s[i]->R[3 * k + j] * sign[i][k] * s[i]->half[k];
-    }
-    l.x[i] = nsdae_pose_point(two->pose[i], middle);
-    l.u[i] = nsdae_pose_direction(two->pose[i], s[i]->R + 3 * axis[i]);
+    nsdae_turn(s[i]->R, from[i], c->x[i]);
+    for (int j = 0; j < 3; j++) c->x[i][j] += s[i]->origin[j];
+    set(s[i]->R + 3 * axis[i], c->u[i]);
   }
-  nsdae_jet3 d = nsdae_jet3_sub(l.x[1], l.x[0]);
-  l.m = nsdae_jet3_cross(l.u[0], l.u[1]);
-  nsdae_jet inverse = nsdae_jet_inverse(nsdae_jet3_dot(l.m, l.m));
-  l.a = nsdae_jet_mul(inverse, nsdae_jet3_dot(l.m, nsdae_jet3_cross(d, l.u[1])));
-  l.b = nsdae_jet_mul(inverse, nsdae_jet3_dot(l.m, nsdae_jet3_cross(d, l.u[0])));
-  if (fabs(l.a.x) > s[0]->half[axis[0]] || fabs(l.b.x) > s[1]->half[axis[1]])
-    return nsdae_touch_far(two);
-  nsdae_touch touch = line_line(&l, placed.way, s[0]->radius, s[1]->radius);
-  double apart = touch.gap.x + s[0]->radius + s[1]->radius;
-  if (apart >= 0) return touch;
-  nsdae_separating_axis o = nsdae_separating_axis_find(two);
-  return apart < o.most - o.slack ? nsdae_touch_far(two) : touch;
+  return 1;
 }
 
 /* ---- interface */
 
-nsdae_touch nsdae_feature_touch(const nsdae_feature *f, const nsdae_couple *two)
+/* Which of the two has the face or edge that a corner touches: corners of the second come first. */
+static int base_of(const nsdae_feature *f)
 {
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  if (f->edges) return edges(f, two);
-  int rounded = s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1;
-  if (s0->shape == NSDAE_SHAPE_POLYGON || rounded) {
-    nsdae_meeting met;
-    if (s1->points > 1) met = nsdae_find_meeting(two, INFINITY);
-    return nsdae_polygon_touch(two, f->part[1], &met);
+  return !f->edges && f->number > f->part[1];
+}
+
+nsdae_couple nsdae_feature_couple(const nsdae_feature *f, const nsdae_meeting *met)
+{
+  int base = base_of(f);
+  const nsdae_couple *two = &met->two;
+  return (nsdae_couple){{two->solid[base], two->solid[1 - base]},
+                        {two->pose[base], two->pose[1 - base]}};
+}
+
+int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsdae_closest *c)
+{
+  const nsdae_couple two = nsdae_feature_couple(f, met);
+  const nsdae_solid_of *s0 = two.solid[0], *s1 = two.solid[1];
+  const double *x1 = s1->point + 3 * f->part[1];
+  double place[3];
+  c->side = s0->hollow ? -1 : 1;
+  for (int i = 0; i < 2; i++) c->radius[i] = two.solid[i]->radius;
+  if (f->edges) return edge_on_edge(f, met, c);
+  set(x1, c->x[1]);
+  if (s0->shape == NSDAE_SHAPE_POLYGON ||
+      (s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1))
+    return nsdae_polygon_closest(met, base_of(f), f->part[1], c);
+  if (s0->shape == NSDAE_SHAPE_PLANE || s0->points == 1) {
+    c->kind = s0->shape == NSDAE_SHAPE_PLANE ? NSDAE_PLANE_POINT : NSDAE_POINT_POINT;
+    set(s0->origin, c->x[0]);
+    if (c->kind == NSDAE_PLANE_POINT) set(s0->R + 6, c->u[0]);
+    return 1;
   }
-  nsdae_jet3 x1 = nsdae_pose_point(two->pose[1], nsdae_solid_corner(s1, f->part[1]));
-  if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(two, x1);
-  if (s0->shape == NSDAE_SHAPE_SEGMENT || s0->shape == NSDAE_SHAPE_CAPSULE)
-    return against_rod(s0, two->pose[0], x1, s1->radius);
-  nsdae_jet3 x0 = nsdae_pose_point(two->pose[0], s0->origin);
-  if (s0->shape != NSDAE_SHAPE_PLANE)
-    return nsdae_touch_point_point(x0, s0->radius, s0->hollow ? -1 : 1, x1, s1->radius);
-  nsdae_jet3 n = nsdae_pose_direction(two->pose[0], s0->R + 6);
-  return nsdae_touch_plane_point(x0, n, x1, s1->radius);
+  place_in(&two, x1, place);
+  if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(met, base_of(f), place, c);
+  corner_on_rod(s0, place, c);
+  return 1;
 }

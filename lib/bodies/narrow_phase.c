@@ -1,25 +1,29 @@
 #include "narrow_phase.h"
 
+#include <string.h>
+
 /* n and g of a distance vector d; side = -1 where the solid lies outside. With d = 0 any direction
  * is as good as another. */
-nsdae_jet3 nsdae_direction(nsdae_jet3 d, double side, nsdae_jet *length)
+static inline nsdae_jet3 direction(nsdae_jet3 d, double side, nsdae_jet *length)
 {
   const double x[3] = {side, 0, 0};
-  if (nsdae_jet3_dot(d, d).x == 0) {
+  nsdae_jet square = nsdae_jet3_dot(d, d);
+  if (square.x == 0) {
     *length = nsdae_jet_of(0);
     return nsdae_jet3_of(x);
   }
-  *length = nsdae_jet3_length(d);
+  *length = nsdae_jet_sqrt(square);
   return nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(*length), d));
 }
 
 /* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1:
  * g = side (|x_1 - x_0| - r_0) - r_1,  n = side (x_1 - x_0) / |x_1 - x_0| */
-nsdae_touch nsdae_touch_point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1, double r1)
+static inline nsdae_touch point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1,
+                                      double r1)
 {
-  nsdae_touch touch = {.far = 0};
+  nsdae_touch touch;
   nsdae_jet length;
-  touch.normal = nsdae_direction(nsdae_jet3_sub(x1, x0), side, &length);
+  touch.normal = direction(nsdae_jet3_sub(x1, x0), side, &length);
   touch.gap = nsdae_jet_scale(side, length);
   touch.gap.x -= side * r0 + r1;
   touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(side * r0, touch.normal));
@@ -27,15 +31,8 @@ nsdae_touch nsdae_touch_point_point(nsdae_jet3 x0, double r0, double side, nsdae
   return touch;
 }
 
-/* The line through x_0 along the unit vector u: from its foot f = x_0 + (u . d) u, d = x_1 - x_0 */
-nsdae_touch nsdae_touch_line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae_jet3 x1, double r1)
-{
-  nsdae_jet s = nsdae_jet3_dot(u, nsdae_jet3_sub(x1, x0));
-  return nsdae_touch_point_point(nsdae_jet3_add(x0, nsdae_jet3_times(s, u)), r0, 1, x1, r1);
-}
-
 /* The plane through x_0 with the unit normal n: g = n . (x_1 - x_0) - r_1 */
-nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1)
+static inline nsdae_touch plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1)
 {
   nsdae_jet height = nsdae_jet3_dot(n, nsdae_jet3_sub(x1, x0));
   nsdae_touch touch = {.gap = height, .normal = n};
@@ -45,52 +42,92 @@ nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, 
   return touch;
 }
 
-nsdae_touch nsdae_touch_far(const nsdae_couple *two)
+/* Two lines through x_i along unit vectors u_i, with d = x_1 - x_0 and m = u_0 x u_1:
+ * a = m . (d x u_1) / m^2,  b = m . (d x u_0) / m^2 are the places of their nearest points along
+ * u_0 and u_1;  n = side m / |m|. (Written with scalar products alone the same cancels where the
+ * lines are near parallel, as the square of their angle.) */
+static inline nsdae_touch line_line(const nsdae_jet3 x[2], const nsdae_jet3 u[2], double side,
+                                    const double r[2])
 {
-  return (nsdae_touch){.far = 1, .gap = nsdae_jet_of(two->solid[0]->size + two->solid[1]->size)};
+  nsdae_touch touch;
+  nsdae_jet3 d = nsdae_jet3_sub(x[1], x[0]), m = nsdae_jet3_cross(u[0], u[1]);
+  nsdae_jet square = nsdae_jet3_dot(m, m), inverse = nsdae_jet_inverse(square);
+  nsdae_jet a = nsdae_jet_mul(inverse, nsdae_jet3_dot(m, nsdae_jet3_cross(d, u[1])));
+  nsdae_jet b = nsdae_jet_mul(inverse, nsdae_jet3_dot(m, nsdae_jet3_cross(d, u[0])));
+  nsdae_jet3 n =
+      nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(nsdae_jet_sqrt(square)), m));
+  nsdae_jet3 x0 = nsdae_jet3_add(x[0], nsdae_jet3_times(a, u[0]));
+  nsdae_jet3 x1 = nsdae_jet3_add(x[1], nsdae_jet3_times(b, u[1]));
+  touch.gap = nsdae_jet3_dot(n, d);
+  touch.gap.x -= r[0] + r[1];
+  touch.normal = n;
+  touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(r[0], n));
+  touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r[1], n));
+  return touch;
 }
 
-nsdae_still nsdae_still_of(const nsdae_touch *touch)
+nsdae_touch nsdae_closest_touch(const nsdae_closest *c, const nsdae_couple *two)
 {
-  nsdae_still still = {.far = touch->far, .gap = touch->gap.x};
-  nsdae_jet3_values(touch->normal, still.normal);
-  for (int j = 0; j < 2; j++) nsdae_jet3_values(touch->at[j], still.at[j]);
-  return still;
-}
-
-void nsdae_still_point(nsdae_still *still, const double *x0, double r0, double side,
-                       const double *x1, double r1)
-{
-  double *n = still->normal;
-  const double d[3] = {x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]};
-  double length = sqrt(nsdae_dot3(d, d)), inverse = length > 0 ? 1 / length : 0;
-  for (int i = 0; i < 3; i++) n[i] = side * (inverse * d[i]);
-  if (!(length > 0)) n[0] = side;
-  still->gap = side * length - (side * r0 + r1);
-  for (int i = 0; i < 3; i++) {
-    still->at[0][i] = x0[i] + side * r0 * n[i];
-    still->at[1][i] = x1[i] - r1 * n[i];
+  nsdae_jet3 x[2], u[2];
+  for (int i = 0; i < 2; i++) x[i] = nsdae_pose_point(two->pose[i], c->x[i]);
+  if (c->kind == NSDAE_POINT_POINT)
+    return point_point(x[0], c->radius[0], c->side, x[1], c->radius[1]);
+  u[0] = nsdae_pose_direction(two->pose[0], c->u[0]);
+  if (c->kind == NSDAE_PLANE_POINT) return plane_point(x[0], u[0], x[1], c->radius[1]);
+  if (c->kind == NSDAE_LINE_LINE) {
+    u[1] = nsdae_pose_direction(two->pose[1], c->u[1]);
+    return line_line(x, u, c->side, c->radius);
   }
+  /* from the foot x_0 + (u . d) u */
+  nsdae_jet s = nsdae_jet3_dot(u[0], nsdae_jet3_sub(x[1], x[0]));
+  x[0] = nsdae_jet3_add(x[0], nsdae_jet3_times(s, u[0]));
+  return point_point(x[0], c->radius[0], c->side, x[1], c->radius[1]);
 }
 
-void nsdae_still_plane(nsdae_still *still, const double *x0, const double *x1, double r1)
+/* ---- values alone, in the order of operations of the jets */
+
+/* The places on the lines that are nearest to each other become x; n. */
+static void still_lines(double x[2][3], double u[2][3], double side, const double *d, double *n)
 {
-  const double d[3] = {x1[0] - x0[0], x1[1] - x0[1], x1[2] - x0[2]}, *n = still->normal;
-  double height = nsdae_dot3(n, d);
-  still->gap = height - r1;
-  for (int i = 0; i < 3; i++) {
-    still->at[0][i] = x1[i] - height * n[i];
-    still->at[1][i] = x1[i] - r1 * n[i];
+  double m[3], e[3];
+  nsdae_cross3(u[0], u[1], m);
+  double square = nsdae_dot3(m, m), inverse = 1 / square, length = 1 / sqrt(square);
+  for (int i = 0; i < 2; i++) {
+    nsdae_cross3(d, u[1 - i], e);
+    double along = inverse * nsdae_dot3(m, e);
+    for (int j = 0; j < 3; j++) x[i][j] += along * u[i][j];
   }
+  for (int j = 0; j < 3; j++) n[j] = side * (length * m[j]);
 }
 
-nsdae_still nsdae_round_still(const nsdae_couple *two, int corner)
+nsdae_still nsdae_closest_still(const nsdae_closest *c, const nsdae_couple *two)
 {
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  nsdae_still still = {.far = 0};
-  double x0[3], x1[3];
-  nsdae_pose_put(two->pose[0], s0->origin, x0);
-  nsdae_pose_put(two->pose[1], nsdae_solid_corner(s1, corner), x1);
-  nsdae_still_point(&still, x0, s0->radius, s0->hollow ? -1 : 1, x1, s1->radius);
-  return still;
+  nsdae_still s;
+  int plane = c->kind == NSDAE_PLANE_POINT, lines = c->kind == NSDAE_LINE_LINE;
+  double x[2][3], u[2][3], d[3], *n = s.normal;
+  for (int i = 0; i < 2; i++) {
+    nsdae_pose_put(two->pose[i], c->x[i], x[i]);
+    if (i == 0 ? c->kind != NSDAE_POINT_POINT : lines) nsdae_turn(two->pose[i]->R, c->u[i], u[i]);
+  }
+  for (int j = 0; j < 3; j++) d[j] = x[1][j] - x[0][j];
+  if (c->kind == NSDAE_LINE_POINT) {
+    double along = nsdae_dot3(u[0], d);
+    for (int j = 0; j < 3; j++) x[0][j] += along * u[0][j];
+    for (int j = 0; j < 3; j++) d[j] = x[1][j] - x[0][j];
+  }
+  if (lines) still_lines(x, u, c->side, d, n);
+  if (plane) memcpy(n, u[0], sizeof s.normal);
+  if (plane || lines) {
+    double height = nsdae_dot3(n, d), r0 = plane ? 0 : c->radius[0];
+    s.gap = height - (r0 + c->radius[1]);
+    for (int j = 0; j < 3; j++) s.at[0][j] = plane ? x[1][j] - height * n[j] : x[0][j] + r0 * n[j];
+  } else {
+    double square = nsdae_dot3(d, d), length = sqrt(square), inverse = 1 / length;
+    for (int j = 0; j < 3; j++) n[j] = square == 0 ? 0 : c->side * (inverse * d[j]);
+    if (square == 0) n[0] = c->side;
+    s.gap = c->side * length - (c->side * c->radius[0] + c->radius[1]);
+    for (int j = 0; j < 3; j++) s.at[0][j] = x[0][j] + c->side * c->radius[0] * n[j];
+  }
+  for (int j = 0; j < 3; j++) s.at[1][j] = x[1][j] - c->radius[1] * n[j];
+  return s;
 }

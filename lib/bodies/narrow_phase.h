@@ -1,9 +1,11 @@
-/* Features: the places where two solids can touch, one contact each. A corner of solid 1 (with its
- * rounding) against the core of solid 0, or an edge of the one against an edge of the other.
+/* Features: the places where two solids can touch, one contact each. A corner of one solid (with
+ * its rounding) against the core of the other, the base, or an edge of the one against an edge of
+ * the other. Of two solids in their order, corners of the second come first, then those of the
+ * first, then edges.
  *
- * Whichever part is nearest, the geometry is one of four: a point against a point, a line or a
- * plane, and a line against a line. Each gives jets of the gap, of the normal n (from 0 to 1) and
- * of the two points of contact c_0, c_1, which wander over their bodies:
+ * A feature has its closest parts: a point against a point, a line or a plane, or a line against a
+ * line. They give the gap, the normal n (from 0 to 1, the base is 0) and the two points of contact
+ * c_0, c_1, which wander over their bodies; and the jets of all of these:
  *
  *   xi = c'_1 - c'_0 of the material points there:   v_N = n . xi = g',   v_T = t . xi
  *   xi' (with v' = 0) = w_1 x (c'_1 - x'_1(c_1)) - w_0 x (c'_0 - x'_0(c_0)) with x'_i the velocity
@@ -13,53 +15,20 @@
 
 #include "solid.h"
 
-/* n and g of a distance vector d; side = -1 where the solid lies outside. */
-nsdae_jet3 nsdae_direction(nsdae_jet3 d, double side, nsdae_jet *length);
+/* What is closest to what. */
+enum { NSDAE_POINT_POINT, NSDAE_LINE_POINT, NSDAE_PLANE_POINT, NSDAE_LINE_LINE };
 
-/* A point x_1 with the rounding r_1 against a point with the rounding r_0 (side -1: a hole), a line
- * along the unit vector u, a plane with the unit normal n. */
-nsdae_touch nsdae_touch_point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1,
-                                    double r1);
-nsdae_touch nsdae_touch_line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, nsdae_jet3 x1,
-                                   double r1);
-nsdae_touch nsdae_touch_plane_point(nsdae_jet3 x0, nsdae_jet3 n, nsdae_jet3 x1, double r1);
+/* The closest parts, each in its body's frame: points, unit vectors along lines and the unit normal
+ * of a plane (u_0), roundings. */
+typedef struct nsdae_closest {
+  int kind;
+  double side; /* -1: x_0 is a hole's centre; two lines: n is along -(u_0 x u_1) */
+  double radius[2], x[2][3], u[2][3];
+} nsdae_closest;
 
-/* A contact that another feature stands for: the gap is constant; it has no places and directions.
- */
-nsdae_touch nsdae_touch_far(const nsdae_couple *two);
-
-/* Whether a solid of the plane has edges that can separate: a segment without rounding is a side.
- */
-int nsdae_has_edges(const nsdae_solid_of *solid);
-
-/* The meeting of two planar solids. */
-nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough);
-
-/* The contact of a corner of solid 1 against the polygon or rounded segment 0; met is theirs. */
-nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae_meeting *met);
-
-/* A contact as it is now, without rates: lists need no more, and want it for each of many. Values
- * are those of the jets, to the last bit. */
-typedef struct nsdae_still {
-  int far;
-  double gap, normal[3], at[2][3]; /* n; c_i */
-} nsdae_still;
-
-nsdae_still nsdae_still_of(const nsdae_touch *touch);
-/* As nsdae_touch_point_point, and nsdae_touch_plane_point with the normal that is set. */
-void nsdae_still_point(nsdae_still *still, const double *x0, double r0, double side,
-                       const double *x1, double r1);
-void nsdae_still_plane(nsdae_still *still, const double *x0, const double *x1, double r1);
-/* The corner of solid 1 against what is round or a hole, solid 0; as nsdae_polygon_touch. */
-nsdae_still nsdae_round_still(const nsdae_couple *two, int corner);
-nsdae_still nsdae_polygon_still(const nsdae_couple *two, int corner, const nsdae_meeting *met);
-
-/* x := r + R s */
-static inline void nsdae_pose_put(const nsdae_pose *pose, const double *s, double *x)
-{
-  nsdae_turn(pose->R, s, x);
-  for (int i = 0; i < 3; i++) x[i] += pose->r[i];
-}
+/* The contact of them, and its values alone. */
+nsdae_touch nsdae_closest_touch(const nsdae_closest *closest, const nsdae_couple *two);
+nsdae_still nsdae_closest_still(const nsdae_closest *closest, const nsdae_couple *two);
 
 static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
 {
@@ -71,10 +40,27 @@ const char *nsdae_solid_name(int shape);
 
 /* The number of edges of a solid (in space). */
 int nsdae_solid_edges(const nsdae_solid_of *solid);
-/* The edges of two solids that can be the nearest of both. */
-void nsdae_find_facing(const nsdae_couple *two, nsdae_facing *facing);
 
-/* The contact of a feature between two solids, in its order. */
-nsdae_touch nsdae_feature_touch(const nsdae_feature *feature, const nsdae_couple *two);
+/* Which edges of two solids can be closest: bit j of of[i] for edge i of solid 0 and j of solid 1.
+ * Of the 144 pairs of two boxes these are few, for nine directions. */
+enum { NSDAE_EDGES_MAX = 12 };
+typedef struct nsdae_facing {
+  unsigned of[NSDAE_EDGES_MAX];
+} nsdae_facing;
+void nsdae_find_facing(const nsdae_meeting *met, nsdae_facing *facing);
+
+/* Two solids in the order of nsdae_pair_features whose gaps of at most reach are asked for. */
+void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met);
+
+/* The separations of two planar solids, and the closest parts of a corner and the polygon or
+ * rounded segment base, 0 or 1 of the meeting: see nsdae_feature_closest. */
+void nsdae_find_separations(nsdae_meeting *met);
+int nsdae_polygon_closest(const nsdae_meeting *met, int base, int corner, nsdae_closest *closest);
+
+/* The closest parts of a feature of two solids that met, and these with the base first. 0: another
+ * feature is nearer, or the gap is larger than the reach; there are none then. */
+int nsdae_feature_closest(const nsdae_feature *feature, const nsdae_meeting *met,
+                          nsdae_closest *closest);
+nsdae_couple nsdae_feature_couple(const nsdae_feature *feature, const nsdae_meeting *met);
 
 #endif

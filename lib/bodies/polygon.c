@@ -88,20 +88,22 @@ static place find_place(const nsdae_solid_of *s, const double *x)
   return highest;
 }
 
-int nsdae_has_edges(const nsdae_solid_of *s)
+/* Which can separate: a segment without rounding is a side. */
+static int has_edges(const nsdae_solid_of *s)
 {
   return s->shape == NSDAE_SHAPE_POLYGON ||
          (s->shape == NSDAE_SHAPE_SEGMENT && s->points > 1 && s->radius > 0);
 }
 
-nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough)
+void nsdae_find_separations(nsdae_meeting *met)
 {
-  const nsdae_separation none = {.value = -INFINITY, .ends = -INFINITY};
-  nsdae_meeting met = {{none, none}};
-  for (int i = 0; i < 2 && met.by[0].value <= enough; i++) {
-    nsdae_separation *best = &met.by[i];
+  const nsdae_couple *two = &met->two;
+  double enough = met->enough;
+  for (int i = 0; i < 2; i++) met->by[i].value = met->by[i].ends = -INFINITY;
+  for (int i = 0; i < 2 && !met->far; i++) {
+    nsdae_separation *best = &met->by[i];
     const nsdae_solid_of *solid = two->solid[i], *other = two->solid[1 - i];
-    if (!nsdae_has_edges(solid) || other->points == 0) continue;
+    if (!has_edges(solid)) continue;
     const nsdae_pose *here = two->pose[i], *there = two->pose[1 - i];
     const double *R = here->R, *Q = there->R;
     const double x = there->r[0] - here->r[0], y = there->r[1] - here->r[1];
@@ -119,8 +121,8 @@ nsdae_meeting nsdae_find_meeting(const nsdae_couple *two, double enough)
       for (int l = 0; l < 3; l++) best->above[l] = above[l];
     }
     if (solid->points == 2) best->ends = separate_ends(solid, other, &w);
+    met->far = best->value > enough;
   }
-  return met;
 }
 
 /* What a corner touches beside an edge: NONE: the edge's end that is near; FAR: another feature
@@ -156,12 +158,12 @@ static int unless_deeper(const nsdae_meeting *met, place on)
  * place on the nearest edge's line; FAR. Where the solids are apart and the corner is above the
  * edge that separates best, none is nearer: a convex polygon lies behind that edge's line. Where
  * they overlap it touches that edge if it lies over it or inside. */
-static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, const double *x,
-                             place *at)
+static int touched_by_corner(const nsdae_meeting *met, int base, const double *x, place *at)
 {
-  place on = *at = place_on(s, met->by[0].edge, x);
+  const nsdae_solid_of *s = met->two.solid[base];
+  place on = *at = place_on(s, met->by[base].edge, x);
   double most = separation(met), slack = slack_of(drift, on, most);
-  int overlap = nsdae_more_of(most, met->by[0].ends) <= drift * on.length;
+  int overlap = nsdae_more_of(most, met->by[base].ends) <= drift * on.length;
   int over = fabs(on.along - on.length / 2) <= on.length / 2 + slack_of(beside, on, most);
   if (overlap && over) return unless_deeper(met, on);
   if (!overlap && on.height >= 0 && is_above(on)) return on.edge;
@@ -172,66 +174,38 @@ static int touched_by_corner(const nsdae_solid_of *s, const nsdae_meeting *met, 
   return unless_deeper(met, on);
 }
 
-/* Where the corner at p of the other's frame is: in space x_1 and on the polygon at; and what it
- * touches. */
-static int touched(const nsdae_couple *two, const double *p, const nsdae_meeting *met, double *x1,
-                   place *at)
+/* Where the corner at p of the other's frame is on the polygon; and what it touches. */
+static int touched(const nsdae_meeting *met, int base, const double *p, place *at)
 {
-  const nsdae_pose *polygon = two->pose[0], *other = two->pose[1];
-  const double *Q = other->R, *R = polygon->R;
-  x1[0] = other->r[0] + Q[0] * p[0] + Q[3] * p[1];
-  x1[1] = other->r[1] + Q[1] * p[0] + Q[4] * p[1];
+  const nsdae_couple *two = &met->two;
+  const nsdae_pose *polygon = two->pose[base], *other = two->pose[1 - base];
+  const double *R = polygon->R;
+  double x1[3];
+  nsdae_pose_put(other, p, x1);
   const double from[2] = {x1[0] - polygon->r[0], x1[1] - polygon->r[1]};
   const double x[2] = {R[0] * from[0] + R[1] * from[1], R[3] * from[0] + R[4] * from[1]};
-  if (two->solid[1]->points > 1) return touched_by_corner(two->solid[0], met, x, at);
-  *at = find_place(two->solid[0], x); /* of a point, or the centre of what is round */
+  if (two->solid[1 - base]->points > 1) return touched_by_corner(met, base, x, at);
+  *at = find_place(two->solid[base], x); /* of a point, or the centre of what is round */
   return at->height <= 0 || is_above(*at) ? at->edge : NONE;
 }
 
 /* ---- interface */
 
-static int near_end(const nsdae_solid_of *s, place at)
+int nsdae_polygon_closest(const nsdae_meeting *met, int base, int corner, nsdae_closest *c)
 {
-  return (at.edge + (at.along > 0)) % s->points;
-}
-
-nsdae_touch nsdae_polygon_touch(const nsdae_couple *two, int corner, const nsdae_meeting *met)
-{
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  const double *p = nsdae_solid_corner(s1, corner);
-  double now[2];
+  const nsdae_solid_of *s = met->two.solid[base], *other = met->two.solid[1 - base];
+  const double *p = nsdae_solid_corner(other, corner);
   place at;
-  int edge = touched(two, p, met, now, &at);
-  if (edge == FAR) return nsdae_touch_far(two);
-  nsdae_jet3 x1 = nsdae_pose_point(two->pose[1], p);
-  int corner0 = edge != NONE ? edge : near_end(s0, at);
-  nsdae_jet3 end = nsdae_pose_point(two->pose[0], nsdae_solid_corner(s0, corner0));
-  if (edge != NONE) { /* its line, r_0 above it */
-    nsdae_jet3 normal = nsdae_pose_direction(two->pose[0], edge_normal(s0, edge));
-    end = nsdae_jet3_add(end, nsdae_jet3_scale(s0->radius, normal));
-    return nsdae_touch_plane_point(end, normal, x1, s1->radius);
+  if (other->points > 1 && nsdae_height_above(met->by[base].above, p) > met->enough) return 0;
+  int edge = touched(met, base, p, &at);
+  if (edge == FAR) return 0;
+  c->kind = edge == NONE ? NSDAE_POINT_POINT : NSDAE_PLANE_POINT;
+  int corner0 = edge == NONE ? (at.edge + (at.along > 0)) % s->points : edge; /* the near end */
+  for (int i = 0; i < 3; i++) {
+    c->x[0][i] = nsdae_solid_corner(s, corner0)[i];
+    if (edge == NONE) continue; /* the edge's line, r_0 above it */
+    c->u[0][i] = edge_normal(s, edge)[i];
+    c->x[0][i] += s->radius * c->u[0][i];
   }
-  return nsdae_touch_point_point(end, s0->radius, 1, x1, s1->radius);
-}
-
-nsdae_still nsdae_polygon_still(const nsdae_couple *two, int corner, const nsdae_meeting *met)
-{
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  const double *p = nsdae_solid_corner(s1, corner);
-  nsdae_still still = {.far = 0};
-  double now[2], x0[3], x1[3];
-  place at;
-  int edge = touched(two, p, met, now, &at);
-  still.far = edge == FAR;
-  if (still.far) return still;
-  nsdae_pose_put(two->pose[1], p, x1);
-  nsdae_pose_put(two->pose[0], nsdae_solid_corner(s0, edge != NONE ? edge : near_end(s0, at)), x0);
-  if (edge == NONE) {
-    nsdae_still_point(&still, x0, s0->radius, 1, x1, s1->radius);
-  } else {
-    nsdae_turn(two->pose[0]->R, edge_normal(s0, edge), still.normal);
-    for (int i = 0; i < 3; i++) x0[i] += s0->radius * still.normal[i];
-    nsdae_still_plane(&still, x0, x1, s1->radius);
-  }
-  return still;
+  return 1;
 }

@@ -35,27 +35,6 @@ nsdae_pose nsdae_pose_of(int dimension, const double *q, const double *v)
   return pose;
 }
 
-nsdae_jet3 nsdae_pose_direction(const nsdae_pose *pose, const double *a)
-{
-  double u[3], rate[3], second[3];
-  nsdae_jet3 jet;
-  nsdae_turn(pose->R, a, u);
-  nsdae_cross3(pose->w, u, rate);
-  nsdae_cross3(pose->w, rate, second);
-  for (int i = 0; i < 3; i++) jet.at[i] = (nsdae_jet){u[i], rate[i], second[i]};
-  return jet;
-}
-
-nsdae_jet3 nsdae_pose_point(const nsdae_pose *pose, const double *s)
-{
-  nsdae_jet3 jet = nsdae_pose_direction(pose, s);
-  for (int i = 0; i < 3; i++) {
-    jet.at[i].x += pose->r[i];
-    jet.at[i].d += pose->v[i];
-  }
-  return jet;
-}
-
 nsdae_velocity_row nsdae_relative_row(const nsdae_pose pose[2], nsdae_jet3 x0, nsdae_jet3 x1,
                                       nsdae_jet3 n)
 {

@@ -20,8 +20,33 @@ void nsdae_pose_move(int dimension, const double *v, nsdae_pose *pose);
 
 /* A point s and a direction a of the body's own frame, with v' = 0:
  *   x'' = w x (w x (x - r)),   u' = w x u,   u'' = w x (w x u) */
-nsdae_jet3 nsdae_pose_point(const nsdae_pose *pose, const double *s);
-nsdae_jet3 nsdae_pose_direction(const nsdae_pose *pose, const double *a);
+static inline nsdae_jet3 nsdae_pose_direction(const nsdae_pose *pose, const double *a)
+{
+  double u[3], rate[3], second[3];
+  nsdae_jet3 jet;
+  nsdae_turn(pose->R, a, u);
+  nsdae_cross3(pose->w, u, rate);
+  nsdae_cross3(pose->w, rate, second);
+  for (int i = 0; i < 3; i++) jet.at[i] = (nsdae_jet){u[i], rate[i], second[i]};
+  return jet;
+}
+
+static inline nsdae_jet3 nsdae_pose_point(const nsdae_pose *pose, const double *s)
+{
+  nsdae_jet3 jet = nsdae_pose_direction(pose, s);
+  for (int i = 0; i < 3; i++) {
+    jet.at[i].x += pose->r[i];
+    jet.at[i].d += pose->v[i];
+  }
+  return jet;
+}
+
+/* x := r + R s */
+static inline void nsdae_pose_put(const nsdae_pose *pose, const double *s, double *x)
+{
+  nsdae_turn(pose->R, s, x);
+  for (int i = 0; i < 3; i++) x[i] += pose->r[i];
+}
 
 /* The coefficients of a scalar velocity in those of two bodies: its rate is
  * sum_i linear_i . v_i + angular_i . w_i, in space. */

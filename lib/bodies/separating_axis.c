@@ -1,72 +1,81 @@
 #include "separating_axis.h"
 
-/* A box, or a capsule's segment: what is within half of its centre along its three axes in space.
- */
-typedef struct core {
-  double centre[3], axis[3][3], half[3];
-  int faces; /* whether it has any */
-} core;
-
-static core core_of(const nsdae_solid_of *s, const nsdae_pose *pose)
+void nsdae_half_edges(const nsdae_solid_of *s, double half[3])
 {
-  core c = {.half = {0, 0, s->half[2]}, .faces = s->shape == NSDAE_SHAPE_BOX};
-  nsdae_turn(pose->R, s->origin, c.centre);
+  for (int i = 0; i < 3; i++) half[i] = i == 2 || s->shape == NSDAE_SHAPE_BOX ? s->half[i] : 0;
+}
+
+/* Each solid in the frame of the other. */
+static void relate(const nsdae_couple *two, nsdae_separating_axis *o)
+{
+  double axes[2][9], at[2][3], apart[3];
+  for (int s = 0; s < 2; s++) {
+    const nsdae_solid_of *solid = two->solid[s];
+    for (int i = 0; i < 3; i++) nsdae_turn(two->pose[s]->R, solid->R + 3 * i, axes[s] + 3 * i);
+    nsdae_pose_put(two->pose[s], solid->origin, at[s]);
+  }
+  for (int i = 0; i < 3; i++) apart[i] = at[1][i] - at[0][i];
   for (int i = 0; i < 3; i++) {
-    c.centre[i] += pose->r[i];
-    nsdae_turn(pose->R, s->R + 3 * i, c.axis[i]);
-    if (c.faces) c.half[i] = s->half[i];
-  }
-  return c;
-}
-
-/* How far a core reaches along a direction from its centre. */
-static double reach(const core *c, const double *n)
-{
-  double sum = 0;
-  for (int i = 0; i < 3; i++) sum += c->half[i] * fabs(nsdae_dot3(n, c->axis[i]));
-  return sum;
-}
-
-/* The best separation along a face's normal of the first. */
-static void separate_faces(const core *c, const core *other, const double *apart,
-                           nsdae_separating_axis *o)
-{
-  o->face = -INFINITY;
-  for (int i = 0; i < 3 && c->faces; i++) {
-    double along = nsdae_dot3(apart, c->axis[i]);
-    double s = fabs(along) - c->half[i] - reach(other, c->axis[i]);
-    if (!(s > o->face)) continue;
-    o->face = s;
-    o->axis = i;
-    o->side = along < 0 ? -1 : 1;
+    o->way[0][i] = nsdae_dot3(axes[0] + 3 * i, apart);
+    o->way[1][i] = -nsdae_dot3(axes[1] + 3 * i, apart);
+    for (int j = 0; j < 3; j++) o->cosine[3 * j + i] = nsdae_dot3(axes[0] + 3 * i, axes[1] + 3 * j);
   }
 }
 
-nsdae_separating_axis nsdae_separating_axis_find(const nsdae_couple *two)
+/* The best separation along a face's normal of solid s, whose axis i and axis j of the other have
+ * the cosine of [i across + j along]. */
+static void separate_faces(nsdae_separating_axis *o, int s, const double *half, const double *other)
 {
-  core c0 = core_of(two->solid[0], two->pose[0]), c1 = core_of(two->solid[1], two->pose[1]);
-  double apart[3], back[3], size = two->solid[0]->size + two->solid[1]->size;
-  nsdae_separating_axis o, there;
+  int across = s ? 3 : 1, along = s ? 1 : 3;
   for (int i = 0; i < 3; i++) {
-    apart[i] = c1.centre[i] - c0.centre[i];
-    back[i] = -apart[i];
+    const double *way = o->way[s], *c = o->cosine + i * across;
+    double apart = fabs(way[i]) - half[i] - other[0] * fabs(c[0]) - other[1] * fabs(c[along]) -
+                   other[2] * fabs(c[2 * along]);
+    if (!(apart > o->face[s])) continue;
+    o->face[s] = apart;
+    o->axis[s] = i;
+    o->side[s] = way[i] < 0 ? -1 : 1;
   }
-  separate_faces(&c0, &c1, apart, &o);
-  o.slack = NSDAE_SLACK * size;
-  o.beside = NSDAE_BESIDE * size;
-  o.most = o.face;
-  if (o.face > o.slack) return o;
-  separate_faces(&c1, &c0, back, &there);
-  o.most = fmax(o.face, there.face);
-  /* The best separation along a normal of two edges. Those nearer to parallel than 1e-8 give no
-   * axis that faces do not. */
-  for (int i = c0.faces ? 0 : 2; i < 3; i++)
-    for (int j = c1.faces ? 0 : 2; j < 3; j++) {
-      double n[3];
-      nsdae_cross3(c0.axis[i], c1.axis[j], n);
-      double length = sqrt(nsdae_dot3(n, n));
-      if (length < 1e-8) continue;
-      o.most = fmax(o.most, (fabs(nsdae_dot3(n, apart)) - reach(&c0, n) - reach(&c1, n)) / length);
+}
+
+/* Along axis i of solid 0 x axis j of solid 1, m = e_i x c_j with c_j = (cosines of j); of another
+ * axis c_l of solid 1  |m . c_l| = |e_i . (c_j x c_l)|, the cosine of i and the third. Those nearer
+ * to parallel than 1e-8 give no axis that faces do not. */
+static double separate_edges(const nsdae_separating_axis *o, int i, int j, double half[2][3])
+{
+  const double *c = o->cosine + 3 * j, *way = o->way[0];
+  int p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
+  double length = sqrt(c[p] * c[p] + c[q] * c[q]);
+  if (length < 1e-8) return -INFINITY;
+  double reach = half[0][p] * fabs(c[q]) + half[0][q] * fabs(c[p]) +
+                 half[1][r] * fabs(o->cosine[3 * s + i]) + half[1][s] * fabs(o->cosine[3 * r + i]);
+  return (fabs(c[p] * way[q] - c[q] * way[p]) - reach) / length;
+}
+
+int nsdae_find_separating_axis(const nsdae_couple *two, double enough, nsdae_separating_axis *o)
+{
+  const nsdae_solid_of *const *solid = two->solid;
+  double half[2][3], size = solid[0]->size + solid[1]->size;
+  int from[2];
+  relate(two, o);
+  o->slack = NSDAE_SLACK * size;
+  o->beside = NSDAE_BESIDE * size;
+  for (int s = 0; s < 2; s++) {
+    nsdae_half_edges(solid[s], half[s]);
+    from[s] = solid[s]->shape == NSDAE_SHAPE_BOX ? 0 : 2;
+    o->face[s] = -INFINITY;
+  }
+  for (int s = 0; s < 2; s++) {
+    if (from[s] == 0) separate_faces(o, s, half[s], half[1 - s]);
+    if (o->face[s] > enough) return 0;
+  }
+  o->most = nsdae_more_of(o->face[0], o->face[1]);
+  for (int i = from[0]; i < 3; i++)
+    for (int j = from[1]; j < 3; j++) {
+      double apart = separate_edges(o, i, j, half);
+      if (apart > enough) return 0;
+      o->edges[3 * i + j] = apart;
+      o->most = nsdae_more_of(o->most, apart);
     }
-  return o;
+  return 1;
 }

@@ -2,7 +2,8 @@
  * overlaps that is the axis of least depth (the separating axes of polyhedra: S. Gottschalk, M. C.
  * Lin, D. Manocha, SIGGRAPH 1996, for boxes). Of convex solids that overlap the largest of these
  * separations is minus the least way that parts them, and changes no faster than they move; so the
- * contacts of a pair are those of that axis, and none is deeper. */
+ * contacts of a pair are those of that axis, and none is deeper. No contact of solids that are
+ * apart is nearer than the separation along any axis. */
 #ifndef NSDAE_BODIES_SEPARATING_AXIS_H
 #define NSDAE_BODIES_SEPARATING_AXIS_H
 
@@ -13,16 +14,11 @@
 #define NSDAE_SLACK  1e-6
 #define NSDAE_BESIDE 1e-4
 
-typedef struct nsdae_separating_axis {
-  double most; /* separation of the cores along the best axis, negative where they overlap */
-  double face; /* the same along the best outer normal of a face of solid 0; -INFINITY: none */
-  int axis;    /* which: an axis of the box */
-  double side; /* 1 or -1: along it or back */
-  double slack, beside; /* [m] */
-} nsdae_separating_axis;
+/* Half edges of a box; of a capsule those of its segment. */
+void nsdae_half_edges(const nsdae_solid_of *solid, double half[3]);
 
-/* Of boxes and capsules. most is that of the faces of solid 0 alone where these are apart by more
- * than slack. */
-nsdae_separating_axis nsdae_separating_axis_find(const nsdae_couple *two);
+/* Of boxes and capsules; 0 where they are apart by more than enough along an axis: it says no more
+ * then. */
+int nsdae_find_separating_axis(const nsdae_couple *two, double enough, nsdae_separating_axis *o);
 
 #endif

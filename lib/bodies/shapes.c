@@ -213,36 +213,35 @@ static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int oth
   for (int i = 0; i < solids[other].points; i++) add_feature(s, 0, base, other, 0, i);
 }
 
-static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j,
-                      const nsdae_pose *const pose[2])
+static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j, const nsdae_meeting *met)
 {
   int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
-  nsdae_facing facing = {{0}};
-  if (pose && first > 0 && second > 0)
-    nsdae_find_facing(&(nsdae_couple){{&solids[i], &solids[j]}, {pose[0], pose[1]}}, &facing);
+  nsdae_facing facing;
+  if (met && first > 0 && second > 0) nsdae_find_facing(met, &facing);
   for (int k = 0; k < first; k++)
     for (int l = 0; l < second; l++) {
-      if (!pose || facing.of[k] >> l & 1)
+      if (!met || facing.of[k] >> l & 1)
         add_feature(s, 1, i, j, k, l);
       else
         s->number++;
     }
 }
 
-int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
-                        const nsdae_pose *const pose[2], nsdae_feature_fn add, void *to)
+int nsdae_pair_is_turned(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
-  const nsdae_solid_of *s0 = &solids[solid0], *s1 = &solids[solid1];
+  return !is_base(s0) && (is_base(s1) || (is_round(s0) && !is_round(s1)));
+}
+
+int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_meeting *met, nsdae_feature_fn add, void *to)
+{
   sink s = {.add = add, .to = to};
-  if (is_base(s0) || (is_round(s1) && !is_base(s1)))
-    add_corners(&s, solids, solid0, solid1);
-  else if (is_base(s1) || is_round(s0))
-    add_corners(&s, solids, solid1, solid0);
-  else {
-    add_corners(&s, solids, solid0, solid1);
-    add_corners(&s, solids, solid1, solid0);
-    add_edges(&s, solids, solid0, solid1, pose);
-  }
+  int turned = nsdae_pair_is_turned(&solids[solid0], &solids[solid1]);
+  int base = turned ? solid1 : solid0, other = turned ? solid0 : solid1;
+  add_corners(&s, solids, base, other);
+  if (is_base(&solids[base]) || is_round(&solids[other])) return s.status;
+  add_corners(&s, solids, other, base);
+  add_edges(&s, solids, base, other, met);
   return s.status;
 }
 

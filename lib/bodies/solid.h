@@ -1,5 +1,4 @@
-/* A solid in its body's frame, a feature of two solids, and what is known of two of them at a
- * moment. */
+/* A solid in its body's frame, a feature of two solids, and two of them at a moment. */
 #ifndef NSDAE_BODIES_SOLID_H
 #define NSDAE_BODIES_SOLID_H
 
@@ -28,7 +27,7 @@ typedef struct nsdae_feature {
   double mu, e_n, e_t;
 } nsdae_feature;
 
-/* Two solids with the poses of their bodies; features of the first touch corners of the second. */
+/* Two solids with the poses of their bodies. */
 typedef struct nsdae_couple {
   const nsdae_solid_of *solid[2];
   const nsdae_pose *pose[2];
@@ -38,15 +37,12 @@ typedef struct nsdae_couple {
 typedef struct nsdae_touch {
   nsdae_jet gap;
   nsdae_jet3 normal, at[2]; /* n, c_i */
-  int far; /* another feature is nearer: the gap is positive and constant, and all there is */
 } nsdae_touch;
 
-/* Which edges of two solids can be the nearest of both: bit j of of[i] for edge i of solid 0 and j
- * of solid 1. Of the 144 pairs of two boxes these are few, for nine directions. */
-enum { NSDAE_EDGES_MAX = 12 };
-typedef struct nsdae_facing {
-  unsigned of[NSDAE_EDGES_MAX];
-} nsdae_facing;
+/* Its values alone, to the last bit those of the jets. */
+typedef struct nsdae_still {
+  double gap, normal[3], at[2][3]; /* n; c_i */
+} nsdae_still;
 
 /* How far two planar solids are apart along the best outer normal of an edge of one, and which
  * edge; of a line also beyond its ends. -INFINITY: has no edges. */
@@ -56,17 +52,35 @@ typedef struct nsdae_separation {
   double above[3]; /* height of the other's points over that edge: see nsdae_height_above */
 } nsdae_separation;
 
-/* By edges of each. All features of the two go by that. Where one edge separates them by more than
- * enough that is all it says. */
-typedef struct nsdae_meeting {
-  nsdae_separation by[2];
-} nsdae_meeting;
-
 /* above_x p_x + above_y p_y + above_0. No contact of a corner at p is nearer than this height over
  * any edge, the roundings apart. */
 static inline double nsdae_height_above(const double *above, const double *p)
 {
   return above[0] * p[0] + above[1] * p[1] + above[2];
 }
+
+/* The same of two solids in space: see separating_axis.h. Separations are of the cores, negative if
+ * they overlap; [s]: along the best outer normal of a face of solid s, -INFINITY if it has none. */
+typedef struct nsdae_separating_axis {
+  double cosine[9]; /* [3 j + i]: of axis i of solid 0 and axis j of solid 1 */
+  double way[2][3]; /* from the origin of solid s to the other's, in its frame */
+  double most;      /* along the best axis */
+  double face[2];
+  int axis[2];          /* that face: across this axis of the box */
+  double side[2];       /* on its side 1 or -1 */
+  double edges[9];      /* [3 i + j]: along axis i of solid 0 x axis j of solid 1 */
+  double slack, beside; /* [m] */
+} nsdae_separating_axis;
+
+/* Two solids at a moment, and what all their features go by. */
+typedef struct nsdae_meeting {
+  nsdae_couple two;
+  double enough; /* a feature whose cores are apart by more may be left out; INFINITY: none */
+  int far;       /* all are */
+  union {
+    nsdae_separation by[2]; /* in the plane: by edges of each */
+    nsdae_separating_axis axis;
+  };
+} nsdae_meeting;
 
 #endif

@@ -13,10 +13,9 @@
 
 #include <nsdae/nsdae.h>
 
-#include "separating_axis.h"
+#include "bodies_impl.h"
 #include "../support/random.h"
 #include "ratio.h"
-#include "world.h"
 
 enum { POSES = 20000, RUNS = 5 };
 
@@ -85,31 +84,34 @@ typedef struct kit {
   nsdae_bodies *bodies;
   nsdae_system *system;
   nsdae_pose pose[2];
+  nsdae_meeting met;
   answer answer;
 } kit;
 
 static int look(void *to, const nsdae_feature *f)
 {
   kit *k = to;
-  const nsdae_solid_of *s = k->bodies->solid.at;
-  const int *of = f->solid;
-  const nsdae_couple two = {{s + of[0], s + of[1]}, {&k->pose[of[0]], &k->pose[of[1]]}};
-  nsdae_touch touch = nsdae_feature_touch(f, &two);
-  if (touch.far || touch.gap.x > 0) return 0;
+  nsdae_closest closest;
+  if (!nsdae_feature_closest(f, &k->met, &closest)) return 0;
+  const nsdae_couple two = nsdae_feature_couple(f, &k->met);
+  const nsdae_still still = nsdae_closest_still(&closest, &two);
+  if (still.gap > 0) return 0;
   k->answer.contacts++;
-  if (-touch.gap.x <= k->answer.depth) return 0;
-  k->answer.depth = -touch.gap.x;
-  for (int i = 0; i < 3; i++) k->answer.normal[i] = touch.normal.at[i].x;
+  if (-still.gap <= k->answer.depth) return 0;
+  k->answer.depth = -still.gap;
+  for (int i = 0; i < 3; i++) k->answer.normal[i] = still.normal[i];
   return 0;
 }
 
 static answer by_kit(void *world, const poses *p)
 {
   kit *k = world;
+  const nsdae_solid_of *s = k->bodies->solid.at;
   k->answer = (answer){.depth = 0};
   for (int i = 0; i < 2; i++) k->pose[i] = nsdae_pose_of(3, p->q + 7 * i, NULL);
-  const nsdae_pose *const pose[2] = {&k->pose[0], &k->pose[1]};
-  nsdae_pair_features(k->bodies->solid.at, 0, 1, pose, look, k);
+  const nsdae_couple two = {{s, s + 1}, {&k->pose[0], &k->pose[1]}};
+  nsdae_meet(&two, 0, &k->met);
+  if (!k->met.far) nsdae_pair_features(s, 0, 1, &k->met, look, k);
   return k->answer;
 }
 

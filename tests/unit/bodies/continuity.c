@@ -9,6 +9,7 @@
 
 #include "narrow_phase.h"
 #include "bodies_impl.h"
+#include "support/feature_touch.h"
 #include "support/random.h"
 
 static uint64_t seed = 11;
@@ -59,51 +60,42 @@ static couple make(int d, const nsdae_solid *first, const nsdae_solid *second)
   return c;
 }
 
-static void expect_still(const nsdae_still *still, const nsdae_touch *touch)
+/* The values without rates are those of the contact to the last bit. What asks for gaps of at most
+ * this one finds it too, the edges among those that face each other. */
+static void expect_found(const nsdae_solid_of *s, const nsdae_feature *f, const nsdae_pose *pose,
+                         const nsdae_touch *touch)
 {
-  assert_int_equal(still->far, touch->far);
-  if (still->far) return;
-  assert_true(still->gap == touch->gap.x);
+  nsdae_meeting met;
+  nsdae_closest closest;
+  nsdae_facing facing;
+  feature_meet(s, f, pose, touch->gap.x, &met);
+  assert_false(met.far);
+  assert_true(nsdae_feature_closest(f, &met, &closest));
+  if (f->edges) {
+    nsdae_find_facing(&met, &facing);
+    assert_true(facing.of[f->part[0]] >> f->part[1] & 1);
+  }
+  const nsdae_couple two = nsdae_feature_couple(f, &met);
+  const nsdae_still still = nsdae_closest_still(&closest, &two);
+  assert_true(still.gap == touch->gap.x);
   for (int j = 0; j < 3; j++) {
-    assert_true(still->normal[j] == touch->normal.at[j].x);
-    for (int i = 0; i < 2; i++) assert_true(still->at[i][j] == touch->at[i].at[j].x);
+    assert_true(still.normal[j] == touch->normal.at[j].x);
+    for (int i = 0; i < 2; i++) assert_true(still.at[i][j] == touch->at[i].at[j].x);
   }
-}
-
-/* The short formulas for lists, of round solids, polygons and rounded segments, give the same
- * contact to the last bit. */
-static void expect_same(const nsdae_feature *f, const nsdae_couple *two, const nsdae_touch *touch)
-{
-  const nsdae_solid_of *s0 = two->solid[0], *s1 = two->solid[1];
-  if (s0->points == 1) {
-    nsdae_still still = nsdae_round_still(two, f->part[1]);
-    expect_still(&still, touch);
-    return;
-  }
-  if (s0->shape != NSDAE_SHAPE_POLYGON && (s0->shape != NSDAE_SHAPE_SEGMENT || s0->radius == 0))
-    return;
-  if (s0->shape == NSDAE_SHAPE_SEGMENT && s1->points == 1) return; /* by its line: see feature.c */
-  nsdae_meeting met = nsdae_find_meeting(two, INFINITY);
-  nsdae_still still = nsdae_polygon_still(two, f->part[1], &met);
-  expect_still(&still, touch);
-  if (still.far) return;
-  assert_true(nsdae_height_above(met.by[0].above, s1->point + 3 * f->part[1]) <=
-              still.gap + s0->radius + s1->radius + 1e-14);
 }
 
 static double least_gap(const couple *c, const double *q)
 {
   const nsdae_solid_of *s = c->bodies->solid.at;
-  nsdae_pose pose[2];
   double least = INFINITY;
-  for (int i = 0; i < 2; i++) pose[i] = nsdae_bodies_pose(c->bodies, i, q, NULL);
   for (int i = 0; i < c->bodies->feature.count; i++) {
     const nsdae_feature *f = (const nsdae_feature *)c->bodies->feature.at + i;
-    const int *of = f->solid;
-    const nsdae_couple two = {{s + of[0], s + of[1]}, {&pose[of[0]], &pose[of[1]]}};
-    nsdae_touch touch = nsdae_feature_touch(f, &two);
-    expect_same(f, &two, &touch);
-    if (!touch.far) least = fmin(least, touch.gap.x);
+    nsdae_pose pose[2];
+    nsdae_touch touch;
+    for (int j = 0; j < 2; j++) pose[j] = nsdae_bodies_pose(c->bodies, f->solid[j], q, NULL);
+    if (!feature_touch(s, f, pose, &touch)) continue;
+    expect_found(s, f, pose, &touch);
+    least = fmin(least, touch.gap.x);
   }
   return least;
 }

@@ -9,6 +9,7 @@
 #include "lists.h"
 #include "system_impl.h"
 #include "bodies_impl.h"
+#include "support/feature_touch.h"
 #include "support/random.h"
 
 enum { MECHANISMS = 400, NV_MAX = 24, NQ_MAX = 28, K_MAX = 400 };
@@ -221,9 +222,8 @@ static void check_directions(const nsdae_bodies *b, const nsdae_system *system, 
     const int body[2] = {s[f->solid[0]].body, s[f->solid[1]].body};
     nsdae_pose pose[2];
     for (int j = 0; j < 2; j++) pose[j] = nsdae_bodies_pose(b, body[j], q, NULL);
-    const nsdae_couple two = {{s + f->solid[0], s + f->solid[1]}, {&pose[0], &pose[1]}};
-    nsdae_touch touch = nsdae_feature_touch(f, &two);
-    if (touch.far) continue;
+    nsdae_touch touch;
+    if (!feature_touch(s, f, pose, &touch)) continue;
     double n[3][3];
     const double *column[3] = {W[0] + i * dims.nv, W[1] + i * dims.nt * dims.nv,
                                W[1] + (i * dims.nt + dims.nt - 1) * dims.nv};

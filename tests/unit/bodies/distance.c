@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "bodies_impl.h"
+#include "support/feature_touch.h"
 #include "support/random.h"
 
 enum { PROJECTIONS = 20000 };
@@ -140,10 +141,8 @@ static double least_gap(const couple *c, const double *q)
     nsdae_pose pose[2];
     for (int j = 0; j < 2; j++)
       pose[j] = nsdae_bodies_pose(c->bodies, s[f->solid[j]].body, q, NULL);
-    const nsdae_couple two = {{s + f->solid[0], s + f->solid[1]}, {&pose[0], &pose[1]}};
-    nsdae_touch touch = nsdae_feature_touch(f, &two);
-    assert_true(!touch.far || touch.gap.x > 0);
-    if (!touch.far) least = fmin(least, touch.gap.x);
+    nsdae_touch touch;
+    if (feature_touch(s, f, pose, &touch)) least = fmin(least, touch.gap.x);
   }
   return least;
 }

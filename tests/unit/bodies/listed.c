@@ -6,6 +6,7 @@
 
 #include "broad_phase.h"
 #include "space.h"
+#include "support/feature_touch.h"
 #include "support/random.h"
 
 enum { NQ_MAX = 80, SOLIDS_MAX = 120 };
@@ -77,9 +78,8 @@ static int look(void *to, const nsdae_feature *f)
   nsdae_pose pose[2];
   for (int i = 0; i < 2; i++)
     pose[i] = nsdae_bodies_pose(n->bodies, s[f->solid[i]].body, n->q, NULL);
-  const nsdae_couple two = {{s + f->solid[0], s + f->solid[1]}, {&pose[0], &pose[1]}};
-  nsdae_touch touch = nsdae_feature_touch(f, &two);
-  if (!touch.far) n->least = fmin(n->least, touch.gap.x);
+  nsdae_touch touch;
+  if (feature_touch(s, f, pose, &touch)) n->least = fmin(n->least, touch.gap.x);
   return 0;
 }
 
