@@ -58,6 +58,11 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  * - DEPTHS: as CONSTRAINTS; a contact that overlapped at the start of the step and remained closed
  *  keeps its depth at most. On curved surfaces its depth otherwise grows by
  *  (1 - e_N) h^2 v^2 / (2 r) in every step.
+ * - SLOP (implicit and moreau): contacts that were closed in the step and are deeper than a slop
+ * are brought out to it, by the least change in the metric of M that leaves the constraints as they
+ *  are. The slop is h^2 a, the way in a step of the largest acceleration a that the forces give to
+ *  a contact of the island. Velocities stay; the potential energy that this adds is
+ * projection_energy of the record.
  *
  * penalty and event accept NONE only: event satisfies both conditions in another way, and overlap
  * is part of the contact law of penalty. */
@@ -65,7 +70,8 @@ enum nsdae_projection {
   NSDAE_PROJECTION_NONE,
   NSDAE_PROJECTION_CONSTRAINTS,
   NSDAE_PROJECTION_CONTACTS,
-  NSDAE_PROJECTION_DEPTHS
+  NSDAE_PROJECTION_DEPTHS,
+  NSDAE_PROJECTION_SLOP
 };
 
 /* Initialise with nsdae_sim_options_default; an uninitialised struct is an error. */
@@ -208,15 +214,17 @@ typedef struct nsdae_record {
   nsdae_contact_set contacts;       /* contacts of the step, fixed or listed */
   double kinetic, potential;        /* [J]; potential is 0 without its callback */
   double dissipated;                /* work absorbed by all contact impulses since the start [J] */
-  double lcp_residual;           /* scaled natural residual of the contact problem, 0 without one;
-                                    time stepping: that of friction.h over all contacts of the step;
-                                    event: the largest of its complementarity problems */
-  double constraint_drift;       /* max |Phi| */
-  double penetration;            /* max(0, -g_N) of all contacts */
-  const nsdae_impact *impact;    /* [impacts] */
-  int impacts;                   /* number of impacts in the step */
-  const nsdae_change *change;    /* [changes] */
-  int changes;                   /* number of mode transitions in the step */
+  double projection_energy;   /* part of dissipated, < 0 there: potential energy that projection =
+                                 slop added since the start [J] */
+  double lcp_residual;        /* scaled natural residual of the contact problem, 0 without one;
+                                 time stepping: that of friction.h over all contacts of the step;
+                                 event: the largest of its complementarity problems */
+  double constraint_drift;    /* max |Phi| */
+  double penetration;         /* max(0, -g_N) of all contacts */
+  const nsdae_impact *impact; /* [impacts] */
+  int impacts;                /* number of impacts in the step */
+  const nsdae_change *change; /* [changes] */
+  int changes;                /* number of mode transitions in the step */
   nsdae_certificate certificate; /* violation of the laws by the step */
 } nsdae_record;
 

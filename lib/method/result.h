@@ -50,6 +50,7 @@ typedef struct nsdae_result {
   int changes, changes_max;
   double work;           /* of contact and friction impulses on the system */
   double lifted;         /* part of work: what a projection of the coordinates alone gave */
+  double raised;         /* part of that: potential energy, by projection = slop */
   double gain, turnover; /* of event and penalty: what T = v^T M v / 2 gained by the equations
                             of motion and by impacts, NAN where backward differences of
                             event do not control it; of event its amounts */

@@ -112,8 +112,9 @@ static int work_of_step(const nsdae_problem *p, int integrates, nsdae_point *bef
   w->earlier = start;
   w->rounding += rounding;
   /* what the contacts of the step did: more than rounding of their impulses, they gave */
-  w->spent += fabs(r->work);
-  if (r->work > 0) w->gained += nsdae_larger(0, r->work - rounding_of_contacts(p, point));
+  w->spent += fabs(r->work - r->raised);
+  double given = r->work - r->raised;
+  if (given > 0) w->gained += nsdae_larger(0, given - rounding_of_contacts(p, point));
   return NSDAE_OK;
 }
 

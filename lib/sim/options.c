@@ -15,7 +15,8 @@ static const char *const integrators[] = {"auto", "dopri5", "dop853", "ida", NUL
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 static const char *const no_yes[] = {"no", "yes", NULL};
-static const char *const projections[] = {"none", "constraints", "contacts", "depths", NULL};
+static const char *const projections[] = {"none",   "constraints", "contacts",
+                                          "depths", "slop",        NULL};
 
 enum { INITIALISED = 0x6e736461 };
 
@@ -69,7 +70,7 @@ static const nsdae_param entries[] = {
     {"events_max", "1", "maximum number of events in one dt; beyond it implicit takes the step",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
     {"projection", "", "projection of the end of a step of a time-stepping method",
-     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 3, 0, projections},
+     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 4, 0, projections},
     {"start_tol", "1", "relative tolerance of the initial conditions", NSDAE_PARAM_REAL,
      AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
     {"inner_steps_max", "1", "maximum number of internal steps of penalty and event in one dt",

@@ -95,6 +95,7 @@ static void fill_record(nsdae_point *p)
   record->kinetic = nsdae_terms_kinetic(end);
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
+  record->projection_energy = p->accounts.raised;
   record->lcp_residual = r->worst_residual;
   record->contacts.count = r->closed.count + fixed_contacts(p);
   record->impacts = r->impacts;
@@ -231,6 +232,7 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
   *a = before->accounts;
   a->step++;
   a->dissipated -= r->work;
+  a->raised += r->raised;
   a->stats.steps++;
   a->stats.smooth_steps += r->smooth;
   a->stats.contact_steps += !r->smooth;

@@ -18,6 +18,8 @@ void nsdae_sim_layout(void *object, nsdae_arena *arena)
   nsdae_arena_zeros(arena);
   nsdae_stepper_layout(&sim->stepper, arena);
   nsdae_projector_layout(&sim->projection, arena);
+  if (sim->options.projection == NSDAE_PROJECTION_SLOP)
+    nsdae_slop_layout(&sim->slop, &sim->model, arena);
   size_t size = nsdae_callback_guard_size(&sim->model),
          start = nsdae_initial_size(&sim->model.dims), watch = 2 * (size_t)sim->model.dims.nv;
   if (size < start) size = start;
@@ -101,7 +103,8 @@ static void choose_projected(nsdae_sim *sim)
   int event = o->method == NSDAE_METHOD_EVENT && !sim->model.tracked;
   p->tools = &sim->stepper;
   p->rows = event || o->projection != NSDAE_PROJECTION_NONE ? sim->system->dims.m : 0;
-  p->contacts.any = event || o->projection >= NSDAE_PROJECTION_CONTACTS;
+  p->contacts.any = event || o->projection == NSDAE_PROJECTION_CONTACTS ||
+                    o->projection == NSDAE_PROJECTION_DEPTHS;
 }
 
 void nsdae_sim_measure(nsdae_sim *sim)
@@ -192,6 +195,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   if (method && method->destroy) method->destroy((*sim)->own);
   nsdae_kkt_release(&(*sim)->stepper.kkt);
   nsdae_projector_release(&(*sim)->projection);
+  nsdae_slop_release(&(*sim)->slop);
   nsdae_terms_release(&(*sim)->stepper.middle);
   for (int i = 0; i < 3; i++) nsdae_result_release(&(*sim)->point[i].result);
   nsdae_problem_release(&(*sim)->stepper.problem);

@@ -7,6 +7,7 @@
 #include <nsdae/sim.h>
 
 #include "method_table.h"
+#include "slop_projection.h"
 #include "state_projection.h"
 #include "stepper.h"
 
@@ -73,9 +74,9 @@ typedef struct nsdae_work {
 
 /* What is kept of all steps so far, beside the last result. */
 typedef struct nsdae_accounts {
-  long step;         /* number of the last */
-  double dissipated; /* [J] */
-  double grid_start; /* steps end at grid_start + grid_count dt */
+  long step;                 /* number of the last */
+  double dissipated, raised; /* [J] */
+  double grid_start;         /* steps end at grid_start + grid_count dt */
   long grid_count;
   nsdae_stats stats;
   nsdae_monitors watch;
@@ -127,6 +128,7 @@ struct nsdae_sim {
   const nsdae_stepping *method;
   void *own; /* the method's */
   nsdae_projector projection;
+  nsdae_slop_projection slop;
   double *probe;           /* at the start: callbacks alone, accelerations, what is watched */
   nsdae_point point[3];    /* those below */
   nsdae_point *now, *next; /* the state; a step in work, or the step before the state */

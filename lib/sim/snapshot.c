@@ -155,13 +155,14 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   int tracked = r->end.system->tracked != NULL;
   if (tracked) d->k = 0;
   _Static_assert(sizeof *a ==
-                     2 * sizeof(long) + 2 * sizeof(double) + sizeof a->stats + sizeof a->watch,
+                     2 * sizeof(long) + 3 * sizeof(double) + sizeof a->stats + sizeof a->watch,
                  "an account that the state does not keep");
   visit_doubles(c, epoch, 1);
   visit(c, &a->step, sizeof a->step);
   visit(c, &a->grid_count, sizeof a->grid_count);
   visit_doubles(c, &a->grid_start, 1);
   visit_doubles(c, &a->dissipated, 1);
+  visit_doubles(c, &a->raised, 1);
   visit_stats(c, &a->stats);
   visit(c, &a->watch, sizeof a->watch);
   visit(c, &p->work, sizeof p->work);
@@ -437,6 +438,7 @@ static int check_values(nsdae_sim *sim)
   const double sums[] = {nsdae_terms_time(&r->end),
                          p->accounts.grid_start,
                          p->accounts.dissipated,
+                         p->accounts.raised,
                          p->work.sum,
                          s->energy_start,
                          s->energy_balance,

@@ -472,6 +472,21 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
   return status < 0 ? status : not_converged(p, T, row);
 }
 
+int nsdae_project_change(nsdae_projector *p, nsdae_terms *T, const nsdae_terms *by,
+                         const double *change)
+{
+  const nsdae_dims *d = &T->system->dims;
+  int status = NSDAE_OK;
+  nsdae_least_start(&p->least);
+  for (int i = 0; i < d->m; i++) {
+    double moved = nsdae_rows_dot(&T->system->blocks, &by->by.jacobian, i, change);
+    nsdae_least_append(&p->least, &by->by.jacobian, i, moved);
+  }
+  if (d->m > 0) status = nsdae_least_solve(&p->least, by);
+  for (int j = 0; j < d->nv; j++) p->least.change[j] += change[j];
+  return status < 0 ? status : move(p, T);
+}
+
 int nsdae_project_velocities(nsdae_projector *p, nsdae_terms *T)
 {
   const nsdae_dims *d = &T->system->dims;

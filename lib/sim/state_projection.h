@@ -84,6 +84,11 @@ void nsdae_projector_clear(nsdae_projector *projection);
  */
 int nsdae_project_positions(nsdae_projector *projection, nsdae_terms *terms, int penetrating);
 
+/* Moves the terms' point by H d. d is the change, less what of it would move the constraints, by M
+ * and Phi_q of `by`. NSDAE_OK, and what the terms return. */
+int nsdae_project_change(nsdae_projector *projection, nsdae_terms *terms, const nsdae_terms *by,
+                         const double *change);
+
 /* Changes the terms' velocity to that of the constraints. */
 int nsdae_project_velocities(nsdae_projector *projection, nsdae_terms *terms);
 

@@ -74,7 +74,7 @@ static int list_closed(nsdae_sim *sim, double length)
 {
   nsdae_result *r = &sim->next->result;
   double fastest = 0;
-  if (r->closed.count == 0 || !sim->projection.contacts.any) return NSDAE_OK;
+  if (r->closed.count == 0) return NSDAE_OK;
   for (int a = 0; a < r->closed.count; a++)
     fastest = fmax(fastest, fmax(fabs(r->impulses.before[a]), fabs(r->impulses.after[a])));
   sim->projection.contacts.reach = nsdae_terms_touch(&r->end) + 2 * length * fastest;
@@ -132,7 +132,7 @@ static int project(nsdae_sim *sim, double length)
   int status = energy(&r->end, &before);
   if (status == NSDAE_OK) status = choose_contacts(sim, length);
   if (status == NSDAE_OK) status = nsdae_project_positions(p, &r->end, 0);
-  if (status == NSDAE_OK) status = list_closed(sim, length);
+  if (status == NSDAE_OK && p->contacts.any) status = list_closed(sim, length);
   if (status == NSDAE_OK) status = energy(&r->end, &moved);
   if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);
   if (status == NSDAE_OK) status = energy(&r->end, &after);
@@ -160,6 +160,46 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
+/* projection = slop: contacts that are too deep are brought out, and velocities stay. moreau has
+ * its rows at the middle of the step, implicit at the end. */
+static int bring_out(nsdae_sim *sim, double length)
+{
+  nsdae_result *r = &sim->next->result;
+  nsdae_problem *problem = &sim->stepper.problem;
+  nsdae_terms *end = &r->end,
+              *T = problem->home == &sim->stepper.middle ? &sim->stepper.middle : end;
+  const unsigned terms =
+      NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
+  double before = 0, after = 0;
+  if (nsdae_problem_count(problem) == 0) return keep_lengths(sim);
+  int status = nsdae_terms_need(T, terms);
+  if (status < 0) return status;
+  if (nsdae_slop_find(&sim->slop, problem, T, end->v, end->t - T->t, length) == 0)
+    return keep_lengths(sim);
+  status = energy(end, &before);
+  double potential = end->potential;
+  if (status == NSDAE_OK) status = nsdae_project_change(&sim->projection, end, T, sim->slop.change);
+  if (status == NSDAE_OK && T == end) status = list_closed(sim, length);
+  if (status == NSDAE_OK) status = energy(end, &after);
+  if (status < 0) return status;
+  r->work += after - before;
+  r->lifted += after - before;
+  r->raised += end->potential - potential;
+  return NSDAE_OK;
+}
+
+static int correct(nsdae_sim *sim, double length)
+{
+  switch (sim->options.projection) {
+  case NSDAE_PROJECTION_NONE:
+    return keep_lengths(sim);
+  case NSDAE_PROJECTION_SLOP:
+    return bring_out(sim, length);
+  default:
+    return project(sim, length);
+  }
+}
+
 /* A step to t1 into next, complete except for its observers. */
 static int try_step(nsdae_sim *sim, double t1, double length)
 {
@@ -167,9 +207,7 @@ static int try_step(nsdae_sim *sim, double t1, double length)
   int status = advance_method(sim, t1, length);
   int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
   sim->stage.failed = problem && (next->result.problem || next->result.cones);
-  if (status == NSDAE_OK)
-    status =
-        sim->options.projection == NSDAE_PROJECTION_NONE ? keep_lengths(sim) : project(sim, length);
+  if (status == NSDAE_OK) status = correct(sim, length);
   if (next->result.end.t < t1) length = next->result.end.t - now->result.end.t; /* so far it came */
   if (status == NSDAE_OK) status = nsdae_point_follow(sim, now, next, length);
   if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, now, next);

@@ -1,0 +1,49 @@
+/* Contacts that are deeper than a slop are brought out to it, after a step:
+ *
+ *   min d^T M d / 2,   g_i + W_i^T d >= -s,   Phi_q d = 0
+ *
+ * over the islands with a contact deeper than 1.1 s, by projected Gauss-Seidel on the multipliers
+ * (Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31), d = M^-1 (W l + Phi_q^T
+ * m). q moves by H d and v stays, so that it gives no kinetic energy (as the split impulses of
+ * Catto, GDC 2006). g is the gap at the end of the step, by the rows at the point at which the step
+ * was solved: g_N + (t_1 - t) (W^T v_1 + w).
+ *
+ * The slop is the way that the forces F drive a contact in a step of length h, from rest:
+ *
+ *   s = h^2 max_i sum_b |W_ib^T M_b^-1 F_b|,   contacts i of the island, bodies b of each
+ *
+ * A resting contact that touches exactly moves by up to h^2 a / 2 when its neighbours change. One
+ * that is s deep remains closed then. It is above the rounding of a gap (nsdae_terms_touch). */
+#ifndef NSDAE_SLOP_PROJECTION_H
+#define NSDAE_SLOP_PROJECTION_H
+
+#include "contact_problem.h"
+
+/* A row is a contact of an island or, after these, a row of Phi_q. */
+typedef struct nsdae_slop_projection {
+  double *missing;       /* rows: g + s, 0 of Phi_q */
+  double *weight;        /* rows: W^T M^-1 W */
+  double *multiplier;    /* rows: l, m */
+  double *gap;           /* contacts, by number: at the end of the step */
+  size_t *at;            /* rows: where their values begin */
+  double *inverse;       /* values: M^-1 W, part by part */
+  double *free, *change; /* nv: M^-1 F, d */
+  nsdae_block_factor factor;
+  int factored;        /* the block of it; -1: none */
+  int contacts, count; /* of the island: contacts, rows */
+  double slop;         /* of the island */
+} nsdae_slop_projection;
+
+void nsdae_slop_layout(nsdae_slop_projection *slop, const nsdae_system *system, nsdae_arena *arena);
+/* NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_slop_grow(nsdae_slop_projection *slop, const nsdae_system *system,
+                    const nsdae_room *contacts, const nsdae_room *rows);
+void nsdae_slop_release(nsdae_slop_projection *slop);
+
+/* change of the closed contacts of a step of length h, which was solved at the terms' point, a time
+ * rest before its end, with the velocity v; the terms have M, F and all rows. The gaps of a list
+ * become those of the end. Returns the number of islands that move. */
+int nsdae_slop_find(nsdae_slop_projection *slop, const nsdae_problem *problem,
+                    const nsdae_terms *terms, const double *v, double rest, double h);
+
+#endif
