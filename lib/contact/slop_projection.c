@@ -177,8 +177,7 @@ int nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsda
   memset(s->change, 0, (size_t)p->system->dims.nv * sizeof *s->change);
   for (int a = 0; a < p->count; a++) {
     int i = p->number[a];
-    s->gap[i] = T->gap[i];
-    if (rest > 0) s->gap[i] += rest * nsdae_terms_normal_rate(T, i, v);
+    s->gap[i] = T->gap[i] + rest * nsdae_terms_normal_rate(T, i, v);
   }
   for (int island = 0; island < is->count; island++) {
     if (!begin_island(s, is, island, T, h)) continue;

@@ -5,8 +5,8 @@
  * over the islands with a contact deeper than 1.1 s, by projected Gauss-Seidel on the multipliers
  * (Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31), d = M^-1 (W l + Phi_q^T
  * m). q moves by H d and v stays, so that it gives no kinetic energy (as the split impulses of
- * Catto, GDC 2006). g is the gap at the end of the step, by the rows at the point at which the step
- * was solved: g_N + (t_1 - t) (W^T v_1 + w).
+ * Catto, GDC 2006). g is the gap at the end of the step, by the rows at the point where its
+ * contacts were found: g_N + (t_1 - t) (W^T v + w), with the mean velocity v from there on.
  *
  * The slop is the way that the forces F drive a contact in a step of length h, from rest:
  *
@@ -40,9 +40,9 @@ int nsdae_slop_grow(nsdae_slop_projection *slop, const nsdae_system *system,
                     const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_slop_release(nsdae_slop_projection *slop);
 
-/* change of the closed contacts of a step of length h, which was solved at the terms' point, a time
- * rest before its end, with the velocity v; the terms have M, F and all rows. The gaps of a list
- * become those of the end. Returns the number of islands that move. */
+/* change of the closed contacts of a step of length h. They were found at the terms' point, a time
+ * rest before its end, with the mean velocity v until then. The terms have M, F and all rows. The
+ * gaps of a list become those of the end. Returns the number of islands that move. */
 int nsdae_slop_find(nsdae_slop_projection *slop, const nsdae_problem *problem,
                     const nsdae_terms *terms, const double *v, double rest, double h);
 

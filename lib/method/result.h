@@ -13,6 +13,7 @@ typedef struct nsdae_counters {
   long lcps, lcp_pivots, iterations;
   long events, accumulations; /* instants; accumulations closed */
   long fallbacks;             /* 1: by implicit in place of the method */
+  long frozen;                /* 1: contacts of the last iterates of implicit were frozen */
   long accumulations_early;   /* of those: as slow as the integrator's errors */
   double rank_retained,
       rank_discarded;           /* smallest sine that counts in the rank, largest that does not */

@@ -113,6 +113,7 @@ static void add_counters(nsdae_stats *stats, const nsdae_counters *c)
   if (c->rank_retained < stats->rank_retained) stats->rank_retained = c->rank_retained;
   stats->rank_discarded = nsdae_larger(stats->rank_discarded, c->rank_discarded);
   stats->fallback_steps += c->fallbacks;
+  stats->frozen_steps += c->frozen;
   stats->mass_evals += c->evals.mass;
   stats->force_evals += c->evals.force;
   stats->jacobian_evals += c->evals.jacobian;

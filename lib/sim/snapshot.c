@@ -88,7 +88,8 @@ static void visit_stats(cursor *c, nsdae_stats *s)
                           &s->mass_evals,     &s->force_evals,
                           &s->jacobian_evals, &s->impacts,
                           &s->events,         &s->accumulations,
-                          &s->fallback_steps, &s->accumulations_early};
+                          &s->fallback_steps, &s->accumulations_early,
+                          &s->frozen_steps};
   double *const worst[] = {&s->worst_residual, &s->worst_drift,    &s->worst_penetration,
                            &s->energy_start,   &s->energy_balance, &s->rank_retained,
                            &s->rank_discarded};

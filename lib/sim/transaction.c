@@ -160,26 +160,28 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
-/* projection = slop: contacts that are too deep are brought out, and velocities stay. moreau has
- * its rows at the middle of the step, implicit at the end. */
+/* projection = slop: contacts that are too deep are brought out, and velocities stay. Both methods
+ * found them at home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. */
 static int bring_out(nsdae_sim *sim, double length)
 {
   nsdae_result *r = &sim->next->result;
-  nsdae_problem *problem = &sim->stepper.problem;
-  nsdae_terms *end = &r->end,
-              *T = problem->home == &sim->stepper.middle ? &sim->stepper.middle : end;
-  const unsigned terms =
-      NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL;
+  nsdae_stepper *s = &sim->stepper;
+  nsdae_terms *end = &r->end, *start = &sim->now->result.end;
+  nsdae_terms *home = s->problem.home == start ? start : &s->middle;
+  const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP |
+                         NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS;
   double before = 0, after = 0;
-  if (nsdae_problem_count(problem) == 0) return keep_lengths(sim);
-  int status = nsdae_terms_need(T, terms);
+  if (nsdae_problem_count(&s->problem) == 0) return keep_lengths(sim);
+  int status = nsdae_terms_need(home, terms);
   if (status < 0) return status;
-  if (nsdae_slop_find(&sim->slop, problem, T, end->v, end->t - T->t, length) == 0)
+  for (int j = 0; j < sim->system->dims.nv; j++)
+    s->v_other[j] = home == start ? (start->v[j] + end->v[j]) / 2 : end->v[j];
+  if (nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t, length) == 0)
     return keep_lengths(sim);
   status = energy(end, &before);
   double potential = end->potential;
-  if (status == NSDAE_OK) status = nsdae_project_change(&sim->projection, end, T, sim->slop.change);
-  if (status == NSDAE_OK && T == end) status = list_closed(sim, length);
+  if (status == NSDAE_OK)
+    status = nsdae_project_change(&sim->projection, end, home, sim->slop.change);
   if (status == NSDAE_OK) status = energy(end, &after);
   if (status < 0) return status;
   r->work += after - before;

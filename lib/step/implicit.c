@@ -16,6 +16,10 @@
  *
  * The matrix of the LCP is kept symmetric: (J_1 - J_h)^T Lambda - (W_1 - W_h) Lambda_c of the
  * iterate before goes to the right-hand side. The iteration ends when q_1 and v_1 are stationary.
+ *
+ * Contacts of a list may come and go between iterates, or their normals jump, as from face to edge.
+ * Then no fixed point may exist. After FREEZE iterations W_1 and w_1 remain those of the last
+ * iterate, and W_h = W_1: the map is continuous in q_1 and v_1 again.
  */
 #include <math.h>
 #include <stdio.h>
@@ -25,16 +29,18 @@
 #include "stepper.h"
 #include "vector.h"
 
+enum { FREEZE = 20 }; /* a contraction by a half has 6 digits then, one by a quarter 12 */
+
 enum {
   STEP_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T,
   CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
 };
 
-static int need(const nsdae_step *step, nsdae_terms *terms)
+static int need(const nsdae_step *step, nsdae_terms *terms, int frozen)
 {
-  int status = nsdae_terms_need(
-      terms, nsdae_problem_any(&step->tools->problem) ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
-  return status < 0 ? status : nsdae_step_update(step, terms);
+  int contacts = nsdae_problem_any(&step->tools->problem) && !frozen;
+  int status = nsdae_terms_need(terms, contacts ? STEP_TERMS | CLOSED_TERMS : STEP_TERMS);
+  return status < 0 || frozen ? status : nsdae_step_update(step, terms);
 }
 
 /* Marks the impacts; end is at q_0 + h v_0. Returns whether there is one. */
@@ -68,7 +74,7 @@ static int impact_velocities(const nsdae_step *step)
 
 /* r = M_h v_0 + h/2 (F_0 + F_1) + (J_1 - J_0)^T Lambda / 2 - (W_1 - W_0) Lambda_c / 2, the last two
  * for what persists, with the impulses of the iterate before. */
-static void right_hand_side(const nsdae_step *step, int impact)
+static void right_hand_side(const nsdae_step *step, int impact, int frozen)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_problem *p = &s->problem;
@@ -79,7 +85,7 @@ static void right_hand_side(const nsdae_step *step, int impact)
     nsdae_problem_add_constraints(p, end, 0.5, impact, s->impulse, s->r);
     nsdae_problem_add_constraints(p, start, -0.5, impact, s->impulse, s->r);
   }
-  if (!nsdae_problem_any(p)) return;
+  if (!nsdae_problem_any(p) || frozen) return;
   nsdae_problem_add_impulse(p, end, -0.5, 1, s->r);
   nsdae_problem_add_impulse(p, start, 0.5, 1, s->r);
 }
@@ -103,11 +109,12 @@ static int positions(const nsdae_step *step)
 }
 
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */
-static int iterate(const nsdae_step *step, int first, int all_impacts, int *impact)
+static int iterate(const nsdae_step *step, int number, int all_impacts, int *impact)
 {
   nsdae_stepper *s = step->tools;
+  int first = number == 0, frozen = number >= FREEZE && nsdae_problem_count(&s->problem) > 0;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
-  int status = need(step, step->end);
+  int status = need(step, step->end, frozen);
   /* of redundant constraints the same are left out in all iterates: which these are is decided by
    * rounding, and they differ by the drift, so that the iteration would go to and fro */
   if (status == NSDAE_OK) status = factor_mean_mass(step, !first);
@@ -115,7 +122,8 @@ static int iterate(const nsdae_step *step, int first, int all_impacts, int *impa
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
   if (status < 0) return status;
-  right_hand_side(step, *impact);
+  right_hand_side(step, *impact, frozen);
+  step->result->counters.frozen = frozen;
   status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->v);
   return status < 0 ? status : positions(step);
 }
@@ -180,7 +188,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   first_guess(step);
   for (int i = 0; i < s->options->iteration_max; i++) {
-    status = iterate(step, i == 0, all_impacts, &impact);
+    status = iterate(step, i, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
     int now = s->problem.dispatch.solved->rank;
@@ -190,7 +198,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
             nsdae_relative_change(dims->nv, s->v, step->end->v);
     if (!(moved <= nsdae_step_settled(step))) continue; /* NaN goes on, to be reported */
     nsdae_terms_set_velocity(step->end, s->v);
-    return NSDAE_OK;
+    return step->result->counters.frozen ? need(step, step->end, 0) : NSDAE_OK;
   }
   return no_convergence(step, moved, rank);
 }
@@ -210,7 +218,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status == NSDAE_OK) status = nsdae_kinematics_at(start, start->v, s->qdot[0]);
   if (status < 0) return status;
   status = nsdae_step_close(&step, start);
-  if (status == NSDAE_OK) status = need(&step, start);
+  if (status == NSDAE_OK) status = need(&step, start, 0);
   if (status == NSDAE_OK) status = attempt(&step, 0);
   if (worth_another_attempt(&step, status)) status = attempt(&step, 1);
   if (status < 0) return status;
