@@ -86,6 +86,8 @@ typedef struct nsdae_sim_options {
                                              constraint is redundant */
   double contact_tol;                     /* tolerance of the scaled natural residual of contact
                                              problems */
+  double contact_give; /* a step goes on with the best point if its residual is at most this times
+                          contact_tol; 1: it fails */
   int polygon; /* edges of the friction polygon for nt = 2: 3 .. 32; 0: second-order Coulomb cone */
   double impact_velocity;   /* a slower closing velocity is no impact [m/s] */
   double rtol, atol;        /* tolerances of the integrator of penalty and event */
@@ -257,7 +259,9 @@ typedef struct nsdae_stats {
   long impacts;                                 /* as recorded */
   long events, accumulations;                   /* method event: events; closed accumulations */
   long fallback_steps;                          /* method event: dt taken by implicit instead */
-  long frozen_steps; /* implicit: steps whose contacts and normals were frozen after 20 iterations */
+  long given_steps; /* steps that went on with a residual above contact_tol, see contact_give */
+  long
+      frozen_steps; /* implicit: steps whose contacts and normals were frozen after 20 iterations */
   long accumulations_early; /* method event: accumulations closed before accumulation_time,
                                because the velocity is below rtol and atol or chattering lasted
                                thousands of impacts */
@@ -272,7 +276,7 @@ typedef struct nsdae_stats {
   double energy_balance;    /* energy + dissipated - energy_start [J]; includes the work of forces
                                without potential */
   int warnings;         /* sum of 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32:
-                           restitution; see NSDAE_WARN_ENERGY etc. */
+                           restitution, 64: contact; see NSDAE_WARN_ENERGY etc. */
   double wall_time;     /* time in nsdae_sim_run and nsdae_sim_step [s] */
   int contact_capacity; /* capacity of the contact list; it grows between steps */
   int contact_growths;  /* number of growths */
@@ -361,7 +365,8 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
  *  its multiplier
  * - NSDAE_WARN_IMPACTS: a time-stepping step solved many consecutive impacts as one
  * - NSDAE_WARN_RESTITUTION, in the first step: the restitution of the law of penalty differs from
- *  e_N */
+ *  e_N
+ * - NSDAE_WARN_CONTACT: a contact problem was left above contact_tol, see contact_give */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* Runs to t_end, or to the end of the first step for which nsdae_sim_step returns NSDAE_EVENT or
  * NSDAE_ZENO. Returns that status. */

@@ -400,11 +400,13 @@ static int solve_with(nsdae_cone_island *c, nsdae_cone_work *work,
                                      &work->info);
 }
 
-/* From the best point on: a solution of fewer digits, refined as far as it goes. */
+/* From the best point on: a solution of fewer digits, refined as far as it goes. Not above 1e-5,
+ * from which refinement does not converge. */
 static int polish(nsdae_cone_island *c, nsdae_cone_work *work)
 {
   nsdae_friction_options loose = c->options;
   loose.tol = fmin(1e4 * work->tol, 1e-5);
+  if (loose.tol <= work->tol) return NSDAE_E_LCP;
   loose.refine = 30;
   int status = solve_with(c, work, &loose);
   return status == NSDAE_OK && !(work->info.residual <= work->tol) ? NSDAE_E_LCP : status;
@@ -420,6 +422,8 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
   gather(c, w, island);
   int status = solve_with(c, work, &options);
   if (status == NSDAE_E_LCP) status = polish(c, work);
+  work->given = status == NSDAE_E_LCP && work->info.residual <= work->give;
+  if (work->given) status = NSDAE_OK;
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
   work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};

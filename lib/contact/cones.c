@@ -215,6 +215,7 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   recall(c);
   int status =
       c->slides.count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c, c->lcp.options.tol);
+  status = nsdae_contacts_give(c, status);
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
   return NSDAE_OK;

@@ -436,6 +436,12 @@ static int unsolved(nsdae_contacts *c, double t, int status)
   return status;
 }
 
+int nsdae_contacts_give(nsdae_contacts *c, int status)
+{
+  c->lcp.given = status == NSDAE_E_LCP && c->lcp.info.residual <= c->lcp.give;
+  return c->lcp.given ? NSDAE_OK : status;
+}
+
 int nsdae_contacts_solve_lcp(nsdae_contacts *c)
 {
   nsdae_lcp_problem problem = {.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
@@ -444,7 +450,7 @@ int nsdae_contacts_solve_lcp(nsdae_contacts *c)
       nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
                          c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);
   if (status == NSDAE_OK) keep_basis(c);
-  return status;
+  return nsdae_contacts_give(c, status);
 }
 
 /* A polygon's gamma is the slip speed; one of rounding size is none. */

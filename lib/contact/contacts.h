@@ -35,6 +35,8 @@ typedef struct nsdae_delassus {
 typedef struct nsdae_contact_lcp {
   nsdae_lcp_options options;
   nsdae_lcp_info info;   /* of the last problem */
+  double give;           /* its best point is taken up to this residual; 0: if it is solved */
+  int given;             /* it was, and it is not solved */
   double *A, *b, *x, *y; /* rows x rows, rows */
   int *basis;            /* rows */
   double edge[2 * NSDAE_POLYGON_MAX];
@@ -106,6 +108,9 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 /* Settings of a problem of the system; then as above. */
 void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, nsdae_error *error,
                         double contact_tol, int polygon_edges);
+
+/* After a solver ended with this status: NSDAE_OK in place of NSDAE_E_LCP if give allows it. */
+int nsdae_contacts_give(nsdae_contacts *contacts, int status);
 
 /* Number of rows that the contacts and frictional joints of a system can have together, and how
  * many a problem may have. */

@@ -19,6 +19,7 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
 {
   nsdae_contacts *c = &l->contacts;
   nsdae_contacts_set(c, of->system, error, of->lcp.options.tol, of->edges);
+  c->lcp.give = of->lcp.give;
   c->rows_most = of->rows_most;
   c->part.J = &l->gathered.J;
   l->kkt.rank_tol = rank_tol;
@@ -602,7 +603,7 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
   memcpy(l->asked, l->at.lambda, (size_t)l->kkt.m * sizeof *l->asked);
   copy_bases(l, 0);
   int status = solve(l, w, residual);
-  if (status < 0 || nsdae_natural_residual_scaled(residual) <= asked) return status;
+  if (status < 0 || c->lcp.given || nsdae_natural_residual_scaled(residual) <= asked) return status;
   for (int a = 0; a < c->active_count; a++) l->was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
   status = solve(l, w, residual);

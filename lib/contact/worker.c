@@ -12,6 +12,7 @@ void nsdae_worker_prepare(nsdae_worker *w, const nsdae_contacts *of, double rank
 {
   nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
   w->tol = of->lcp.options.tol;
+  w->give = of->lcp.give;
   w->least_norm = least_norm;
   w->sparse.rank_tol = rank_tol;
 }
@@ -85,6 +86,7 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
+  sum->given += one->given;
   count_rank(sum, one->rank, one->kept, one->left);
   if (one->contacts > sum->contacts) sum->contacts = one->contacts;
 }
@@ -273,6 +275,7 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
     s->problem = &l->contacts;
+    s->given += status == NSDAE_OK && l->contacts.lcp.given;
     nsdae_natural_residual_add(&s->residual, &residual);
   }
   if (status == NSDAE_OK) return status;
@@ -353,13 +356,15 @@ static int fits_cones(const nsdae_worker *w, const nsdae_island_equations *whole
 static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
-  nsdae_cone_work work = {.solver = w->solver, .L = w->L, .tol = w->tol, .error = &w->error};
+  nsdae_cone_work work = {
+      .solver = w->solver, .L = w->L, .tol = w->tol, .give = w->give, .error = &w->error};
   int rows = nsdae_members_count(&whole->islands->row, island);
   int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
   if (status < 0) return status;
   status = nsdae_cone_island_solve(island == whole->kept_island ? whole->kept : &w->cones, whole,
                                    island, &work);
   if (status < 0) status = cause_of(w, whole, island, status);
+  s->given += work.given;
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
   nsdae_natural_residual_add(&s->residual, &work.residual);

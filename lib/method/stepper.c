@@ -37,6 +37,8 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   /* of event: the larger of its laws and of implicit's, which may step in */
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
   nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
+  int gives = o->method == NSDAE_METHOD_IMPLICIT || o->method == NSDAE_METHOD_MOREAU;
+  s->contacts.lcp.give = gives ? o->contact_give * o->contact_tol : 0;
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
   nsdae_problem_prepare(&s->problem, &s->contacts, o->rank_tol,
                         o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
@@ -101,6 +103,7 @@ void nsdae_step_end(const nsdae_step *step)
   if (result->smooth) return;
   result->work = nsdae_problem_work(&s->problem);
   result->worst_residual = nsdae_problem_residual(&s->problem);
+  result->counters.given = s->problem.dispatch.solved->given > 0;
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)

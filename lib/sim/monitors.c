@@ -211,6 +211,20 @@ static int judge_law(const nsdae_sim *sim, nsdae_point *point)
   return status;
 }
 
+/* What the solver left of the contact problem of the step. */
+static int judge_residual(const nsdae_sim *sim, nsdae_point *point)
+{
+  const nsdae_terms *end = &point->result.end;
+  int *warnings = &point->accounts.stats.warnings;
+  if (!point->result.counters.given || (*warnings & NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
+  *warnings |= NSDAE_MONITORS_CONTACT;
+  nsdae_error_set(end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
+                  "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g: "
+                  "make contact_tol larger or dt smaller, or set contact_give = 1 to stop there",
+                  nsdae_terms_time(end), point->record.lcp_residual, sim->options.contact_tol);
+  return nsdae_error_at(end->error, NSDAE_WARN_CONTACT, -1, nsdae_terms_time(end));
+}
+
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   nsdae_monitors *w = &point->accounts.watch;
@@ -226,6 +240,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
       return report(point, &all[i], rules[all[i].rule].status);
   status = judge_law(sim, point);
+  if (status == NSDAE_OK) status = judge_residual(sim, point);
   if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;
   const nsdae_terms *end = &point->result.end;

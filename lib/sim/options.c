@@ -42,6 +42,9 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
     {"contact_tol", "1", "tolerance of the scaled natural residual of contact problems",
      NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
+    {"contact_give", "1",
+     "multiple of contact_tol up to which implicit and moreau go on with the best point",
+     NSDAE_PARAM_REAL, AT(contact_give), 100, 1, 1e12, 0, NULL},
     {"polygon", "1",
      "edges of the friction polygon of contacts with two tangential directions; 0: second-order "
      "cone",
@@ -136,6 +139,7 @@ static const struct {
     {"iteration_tol", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
     {"iteration_max", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
     {"contact_tol", ~(1u << NSDAE_METHOD_PENALTY)},
+    {"contact_give", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
     {"polygon", ~(1u << NSDAE_METHOD_PENALTY)},
     {"rtol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
     {"atol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
