@@ -196,6 +196,11 @@ void report_end(report *r, const nsdae_sim *sim)
   if (stats.fallback_steps > 0)
     printf("%ld steps were taken by implicit: too many events, or events without progress\n",
            stats.fallback_steps);
+  if (stats.given_steps > 0)
+    printf("%ld steps left a contact problem above contact_tol, see contact_give\n",
+           stats.given_steps);
+  if (stats.frozen_steps > 0)
+    printf("%ld steps of implicit froze their contacts after 20 iterations\n", stats.frozen_steps);
   say_warnings(sim, &stats);
   print_remarks(r, &stats);
   printf("energy balance %+.3e J (energy + dissipated - start)\n", stats.energy_balance);

@@ -275,7 +275,10 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
     s->problem = &l->contacts;
-    s->given += status == NSDAE_OK && l->contacts.lcp.given;
+    if (status == NSDAE_OK && l->contacts.lcp.given) {
+      s->given++;
+      s->noise = fmax(s->noise, 1e2 * l->contacts.lcp.info.residual);
+    }
     nsdae_natural_residual_add(&s->residual, &residual);
   }
   if (status == NSDAE_OK) return status;

@@ -40,6 +40,7 @@ module nsdae_f_sim
     integer(c_int) :: redundant
     real(c_double) :: rank_tol
     real(c_double) :: contact_tol
+    real(c_double) :: contact_give                      ! a step goes on up to this times contact_tol
     integer(c_int) :: polygon                           ! edges for nt = 2: 3 .. 32; 0: second-order cone
     real(c_double) :: impact_velocity                   ! a slower closing is no impact [m/s]
     real(c_double) :: rtol, atol                        ! of the integrator of penalty and event
@@ -139,6 +140,7 @@ module nsdae_f_sim
     type(nsdae_contact_set) :: contacts                         ! of the step, fixed or listed
     real(c_double) :: kinetic = 0, potential = 0                ! [J]
     real(c_double) :: dissipated = 0     ! work absorbed by all contact impulses since the start [J]
+    real(c_double) :: projection_energy = 0  ! part of it: potential energy added by projection = slop [J]
     real(c_double) :: lcp_residual = 0   ! scaled natural residual
     real(c_double) :: constraint_drift = 0                      ! max |Phi|
     real(c_double) :: penetration = 0                           ! max(0, -g_N)
@@ -159,6 +161,8 @@ module nsdae_f_sim
     integer(c_long) :: impacts
     integer(c_long) :: events, accumulations  ! method event: events; closed accumulations
     integer(c_long) :: fallback_steps    ! method event: dt taken by implicit instead
+    integer(c_long) :: given_steps       ! went on with a residual above contact_tol
+    integer(c_long) :: frozen_steps      ! implicit: contacts frozen after 20 iterations
     integer(c_long) :: accumulations_early  ! closed before accumulation_time
     real(c_double) :: rank_retained, rank_discarded  ! sines: smallest of retained, largest of discarded rows
     integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q
@@ -167,7 +171,8 @@ module nsdae_f_sim
     real(c_double) :: worst_penetration
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
     real(c_double) :: energy_balance     ! energy + dissipated - energy_start [J]
-    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution
+    integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution,
+                                         ! 64: contact
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
     integer(c_int) :: contact_capacity   ! capacity of the contact list; it grows between steps
     integer(c_int) :: contact_growths    ! number of growths
@@ -624,6 +629,7 @@ contains
     record%kinetic = from%kinetic
     record%potential = from%potential
     record%dissipated = from%dissipated
+    record%projection_energy = from%projection_energy
     record%lcp_residual = from%lcp_residual
     record%constraint_drift = from%constraint_drift
     record%penetration = from%penetration

@@ -113,6 +113,12 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
                            "options were not initialised: call nsdae_sim_options_default first");
   int status = nsdae_params_check(&table, options, error);
   if (status < 0 || options->projection == NSDAE_PROJECTION_NONE) return status;
+  int slop = options->projection == NSDAE_PROJECTION_SLOP;
+  if (slop && options->method == NSDAE_METHOD_IMPLICIT_PRINTED)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
+                           "projection = slop is for implicit and moreau, and method is %s: set "
+                           "projection = none",
+                           methods[options->method]);
   if (nsdae_sim_option_matters("projection", options->method)) return status;
   return nsdae_error_set(
       error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",

@@ -128,6 +128,15 @@ static int iterate(const nsdae_step *step, int number, int all_impacts, int *imp
   return status < 0 ? status : positions(step);
 }
 
+/* The relative change below which the iteration ends. With frozen contacts it is never less than
+ * the error that contact_tol leaves in velocities, 1e2 contact_tol as in worker.c: the problem of
+ * an iterate may have several solutions. */
+static double settled(const nsdae_step *step)
+{
+  double least = step->result->counters.frozen ? 1e2 * step->tools->options->contact_tol : 0;
+  return fmax(nsdae_step_settled(step), least);
+}
+
 /* The constraint with the largest |Phi| at the end of the step; -1: none. */
 static int most_violated(const nsdae_step *step)
 {
@@ -196,7 +205,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
     if (now > rank[1]) rank[1] = now;
     moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
             nsdae_relative_change(dims->nv, s->v, step->end->v);
-    if (!(moved <= nsdae_step_settled(step))) continue; /* NaN goes on, to be reported */
+    if (!(moved <= settled(step))) continue; /* NaN goes on, to be reported */
     nsdae_terms_set_velocity(step->end, s->v);
     return step->result->counters.frozen ? need(step, step->end, 0) : NSDAE_OK;
   }

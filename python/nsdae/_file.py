@@ -32,6 +32,8 @@ RECORDS = (
     ("energy/kinetic", "kinetic", "J", "v^T M v / 2", ("time",)),
     ("energy/potential", "potential", "J", "potential energy of the model", ("time",)),
     ("energy/dissipated", "dissipated", "J", "work taken by contact and friction impulses so far", ("time",)),
+    ("energy/projection", "projection_energy", "J",
+     "potential energy that projection = slop added so far; a part of dissipated, < 0 there", ("time",)),
     ("certificate/lcp_residual", "lcp_residual", "1",
      "scaled natural residual of the step's complementarity problem", ("time",)),
     ("certificate/constraint_drift", "constraint_drift", "of the model", "max |Phi|", ("time",)),
@@ -444,6 +446,8 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
         columns[name] = _rows(file, path, n) if path in file else np.zeros((n, 0), dtype=kind)
     if "energy/potential" not in file:
         columns["potential"] = None
+    if "energy/projection" not in file:
+        columns["projection_energy"] = np.zeros(n)
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"),
                ("frictional_joint", "frictional_joint_impulse"))}

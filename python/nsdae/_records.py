@@ -96,6 +96,8 @@ class Record(ContactColumns):
         Friction impulses [N s] and modes of the frictional joints.
     kinetic, potential, dissipated : float
         Energies [J].
+    projection_energy : float
+        Potential energy that projection="slop" added since the start [J], a part of `dissipated`, which it decreases.
     lcp_residual : float
         Scaled natural residual of the contact problem.
     constraint_drift : float
@@ -132,6 +134,7 @@ class Record(ContactColumns):
     kinetic: float
     potential: float
     dissipated: float
+    projection_energy: float
     lcp_residual: float
     constraint_drift: float
     penetration: float

@@ -98,6 +98,8 @@ class Trajectory(ContactColumns):
         Friction impulses [N s] and modes of the frictional joints.
     kinetic, dissipated : ndarray, shape (n,)
         Energies [J].
+    projection_energy : ndarray, shape (n,)
+        Potential energy that projection="slop" added so far [J], a part of `dissipated`.
     potential : ndarray or None, shape (n,)
         Potential energy [J]; None without a potential.
     lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
@@ -141,6 +143,7 @@ class Trajectory(ContactColumns):
     kinetic: np.ndarray
     potential: np.ndarray | None
     dissipated: np.ndarray
+    projection_energy: np.ndarray
     lcp_residual: np.ndarray
     constraint_drift: np.ndarray
     penetration: np.ndarray

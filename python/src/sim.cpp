@@ -131,6 +131,7 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   kinetic.push_back(r.kinetic);
   potential.push_back(r.potential);
   dissipated.push_back(r.dissipated);
+  projection_energy.push_back(r.projection_energy);
   lcp_residual.push_back(r.lcp_residual);
   constraint_drift.push_back(r.constraint_drift);
   penetration.push_back(r.penetration);
@@ -181,6 +182,7 @@ nb::dict columns::arrays(const nsdae_dims &d)
   } scalars[] = {{"kinetic", kinetic},
                  {"potential", potential},
                  {"dissipated", dissipated},
+                 {"projection_energy", projection_energy},
                  {"lcp_residual", lcp_residual},
                  {"penetration", penetration},
                  {"constraint_drift", constraint_drift},
@@ -379,6 +381,8 @@ nb::dict sim::stats() const
   NSDAE_PYTHON_STAT(events)
   NSDAE_PYTHON_STAT(accumulations)
   NSDAE_PYTHON_STAT(fallback_steps)
+  NSDAE_PYTHON_STAT(given_steps)
+  NSDAE_PYTHON_STAT(frozen_steps)
   NSDAE_PYTHON_STAT(accumulations_early)
   NSDAE_PYTHON_STAT(rank_retained)
   NSDAE_PYTHON_STAT(rank_discarded)

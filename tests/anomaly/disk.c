@@ -28,6 +28,7 @@ static const char *const column[] = {"/time",
                                      "/energy/kinetic",
                                      "/energy/potential",
                                      "/energy/dissipated",
+                                     "/energy/projection",
                                      "/certificate/lcp_residual",
                                      "/certificate/constraint_drift",
                                      "/certificate/penetration"};

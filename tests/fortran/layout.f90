@@ -116,6 +116,7 @@ contains
     call same('NSDAE_WARN_PAINLEVE', NSDAE_WARN_PAINLEVE)
     call same('NSDAE_WARN_IMPACTS', NSDAE_WARN_IMPACTS)
     call same('NSDAE_WARN_RESTITUTION', NSDAE_WARN_RESTITUTION)
+    call same('NSDAE_WARN_CONTACT', NSDAE_WARN_CONTACT)
   end subroutine
 
   subroutine constants()
@@ -279,6 +280,7 @@ contains
     call same_place('nsdae_sim_options%redundant', c_loc(x), c_loc(x%redundant))
     call same_place('nsdae_sim_options%rank_tol', c_loc(x), c_loc(x%rank_tol))
     call same_place('nsdae_sim_options%contact_tol', c_loc(x), c_loc(x%contact_tol))
+    call same_place('nsdae_sim_options%contact_give', c_loc(x), c_loc(x%contact_give))
     call same_place('nsdae_sim_options%polygon', c_loc(x), c_loc(x%polygon))
     call same_place('nsdae_sim_options%impact_velocity', c_loc(x), c_loc(x%impact_velocity))
     call same_place('nsdae_sim_options%rtol', c_loc(x), c_loc(x%rtol))
@@ -347,6 +349,7 @@ contains
     call same_place('nsdae_record%kinetic', c_loc(x), c_loc(x%kinetic))
     call same_place('nsdae_record%potential', c_loc(x), c_loc(x%potential))
     call same_place('nsdae_record%dissipated', c_loc(x), c_loc(x%dissipated))
+    call same_place('nsdae_record%projection_energy', c_loc(x), c_loc(x%projection_energy))
     call same_place('nsdae_record%lcp_residual', c_loc(x), c_loc(x%lcp_residual))
     call same_place('nsdae_record%constraint_drift', c_loc(x), c_loc(x%constraint_drift))
     call same_place('nsdae_record%penetration', c_loc(x), c_loc(x%penetration))
@@ -372,6 +375,8 @@ contains
     call same_place('nsdae_stats%events', c_loc(x), c_loc(x%events))
     call same_place('nsdae_stats%accumulations', c_loc(x), c_loc(x%accumulations))
     call same_place('nsdae_stats%fallback_steps', c_loc(x), c_loc(x%fallback_steps))
+    call same_place('nsdae_stats%given_steps', c_loc(x), c_loc(x%given_steps))
+    call same_place('nsdae_stats%frozen_steps', c_loc(x), c_loc(x%frozen_steps))
     call same_place('nsdae_stats%accumulations_early', c_loc(x), c_loc(x%accumulations_early))
     call same_place('nsdae_stats%rank_retained', c_loc(x), c_loc(x%rank_retained))
     call same_place('nsdae_stats%rank_discarded', c_loc(x), c_loc(x%rank_discarded))

@@ -146,6 +146,7 @@ static const struct {
                 {"/energy/kinetic", 1, 0},
                 {"/energy/potential", 1, 0},
                 {"/energy/dissipated", 1, 0},
+                {"/energy/projection", 1, 0},
                 {"/certificate/lcp_residual", 1, 0},
                 {"/certificate/constraint_drift", 1, 0},
                 {"/certificate/penetration", 1, 0},

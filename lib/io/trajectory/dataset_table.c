@@ -33,6 +33,8 @@ static const nsdae_column record_columns[] = {
      "potential energy of the model; zero where it gives none"},
     {"/energy/dissipated", FIELD(record.dissipated), NSDAE_WIDTH_ONE, "J",
      "work taken by contact and friction impulses so far"},
+    {"/energy/projection", FIELD(record.projection_energy), NSDAE_WIDTH_ONE, "J",
+     "potential energy that projection = slop added so far; a part of dissipated, < 0 there"},
     {"/energy/work", FIELD(record.certificate.work), NSDAE_WIDTH_ONE, "J",
      "work so far of forces outside the potential, moving constraints and contacts"},
     {"/energy/unexplained", FIELD(record.certificate.unexplained), NSDAE_WIDTH_ONE, "J",

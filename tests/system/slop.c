@@ -1,0 +1,388 @@
+/* projection = slop: by closed forms of one and two bodies, and by invariants of seeded boxes that
+ * fall: they do not sink, no energy is added but what the record has. With contact_give and with
+ * the frozen contacts of implicit. */
+#include "check.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <nsdae/nsdae.h>
+
+#include "random.h"
+
+static const double gravity = 9.81, DT = 2e-3;
+
+static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
+
+enum { METHODS = 2 };
+
+static nsdae_bodies *begin(double mu, int walls, double half, double g)
+{
+  const double turn = sqrt(0.5);
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, (double[3]){0, 0, -g});
+  nsdae_bodies_set_pair(b, 0, 1, mu, 0, 0);
+  nsdae_bodies_set_pair(b, 1, 1, mu, 0, 0);
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  for (int i = 0; i < walls; i++) {
+    const double sign = i % 2 ? 1 : -1;
+    nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE};
+    wall.position[i / 2] = sign * half;
+    wall.quaternion[0] = turn;
+    wall.quaternion[i / 2 == 0 ? 2 : 1] = (i / 2 == 0 ? -sign : sign) * turn;
+    nsdae_bodies_add_solid(b, NSDAE_GROUND, &wall);
+  }
+  return b;
+}
+
+static int add_ball(nsdae_bodies *b, double m, double r, double x, double z)
+{
+  double J = 0.4 * m * r * r;
+  int i = nsdae_bodies_add(
+      b, &(nsdae_rigid_body){.mass = m, .inertia = {J, J, J}, .position = {x, 0, z}});
+  nsdae_bodies_add_solid(b, i,
+                         &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = r, .material = 1});
+  return i;
+}
+
+static int add_box(nsdae_bodies *b, const double *edge, const nsdae_rigid_body *at)
+{
+  nsdae_rigid_body body = *at;
+  nsdae_solid solid = {.shape = NSDAE_SHAPE_BOX, .material = 1};
+  memcpy(solid.length, edge, 3 * sizeof *edge);
+  nsdae_solid_inertia(&solid, 1000, &body.mass, body.inertia, NULL);
+  int i = nsdae_bodies_add(b, &body);
+  nsdae_bodies_add_solid(b, i, &solid);
+  return i;
+}
+
+/* A simulation at the start of the bodies. */
+static nsdae_sim *start(nsdae_bodies *b, const nsdae_sim_options *o, nsdae_system **system)
+{
+  nsdae_sim *sim;
+  nsdae_error error;
+  nsdae_dims d;
+  assert_int_equal(nsdae_bodies_system(b, system), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_get_dims(b, &d), NSDAE_OK);
+  double *q = calloc((size_t)d.nq, sizeof *q), *v = calloc((size_t)d.nv, sizeof *v);
+  nsdae_bodies_get_start(b, q, v);
+  if (nsdae_sim_create(*system, o, &sim, &error) < 0) fail_msg("%s", error.text);
+  if (nsdae_sim_init(sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+  free(q);
+  free(v);
+  return sim;
+}
+
+static void end(nsdae_bodies *b, nsdae_system *system, nsdae_sim *sim)
+{
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static nsdae_sim_options options_of(int method, double tol)
+{
+  nsdae_sim_options o;
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  o.dt = DT;
+  o.contact_tol = tol;
+  o.projection = NSDAE_PROJECTION_SLOP;
+  return o;
+}
+
+/* ---- closed forms */
+
+/* A ball at rest that is deep in the floor is brought to the slop g h^2, at rest; its potential
+ * energy m g (depth - s) is in the record. */
+static void one_ball(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++)
+    for (int deep = 0; deep < 2; deep++) {
+      const double mass = 3, r = 0.1, slop = gravity * DT * DT, depth = deep ? 0.01 : 1.05 * slop;
+      nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+      nsdae_system *system;
+      nsdae_record record;
+      add_ball(b, mass, r, 0, r - depth);
+      nsdae_sim_options o = options_of(methods[m], 1e-10);
+      nsdae_sim *sim = start(b, &o, &system);
+      for (int i = 0; i < 3; i++) assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &record);
+      assert_near(record.q[2], r - (deep ? slop : depth), 1e-15);
+      for (int j = 0; j < 6; j++) assert_near(record.v[j], 0, 0);
+      double raised = deep ? mass * gravity * (depth - slop) : 0;
+      assert_near(record.projection_energy, raised, 1e-14);
+      assert_near(record.penetration, deep ? slop : depth, 1e-15);
+      assert_near(record.dissipated, -raised, 1e-14);
+      end(b, system, sim);
+    }
+}
+
+/* Without forces the slop is rounding. The least change in the metric of M parts two balls by
+ * 1/m_1 : 1/m_2, so that their centre of mass stays. */
+static void two_balls(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    const double m1 = 1, m2 = 5, r = 0.1, depth = 0.02;
+    nsdae_bodies *b = begin(0.5, 0, 0, 0);
+    nsdae_system *system;
+    nsdae_record record;
+    add_ball(b, m1, r, 0, 1);
+    add_ball(b, m2, r, 2 * r - depth, 1);
+    nsdae_sim_options o = options_of(methods[m], 1e-10);
+    nsdae_sim *sim = start(b, &o, &system);
+    assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &record);
+    assert_near(record.q[0], -depth * m2 / (m1 + m2), 1e-14);
+    assert_near(record.q[7], 2 * r - depth + depth * m1 / (m1 + m2), 1e-14);
+    for (int j = 0; j < 12; j++) assert_near(record.v[j], 0, 0);
+    assert_near(record.projection_energy, 0, 0);
+    end(b, system, sim);
+  }
+}
+
+/* A ball on a joint is not torn from it: a rod, pivoted at one end, whose other end is in the
+ * floor, turns. Its constraints stay to second order, and they do not drift. */
+static void on_a_joint(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    const double r = 0.05, L = 1, depth = 2e-3;
+    nsdae_bodies *b = begin(0.2, 0, 0, gravity);
+    nsdae_system *system;
+    nsdae_record record;
+    int ball = add_ball(b, 1, r, L, r - depth);
+    nsdae_bodies_add_joint(b, &(nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE,
+                                             .body = {NSDAE_GROUND, ball},
+                                             .point = {0, 0, r - depth},
+                                             .axis = {0, 1, 0}});
+    nsdae_sim_options o = options_of(methods[m], 1e-10);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 100; i++) assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &record);
+    /* the slop of the ball, on an arm whose inertia is not all that of its centre */
+    assert_at_most(record.penetration, 1.1 * gravity * DT * DT + 1e-12);
+    assert_at_most(record.constraint_drift, depth * depth / L);
+    assert_at_most(fabs(record.v[2]), 1e-12);
+    end(b, system, sim);
+  }
+}
+
+/* Walls that are nearer than the ball is wide contradict each other. It stays between them. */
+static void jammed(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    const double r = 0.1;
+    nsdae_bodies *b = begin(0.5, 2, 0.9 * r, gravity);
+    nsdae_system *system;
+    nsdae_record record;
+    add_ball(b, 1, r, 0.01 * r, r);
+    nsdae_sim_options o = options_of(methods[m], 1e-8);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 200; i++) assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &record);
+    assert_at_most(fabs(record.q[0]), 0.2 * r);
+    assert_near(record.q[2], r, 1e-3);
+    end(b, system, sim);
+  }
+}
+
+/* ---- invariants */
+
+/* n x n x n boxes of random sizes and orientations, which fall into a box. */
+static nsdae_bodies *drop_boxes(uint64_t seed, int n)
+{
+  const double cell = 0.14;
+  nsdae_bodies *b = begin(0.5, 4, n * cell / 2, gravity);
+  for (int i = 0; i < n * n * n; i++) {
+    const int place[3] = {i % n, i / n % n, i / (n * n)};
+    double r = random_between(&seed, 0.042, 0.052);
+    nsdae_rigid_body body = {.quaternion = {0}};
+    for (int j = 0; j < 4; j++) body.quaternion[j] = random_between(&seed, -1, 1);
+    for (int j = 0; j < 3; j++)
+      body.position[j] =
+          cell * (place[j] + 0.5 - (j < 2 ? n / 2.0 : 0)) + random_between(&seed, -2e-3, 2e-3);
+    add_box(b, (double[3]){1.8 * r, 1.5 * r, 1.3 * r}, &body);
+  }
+  return b;
+}
+
+static void boxes_do_not_sink(void **state)
+{
+  enum { SEEDS = 3, SIDE = 2 };
+  long frozen = 0;
+  (void)state;
+  for (int run = 0; run < METHODS * SEEDS; run++) {
+    int method = methods[run % METHODS];
+    nsdae_bodies *b = drop_boxes((uint64_t)(run / METHODS) + 1, SIDE);
+    nsdae_system *system;
+    nsdae_record r;
+    nsdae_stats stats;
+    nsdae_sim_options o = options_of(method, 1e-4);
+    nsdae_sim *sim = start(b, &o, &system);
+    nsdae_sim_get_record(sim, &r);
+    double most = r.kinetic + r.potential, fastest = 0;
+    for (int i = 0; i < 400; i++) {
+      if (nsdae_sim_step(sim) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+      nsdae_sim_get_record(sim, &r);
+      assert_at_most(r.kinetic + r.potential - r.projection_energy, most * (1 + 1e-12));
+      for (int j = 0; j < 6 * SIDE * SIDE * SIDE; j++)
+        if (j % 6 < 3) fastest = fmax(fastest, fabs(r.v[j]));
+      /* found late by a step at most, of two bodies and their turning */
+      assert_at_most(r.penetration, 3 * fastest * DT + 1e-9);
+    }
+    assert_at_most(r.penetration, 5e-4);
+    nsdae_sim_get_stats(sim, &stats);
+    frozen += stats.frozen_steps;
+    end(b, system, sim);
+  }
+  assert_true(frozen > 0); /* or the family shows nothing of them */
+}
+
+/* What is at rest and not deeper than the slop has the bits that it has without. */
+static void the_same_at_rest(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    double q[2][3 * 7];
+    for (int slop = 0; slop < 2; slop++) {
+      nsdae_bodies *b = begin(0.6, 0, 0, gravity);
+      nsdae_system *system;
+      nsdae_record r;
+      for (int i = 0; i < 3; i++)
+        add_box(b, (double[3]){0.2, 0.1, 0.08},
+                &(nsdae_rigid_body){.position = {0, 0, (i + 0.5) * 0.08 - (i + 1) * 2e-5}});
+      nsdae_sim_options o = options_of(methods[m], 1e-10);
+      if (!slop) o.projection = NSDAE_PROJECTION_NONE;
+      nsdae_sim *sim = start(b, &o, &system);
+      for (int i = 0; i < 200; i++) assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &r);
+      for (int j = 0; j < 18; j++) assert_near(r.v[j], 0, 0);
+      assert_near(r.projection_energy, 0, 0);
+      memcpy(q[slop], r.q, sizeof q[slop]);
+      end(b, system, sim);
+    }
+    assert_memory_equal(q[0], q[1], sizeof q[0]);
+  }
+}
+
+/* The sum goes with the state. */
+static void restart(void **state)
+{
+  double t, q[2][7 * 8];
+  (void)state;
+  nsdae_bodies *b = drop_boxes(7, 2);
+  nsdae_system *system;
+  nsdae_record r;
+  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU, 1e-4);
+  nsdae_sim *sim = start(b, &o, &system), *other;
+  for (int i = 0; i < 150; i++) assert_true(nsdae_sim_step(sim) >= 0);
+  size_t size;
+  assert_int_equal(nsdae_sim_state_size(sim, &size), NSDAE_OK);
+  void *block = malloc(size);
+  assert_int_equal(nsdae_sim_get_state(sim, block, size), NSDAE_OK);
+  assert_int_equal(nsdae_sim_create(system, &o, &other, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_set_state(other, block, size), NSDAE_OK);
+  double raised[2];
+  nsdae_sim *const both[] = {sim, other};
+  for (int k = 0; k < 2; k++) {
+    for (int i = 0; i < 50; i++) assert_true(nsdae_sim_step(both[k]) >= 0);
+    nsdae_sim_get_record(both[k], &r);
+    t = r.time;
+    raised[k] = r.projection_energy;
+    memcpy(q[k], r.q, sizeof q[k]);
+  }
+  assert_true(t > 0 && raised[0] > 0);
+  assert_near(raised[0], raised[1], 0);
+  assert_memory_equal(q[0], q[1], sizeof q[0]);
+  free(block);
+  nsdae_sim_destroy(&other);
+  end(b, system, sim);
+}
+
+/* ---- contact_give */
+
+/* A tolerance below rounding is not met: with contact_give = 1 the run stops, else it goes on, with
+ * one warning, a count, and the residual in the record. */
+static void give(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++)
+    for (int give = 0; give < 2; give++) {
+      nsdae_bodies *b = begin(0.6, 0, 0, gravity);
+      nsdae_system *system;
+      nsdae_stats stats;
+      nsdae_record r;
+      nsdae_sim_options o = options_of(methods[m], DBL_EPSILON);
+      o.contact_give = give ? 1e10 : 1;
+      for (int i = 0; i < 4; i++)
+        add_box(
+            b, (double[3]){0.2, 0.1, 0.08},
+            &(nsdae_rigid_body){.position = {0.03 * i, 0, (i + 0.5) * 0.0805}, .spin = {1, 2, 3}});
+      nsdae_sim *sim = start(b, &o, &system);
+      int status = 0, warned = 0, steps = 0;
+      double worst = 0;
+      for (; steps < 30 && status >= 0; steps++) {
+        status = nsdae_sim_step(sim);
+        warned += status == NSDAE_WARN_CONTACT;
+        nsdae_sim_get_record(sim, &r);
+        worst = fmax(worst, r.lcp_residual);
+      }
+      nsdae_sim_get_stats(sim, &stats);
+      if (give) {
+        assert_true(status >= 0);
+        assert_int_equal(warned, 1);
+        assert_true(stats.given_steps > 0 && stats.given_steps < 30);
+        assert_true(stats.warnings & 64);
+        assert_near(stats.worst_residual, worst, 0);
+        assert_at_most(worst, 1e10 * DBL_EPSILON);
+      } else {
+        assert_int_equal(status, NSDAE_E_LCP);
+        assert_int_equal(stats.given_steps, 0);
+      }
+      end(b, system, sim);
+    }
+}
+
+static void refused(void **state)
+{
+  (void)state;
+  nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+  nsdae_system *system;
+  nsdae_error error;
+  nsdae_sim *sim;
+  add_ball(b, 1, 0.1, 0, 1);
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  const int others[] = {NSDAE_METHOD_IMPLICIT_PRINTED, NSDAE_METHOD_EVENT, NSDAE_METHOD_PENALTY};
+  for (int i = 0; i < 3; i++) {
+    nsdae_sim_options o = options_of(others[i], 1e-10);
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, &error), NSDAE_E_ARGUMENT);
+    assert_string_equal(error.argument, "projection");
+    assert_non_null(strstr(error.text, "slop"));
+  }
+  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU, 1e-10);
+  o.contact_give = 0.5;
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "contact_give");
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(one_ball),
+                                     cmocka_unit_test(two_balls),
+                                     cmocka_unit_test(on_a_joint),
+                                     cmocka_unit_test(jammed),
+                                     cmocka_unit_test(boxes_do_not_sink),
+                                     cmocka_unit_test(the_same_at_rest),
+                                     cmocka_unit_test(restart),
+                                     cmocka_unit_test(give),
+                                     cmocka_unit_test(refused)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
