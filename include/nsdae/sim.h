@@ -58,8 +58,8 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  * - DEPTHS: as CONSTRAINTS; a contact that overlapped at the start of the step and remained closed
  *  keeps its depth at most. On curved surfaces its depth otherwise grows by
  *  (1 - e_N) h^2 v^2 / (2 r) in every step.
- * - SLOP (implicit and moreau): contacts that were closed in the step and are deeper than a slop are
- *  brought out to it. The change is the least in the metric of M that leaves the constraints as
+ * - SLOP (implicit and moreau): contacts that were closed in the step and are deeper than a slop
+ *  are brought out to it. The change is the least in the metric of M that leaves the constraints as
  *  they are; velocities stay. The slop is h^2 a, with the largest acceleration a that the forces
  *  give to a contact of the island. projection_energy of the record is what this adds.
  *
