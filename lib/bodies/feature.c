@@ -213,7 +213,8 @@ void nsdae_find_facing(const nsdae_meeting *met, nsdae_facing *facing)
 }
 
 /* Of solids that overlap only the edges of the axis of least depth touch; see separating_axis.h.
- * Lines along a face are as deep as the face up to rounding, and do. With m = e_i x w and
+ * Lines along a face are as deep as the face up to rounding, and do. Where these cross within the
+ * slack of an end, that corner touches in the same place. With m = e_i x w and
  * d = x_1 - x_0 from middle to middle in the frame of solid 0, b = -(d_p w_p + d_q w_q) / m^2,
  * a = d_i + b w_i are the places of the nearest points: see narrow_phase.c. */
 static int edge_on_edge(const nsdae_feature *f, const nsdae_meeting *met, nsdae_closest *c)
@@ -234,7 +235,8 @@ static int edge_on_edge(const nsdae_feature *f, const nsdae_meeting *met, nsdae_
   int p = (axis[0] + 1) % 3, q = (axis[0] + 2) % 3;
   double b = -(d[p] * w[p] + d[q] * w[q]) / (w[p] * w[p] + w[q] * w[q]);
   double a = d[axis[0]] + b * w[axis[0]], apart = nsdae_dot3(n[0], d);
-  if (fabs(a) > s[0]->half[axis[0]] || fabs(b) > s[1]->half[axis[1]]) return 0;
+  double end = o->most <= o->slack ? o->slack : 0;
+  if (fabs(a) > s[0]->half[axis[0]] - end || fabs(b) > s[1]->half[axis[1]] - end) return 0;
   if (apart > met->enough || (apart < 0 && apart < o->most - o->slack)) return 0;
   c->kind = NSDAE_LINE_LINE;
   for (int i = 0; i < 2; i++) {
