@@ -193,7 +193,7 @@ static int visit_cell(nsdae_broad *p, int i, int j, const int *cell, double reac
   for (; j >= 0 && status >= 0; j = p->next[j]) {
     const int *other = p->cell + 3 * j;
     if (other[0] != cell[0] || other[1] != cell[1] || other[2] != cell[2]) continue;
-    if (may_touch(p, s, i, j) && are_near(p, i, j, reach))
+    if (are_near(p, i, j, reach) && may_touch(p, s, i, j))
       status = visit(to, p, i < j ? i : j, i < j ? j : i);
   }
   return status;

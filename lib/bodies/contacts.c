@@ -25,13 +25,22 @@ static inline void tangents(int dimension, nsdae_jet3 n, nsdae_jet3 u[2])
   u[1] = nsdae_jet3_cross(n, u[0]);
 }
 
-/* Their values; what is not read of the jets is not computed. */
+/* Their values, in the order of operations of the jets. */
 static inline void directions(int rows, const double *n, double u[3][3])
 {
-  nsdae_jet3 t[2];
+  double e[3] = {0, 0, 0};
   for (int i = 0; i < 3; i++) u[0][i] = n[i];
-  if (rows > 1) tangents(rows, nsdae_jet3_of(n), t);
-  for (int d = 1; d < rows; d++) nsdae_jet3_values(t[d - 1], u[d]);
+  if (rows < 3) { /* in the plane, or the normal alone */
+    u[1][0] = -n[1];
+    u[1][1] = n[0];
+    u[1][2] = 0;
+    return;
+  }
+  e[nsdae_tangent_axis(n[2])] = 1;
+  nsdae_cross3(e, n, u[1]);
+  double inverse = 1 / sqrt(nsdae_dot3(u[1], u[1]));
+  for (int i = 0; i < 3; i++) u[1][i] = inverse * u[1][i];
+  nsdae_cross3(n, u[1], u[2]);
 }
 
 /* The part of body i of the row of u, from the arm c_i - r_i. */
