@@ -217,8 +217,8 @@ void nsdae_bodies_contact_rows(int dimension, const nsdae_couple *two, const nsd
 void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const nsdae_touch *touch,
                                 double omega[3]);
 
-/* The features of two solids in order, each handed to add until that returns < 0. If the two are
- * placed those edges are left out that face no other; NULL: all are there. turned: solid 1 is the
+/* The features of two solids in order, each handed to add until that returns < 0. Of two
+ * that met those that can be within the reach; NULL: all are there. turned: solid 1 is the
  * first of them, as nsdae_meet asks for. */
 typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,

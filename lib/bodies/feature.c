@@ -10,24 +10,6 @@ int nsdae_solid_edges(const nsdae_solid_of *s)
   return s->shape == NSDAE_SHAPE_CAPSULE ? 1 : s->shape == NSDAE_SHAPE_BOX ? 12 : 0;
 }
 
-void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met)
-{
-  const nsdae_solid_of *const *s = two->solid;
-  met->two = *two;
-  met->far = 0;
-  met->enough = INFINITY;
-  if (reach < INFINITY) { /* with what rounding explains */
-    double scale = s[0]->size + s[1]->size, at = 0;
-    for (int i = 0; i < 3; i++) at += fabs(two->pose[0]->r[i]) + fabs(two->pose[1]->r[i]);
-    met->enough = reach + s[0]->radius + s[1]->radius + NSDAE_SLACK * scale + 32 * DBL_EPSILON * at;
-  }
-  if (s[0]->points < 2 || s[1]->points < 2) return;
-  if (nsdae_solid_edges(s[0]) > 0)
-    met->far = !nsdae_find_separating_axis(two, met->enough, &met->axis);
-  else
-    nsdae_find_separations(met);
-}
-
 /* ---- a corner on a rod */
 
 /* Where a point x of the frame of one body is in the solid of another's frame. */
@@ -137,78 +119,90 @@ static int corner_on_box(const nsdae_meeting *met, int base, const double *place
 
 /* ---- an edge on an edge */
 
-/* The axis along which edge i of a box or capsule runs, and the signs of its place on the others.
- */
-static int edge_of(const nsdae_solid_of *s, int i, double *sign)
+/* The axis along which edge i of a box or capsule runs, and the middle of the edge. */
+static int edge_of(const nsdae_solid_of *s, int i, double *middle)
 {
-  int axis = s->shape == NSDAE_SHAPE_BOX ? i / 4 : 2;
-  for (int j = 0; j < 3; j++) sign[j] = 0;
-  if (s->shape != NSDAE_SHAPE_BOX) return axis;
-  sign[(axis + 1) % 3] = i % 2 ? 1 : -1;
-  sign[(axis + 2) % 3] = i / 2 % 2 ? 1 : -1;
+  int box = s->shape == NSDAE_SHAPE_BOX, axis = box ? i / 4 : 2;
+  int p = (axis + 1) % 3, q = (axis + 2) % 3;
+  middle[axis] = 0;
+  middle[p] = box ? (i % 2 ? s->half[p] : -s->half[p]) : 0;
+  middle[q] = box ? (i / 2 % 2 ? s->half[q] : -s->half[q]) : 0;
   return axis;
 }
 
-/* The unit vector at right angles to axis i of solid 0 and j of solid 1, from 0 to 1, in the frame
- * of solid 0, and its opposite in that of solid 1; side: whether it is along their cross product or
- * back. 0 where the axes are parallel. */
-static int between_axes(const nsdae_separating_axis *o, int i, int j, double n[2][3], double *side)
-{
-  /* edges nearer to parallel than this, as the square of their angle, touch by their corners as
-   * well: there these are as near up to 1e-8 of their length, and of places eight digits are left
-   */
-  const double parallel = 1e-16, *w = o->cosine + 3 * j;
-  int p = (i + 1) % 3, q = (i + 2) % 3;
-  double square = w[p] * w[p] + w[q] * w[q];
-  if (square < parallel) return 0;
-  *side = w[p] * o->way[0][q] - w[q] * o->way[0][p] < 0 ? -1 : 1;
-  double scale = *side / sqrt(square);
-  n[0][i] = 0;
-  n[0][p] = -scale * w[q];
-  n[0][q] = scale * w[p];
-  for (int l = 0; l < 3; l++) n[1][l] = -nsdae_dot3(n[0], o->cosine + 3 * l);
-  return 1;
-}
-
-/* Whether the direction n (in the solid's frame) leaves a box between the two faces of the edge, or
- * along one of them up to rounding; a capsule's line is round. */
+/* The edges of a box along an axis, or of a capsule, that a direction n (in the solid's frame)
+ * leaves between their two faces, or along one of them up to rounding: bit i for edge i. A
+ * capsule's line is round. */
 static const double leaving_rounding = 1e-4;
-static int leaves_by(const double *sign, const double *n)
-{
-  for (int i = 0; i < 3; i++)
-    if (sign[i] * n[i] < -leaving_rounding) return 0;
-  return 1;
-}
-
-/* The edges of a box along an axis, or of a capsule, that a direction leaves: bit i for edge i. */
 static unsigned leaving(const nsdae_solid_of *s, int axis, const double *n)
 {
-  int box = s->shape == NSDAE_SHAPE_BOX, first = box ? 4 * axis : 0;
+  double across[2] = {n[(axis + 1) % 3], n[(axis + 2) % 3]};
   unsigned mask = 0;
-  for (int i = first; i < first + (box ? 4 : 1); i++) {
-    double sign[3];
-    edge_of(s, i, sign);
-    if (leaves_by(sign, n)) mask |= 1u << i;
+  if (s->shape != NSDAE_SHAPE_BOX) return 1;
+  for (int i = 0; i < 4; i++) /* see edge_of for the sides */
+    if ((i % 2 ? across[0] : -across[0]) >= -leaving_rounding &&
+        (i / 2 ? across[1] : -across[1]) >= -leaving_rounding)
+      mask |= 1u << (4 * axis + i);
+  return mask;
+}
+
+/* Edges along axis i of solid 0 and j of solid 1 that the unit vector n at right angles to both
+ * leaves, from 0 to 1. */
+static void add_facing(nsdae_meeting *met, int i, int j)
+{
+  const nsdae_separating_axis *o = &met->axis;
+  const double *w = o->cosine + 3 * j, scale = o->scale[3 * i + j];
+  double n[3], back[3];
+  n[i] = 0;
+  n[(i + 1) % 3] = -scale * w[(i + 2) % 3];
+  n[(i + 2) % 3] = scale * w[(i + 1) % 3];
+  for (int l = 0; l < 3; l++) back[l] = -nsdae_dot3(n, o->cosine + 3 * l);
+  unsigned first = leaving(met->two.solid[0], i, n), second = leaving(met->two.solid[1], j, back);
+  for (int k = 0; k < NSDAE_EDGES_MAX; k++)
+    if (first >> k & 1) met->edges[k] |= second;
+}
+
+/* Corners of the other solid that may be within enough of a box: none that is beyond a face by
+ * more. If the two overlap it may be beside a face all the same, or beyond it away from its solid:
+ * see may_be_over. */
+static unsigned near_corners(const nsdae_meeting *met, int base)
+{
+  const nsdae_solid_of *s = met->two.solid[base], *other = met->two.solid[1 - base];
+  const nsdae_separating_axis *o = &met->axis;
+  int across = base ? 3 : 1, along = base ? 1 : 3;
+  int overlap = o->most <= o->slack;
+  double half[3], part[3][3], most = overlap ? fmax(met->enough, o->beside) : met->enough;
+  unsigned mask = 0;
+  nsdae_half_edges(other, half);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) part[i][j] = half[j] * o->cosine[i * across + j * along];
+  for (int k = 0; k < other->points; k++) {
+    int bits = other->points == 8 ? k : k << 2, beyond = 0; /* of a capsule's ends: along z */
+    for (int i = 0; i < 3; i++) {
+      double way = o->way[base][i], place = way;
+      for (int j = 0; j < 3; j++) place += bits >> j & 1 ? part[i][j] : -part[i][j];
+      int away = overlap && (place * way < 0 || fabs(way) <= o->beside);
+      beyond |= fabs(place) - s->half[i] > most && !away;
+    }
+    if (!beyond) mask |= 1u << k;
   }
   return mask;
 }
 
-void nsdae_find_facing(const nsdae_meeting *met, nsdae_facing *facing)
+static void find_candidates(nsdae_meeting *met)
 {
-  const nsdae_solid_of *s0 = met->two.solid[0], *s1 = met->two.solid[1];
+  const nsdae_solid_of *const *s = met->two.solid;
   const nsdae_separating_axis *o = &met->axis;
+  for (int i = 0; i < 2; i++)
+    if (s[i]->shape == NSDAE_SHAPE_BOX) met->corners[i] = near_corners(met, i);
   /* Edges that a direction leaves lie behind the foremost corner of their box by at most the
    * rounding of two edges, 2 (h_p + h_q) < 3 size: those below that are too deep. */
-  double low = o->most - o->slack - 3 * leaving_rounding * (s0->size + s1->size);
-  *facing = (nsdae_facing){{0}};
-  for (int i = s0->shape == NSDAE_SHAPE_BOX ? 0 : 2; i < 3; i++)
-    for (int j = s1->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++) {
-      double n[2][3], side, apart = o->edges[3 * i + j];
-      if (apart < 0 && apart < low) continue;
-      if (!between_axes(o, i, j, n, &side)) continue;
-      unsigned first = leaving(s0, i, n[0]), second = leaving(s1, j, n[1]);
-      for (int k = 0; k < NSDAE_EDGES_MAX; k++)
-        if (first >> k & 1) facing->of[k] |= second;
+  double low = o->most - o->slack - 3 * leaving_rounding * (s[0]->size + s[1]->size);
+  for (int i = 0; i < NSDAE_EDGES_MAX; i++) met->edges[i] = 0;
+  for (int i = s[0]->shape == NSDAE_SHAPE_BOX ? 0 : 2; i < 3; i++)
+    for (int j = s[1]->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++) {
+      int too_deep = o->edges[3 * i + j] < 0 && o->edges[3 * i + j] < low;
+      if (!too_deep && o->scale[3 * i + j] != 0) add_facing(met, i, j);
     }
 }
 
@@ -221,24 +215,20 @@ static int edge_on_edge(const nsdae_feature *f, const nsdae_meeting *met, nsdae_
 {
   const nsdae_solid_of *const *s = met->two.solid;
   const nsdae_separating_axis *o = &met->axis;
-  double sign[2][3], n[2][3], from[2][3], d[3];
+  double from[2][3], d[3];
   int axis[2];
-  for (int i = 0; i < 2; i++) axis[i] = edge_of(s[i], f->part[i], sign[i]);
-  if (!between_axes(o, axis[0], axis[1], n, &c->side) || !leaves_by(sign[0], n[0]) ||
-      !leaves_by(sign[1], n[1]))
-    return 0;
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 3; j++) from[i][j] = sign[i][j] == 0 ? 0 : sign[i][j] * s[i]->half[j];
+  for (int i = 0; i < 2; i++) axis[i] = edge_of(s[i], f->part[i], from[i]);
   nsdae_turn(o->cosine, from[1], d);
   for (int j = 0; j < 3; j++) d[j] += o->way[0][j] - from[0][j];
-  const double *w = o->cosine + 3 * axis[1];
+  const double *w = o->cosine + 3 * axis[1], scale = o->scale[3 * axis[0] + axis[1]];
   int p = (axis[0] + 1) % 3, q = (axis[0] + 2) % 3;
-  double b = -(d[p] * w[p] + d[q] * w[q]) / (w[p] * w[p] + w[q] * w[q]);
-  double a = d[axis[0]] + b * w[axis[0]], apart = nsdae_dot3(n[0], d);
+  double b = -(d[p] * w[p] + d[q] * w[q]) * (scale * scale);
+  double a = d[axis[0]] + b * w[axis[0]], apart = scale * (w[p] * d[q] - w[q] * d[p]);
   double end = o->most <= o->slack ? o->slack : 0;
   if (fabs(a) > s[0]->half[axis[0]] - end || fabs(b) > s[1]->half[axis[1]] - end) return 0;
   if (apart > met->enough || (apart < 0 && apart < o->most - o->slack)) return 0;
   c->kind = NSDAE_LINE_LINE;
+  c->side = scale < 0 ? -1 : 1;
   for (int i = 0; i < 2; i++) {
     nsdae_turn(s[i]->R, from[i], c->x[i]);
     for (int j = 0; j < 3; j++) c->x[i][j] += s[i]->origin[j];
@@ -249,10 +239,37 @@ static int edge_on_edge(const nsdae_feature *f, const nsdae_meeting *met, nsdae_
 
 /* ---- interface */
 
+void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met)
+{
+  const nsdae_solid_of *const *s = two->solid;
+  met->two = *two;
+  met->far = 0;
+  met->corners[0] = met->corners[1] = ~0u;
+  met->enough = INFINITY;
+  if (reach < INFINITY) { /* with what rounding explains */
+    double scale = s[0]->size + s[1]->size, at = 0;
+    for (int i = 0; i < 3; i++) at += fabs(two->pose[0]->r[i]) + fabs(two->pose[1]->r[i]);
+    met->enough = reach + s[0]->radius + s[1]->radius + NSDAE_SLACK * scale + 32 * DBL_EPSILON * at;
+  }
+  if (s[0]->points < 2 || s[1]->points < 2) return;
+  if (nsdae_solid_edges(s[0]) == 0) {
+    nsdae_find_separations(met);
+    return;
+  }
+  met->far = !nsdae_find_separating_axis(two, met->enough, &met->axis);
+  if (!met->far) find_candidates(met);
+}
+
 /* Which of the two has the face or edge that a corner touches: corners of the second come first. */
 static int base_of(const nsdae_feature *f)
 {
   return !f->edges && f->number > f->part[1];
+}
+
+static int is_candidate(const nsdae_feature *f, const nsdae_meeting *met)
+{
+  unsigned mask = f->edges ? met->edges[f->part[0]] : met->corners[base_of(f)];
+  return f->part[1] >= 32 || (mask >> f->part[1] & 1) != 0;
 }
 
 nsdae_couple nsdae_feature_couple(const nsdae_feature *f, const nsdae_meeting *met)
@@ -271,6 +288,7 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
   double place[3];
   c->side = s0->hollow ? -1 : 1;
   for (int i = 0; i < 2; i++) c->radius[i] = two.solid[i]->radius;
+  if (!is_candidate(f, met)) return 0;
   if (f->edges) return edge_on_edge(f, met, c);
   set(x1, c->x[1]);
   if (s0->shape == NSDAE_SHAPE_POLYGON ||

@@ -41,14 +41,6 @@ const char *nsdae_solid_name(int shape);
 /* The number of edges of a solid (in space). */
 int nsdae_solid_edges(const nsdae_solid_of *solid);
 
-/* Which edges of two solids can be closest: bit j of of[i] for edge i of solid 0 and j of solid 1.
- * Of the 144 pairs of two boxes these are few, for nine directions. */
-enum { NSDAE_EDGES_MAX = 12 };
-typedef struct nsdae_facing {
-  unsigned of[NSDAE_EDGES_MAX];
-} nsdae_facing;
-void nsdae_find_facing(const nsdae_meeting *met, nsdae_facing *facing);
-
 /* Two solids in the order of nsdae_pair_features whose gaps of at most reach are asked for. */
 void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met);
 

@@ -208,23 +208,27 @@ static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, i
   if (s->status >= 0) s->status = s->add(s->to, &f);
 }
 
-static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other)
+static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other, unsigned mask)
 {
-  for (int i = 0; i < solids[other].points; i++) add_feature(s, 0, base, other, 0, i);
+  for (int i = 0; i < solids[other].points; i++)
+    if (i >= 32 || mask >> i & 1)
+      add_feature(s, 0, base, other, 0, i);
+    else
+      s->number++;
 }
 
-static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j, const nsdae_meeting *met)
+static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j, const unsigned *masks)
 {
   int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
-  nsdae_facing facing;
-  if (met && first > 0 && second > 0) nsdae_find_facing(met, &facing);
-  for (int k = 0; k < first; k++)
-    for (int l = 0; l < second; l++) {
-      if (!met || facing.of[k] >> l & 1)
-        add_feature(s, 1, i, j, k, l);
-      else
-        s->number++;
+  for (int k = 0; k < first; k++) {
+    int number = s->number;
+    unsigned mask = masks ? masks[k] : (1u << second) - 1;
+    for (int l = 0; mask >> l; l++) {
+      s->number = number + l;
+      if (mask >> l & 1) add_feature(s, 1, i, j, k, l);
     }
+    s->number = number + second;
+  }
 }
 
 int nsdae_pair_is_turned(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
@@ -238,10 +242,11 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   sink s = {.add = add, .to = to};
   int turned = nsdae_pair_is_turned(&solids[solid0], &solids[solid1]);
   int base = turned ? solid1 : solid0, other = turned ? solid0 : solid1;
-  add_corners(&s, solids, base, other);
-  if (is_base(&solids[base]) || is_round(&solids[other])) return s.status;
-  add_corners(&s, solids, other, base);
-  add_edges(&s, solids, base, other, met);
+  int one_way = is_base(&solids[base]) || is_round(&solids[other]);
+  add_corners(&s, solids, base, other, met ? met->corners[0] : ~0u);
+  if (one_way) return s.status;
+  add_corners(&s, solids, other, base, met ? met->corners[1] : ~0u);
+  add_edges(&s, solids, base, other, met ? met->edges : NULL);
   return s.status;
 }
 

@@ -68,15 +68,21 @@ typedef struct nsdae_separating_axis {
   double face[2];
   int axis[2];          /* that face: across this axis of the box */
   double side[2];       /* on its side 1 or -1 */
-  double edges[9];      /* [3 i + j]: along axis i of solid 0 x axis j of solid 1 */
+  double edges[9];      /* [3 i + j]: along m, axis i of solid 0 x axis j of solid 1 */
+  double scale[9];      /* 1 / |m|, negative if m is from 1 to 0; 0: the axes are parallel */
   double slack, beside; /* [m] */
 } nsdae_separating_axis;
 
-/* Two solids at a moment, and what all their features go by. */
+/* Two solids at a moment, and what all their features go by. Features that can have a gap of at
+ * most the reach: bit i of corners[base] for corner i of the other (those from 32 on can); in space
+ * bit j of edges[i] for edge i of solid 0 and j of solid 1. Of the 144 pairs of edges of two boxes
+ * these are few, for nine directions. */
+enum { NSDAE_EDGES_MAX = 12 };
 typedef struct nsdae_meeting {
   nsdae_couple two;
   double enough; /* a feature whose cores are apart by more may be left out; INFINITY: none */
   int far;       /* all are */
+  unsigned corners[2], edges[NSDAE_EDGES_MAX];
   union {
     nsdae_separation by[2]; /* in the plane: by edges of each */
     nsdae_separating_axis axis;

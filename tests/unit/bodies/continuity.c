@@ -61,20 +61,15 @@ static couple make(int d, const nsdae_solid *first, const nsdae_solid *second)
 }
 
 /* The values without rates are those of the contact to the last bit. What asks for gaps of at most
- * this one finds it too, the edges among those that face each other. */
+ * this one finds it too. */
 static void expect_found(const nsdae_solid_of *s, const nsdae_feature *f, const nsdae_pose *pose,
                          const nsdae_touch *touch)
 {
   nsdae_meeting met;
   nsdae_closest closest;
-  nsdae_facing facing;
   feature_meet(s, f, pose, touch->gap.x, &met);
   assert_false(met.far);
   assert_true(nsdae_feature_closest(f, &met, &closest));
-  if (f->edges) {
-    nsdae_find_facing(&met, &facing);
-    assert_true(facing.of[f->part[0]] >> f->part[1] & 1);
-  }
   const nsdae_couple two = nsdae_feature_couple(f, &met);
   const nsdae_still still = nsdae_closest_still(&closest, &two);
   assert_true(still.gap == touch->gap.x);
