@@ -164,7 +164,6 @@ static void close_fixed(nsdae_problem *p, const nsdae_terms *terms, double touch
 {
   int k = p->system->dims.k, rows = p->contacts->rows_most, *basis = p->warm.basis;
   p->law = p->system->contact;
-  p->count = 0;
   for (int i = 0; i < k; i++, basis += rows) {
     if (!(terms->gap[i] > touch))
       recall_fixed(p, i, was, place_before(p, i, last));
@@ -182,11 +181,13 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   p->home = terms;
   p->warm = p->contacts->warm;
   p->dispatch.factorisation.closed++;
-  double touch = nsdae_terms_most(p->system) > 0 ? nsdae_terms_touch(terms) : 0;
+  p->count = 0;
+  nsdae_impulses_clear(results, &p->system->dims);
+  if (nsdae_terms_most(p->system) == 0) return NSDAE_OK;
+  double touch = nsdae_terms_touch(terms);
   const nsdae_contact_list *list;
   int status = nsdae_terms_find(terms, touch, &list);
   if (status < 0) return status;
-  nsdae_impulses_clear(results, &p->system->dims);
   if (list) return close_list(p, terms, touch, last, was);
   close_fixed(p, terms, touch, last, was);
   return NSDAE_OK;

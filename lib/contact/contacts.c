@@ -119,11 +119,6 @@ void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_aren
   }
 }
 
-size_t nsdae_contacts_memory_size(const nsdae_contacts *c)
-{
-  return (size_t)c->system->dims.k * (size_t)c->rows_most + 3 * (size_t)c->slides.count;
-}
-
 void nsdae_contacts_remember(nsdae_contacts *c, int *memory)
 {
   c->warm.basis = memory;
@@ -199,8 +194,8 @@ static inline double rate(const nsdae_contacts *c, const nsdae_rows *rows, const
   return sum;
 }
 
-static void frictional_joint_velocities(const nsdae_contacts *c, const nsdae_terms *T,
-                                        const double *v, double *velocity)
+static inline void frictional_joint_velocities(const nsdae_contacts *c, const nsdae_terms *T,
+                                               const double *v, double *velocity)
 {
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
@@ -327,7 +322,7 @@ static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt
 {
   int n = kkt->n, m = kkt->m;
   memcpy(c->delassus.U, c->delassus.W, (size_t)n * (size_t)c->columns * sizeof *c->delassus.U);
-  memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
+  if (m > 0) memset(c->delassus.D, 0, (size_t)m * (size_t)c->columns * sizeof *c->delassus.D);
   int status = solve_equations(c, terms, kkt, c->columns, c->delassus.U, c->delassus.D);
   if (status < 0) return status;
   if (m > 0) clear_jammed(c, terms, kkt);
@@ -354,42 +349,59 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, int n, const do
         c->results->slide_after[c->slides.number[j]];
 }
 
-/* E_P^T G E_Q of two contacts into their block of A. */
-static void assemble_block(nsdae_contacts *c, int row, int column)
+/* E_P^T G E_Q of two contacts into their block of A: in the plane, and of any. */
+static void assemble_planar(const double *G, size_t ldg, double mu, double *A, size_t lda)
 {
-  const nsdae_law *p = &c->law[row], *q = &c->law[column];
-  const double *G =
-      c->delassus.G + (size_t)c->first_column[column] * (size_t)c->columns + c->first_column[row];
-  double *A = c->lcp.A + (size_t)c->first_row[column] * (size_t)c->rows + c->first_row[row];
-  if (p->columns == 1 && q->columns == 1) { /* without friction: the most of many */
-    *A = *G;
-    return;
+  for (size_t i = 0; i < 2; i++) {
+    A[i] = G[i] - mu * G[i + ldg];
+    A[i + lda] = G[i + ldg];
+    A[i + 2 * lda] = 0;
   }
+  A[2] = A[2 + lda] = A[2 + 2 * lda] = 0;
+}
+
+static void assemble_any(const nsdae_law *p, const nsdae_law *q, const double *G, size_t ldg,
+                         double *A, size_t lda)
+{
   double GE[NSDAE_LAW_COLUMNS][NSDAE_LAW_ROWS]; /* G E_Q */
-  for (int i = 0; i < p->columns; i++) nsdae_law_times_impulse(q, G + i, (size_t)c->columns, GE[i]);
+  for (int i = 0; i < p->columns; i++) nsdae_law_times_impulse(q, G + i, ldg, GE[i]);
   for (int j = 0; j < q->rows; j++) {
     const double xi[NSDAE_LAW_COLUMNS] = {GE[0][j], p->columns > 1 ? GE[1][j] : 0,
                                           p->columns > 2 ? GE[2][j] : 0};
-    nsdae_law_velocity(p, xi, A + (size_t)j * (size_t)c->rows);
+    nsdae_law_velocity(p, xi, A + (size_t)j * lda);
   }
+}
+
+/* The columns of A of a contact. */
+static void assemble_columns(nsdae_contacts *c, int a)
+{
+  const nsdae_law *q = &c->law[a];
+  size_t ldg = (size_t)c->columns, lda = (size_t)c->rows;
+  const double *from = c->delassus.G + (size_t)c->first_column[a] * ldg;
+  double *to = c->lcp.A + (size_t)c->first_row[a] * lda;
+  for (int other = 0; other < c->active_count; other++) {
+    const nsdae_law *p = &c->law[other];
+    const double *G = from + c->first_column[other];
+    double *A = to + c->first_row[other];
+    if (p->kind == NSDAE_PLANAR && q->kind == NSDAE_PLANAR)
+      assemble_planar(G, ldg, q->mu, A, lda);
+    else
+      assemble_any(p, q, G, ldg, A, lda);
+  }
+  nsdae_law_add_coupling(q, to + c->first_row[a], c->rows);
+  nsdae_law_velocity(q, c->delassus.offset + c->first_column[a], c->lcp.b + c->first_row[a]);
 }
 
 /* Where none has friction E_P = E_Q = 1, and A is G. */
 static void assemble(nsdae_contacts *c)
 {
   size_t n = (size_t)c->columns;
-  if (c->columns == c->active_count && c->columns > 1) {
+  if (c->columns == c->active_count) {
     memcpy(c->lcp.A, c->delassus.G, n * n * sizeof *c->lcp.A);
     memcpy(c->lcp.b, c->delassus.offset, n * sizeof *c->lcp.b);
     return;
   }
-  for (int a = 0; a < c->active_count; a++) {
-    const nsdae_law *law = &c->law[a];
-    for (int other = 0; other < c->active_count; other++) assemble_block(c, other, a);
-    size_t first = (size_t)c->first_row[a];
-    nsdae_law_add_coupling(law, c->lcp.A + first * (size_t)c->rows + first, c->rows);
-    nsdae_law_velocity(law, c->delassus.offset + c->first_column[a], c->lcp.b + first);
-  }
+  for (int a = 0; a < c->active_count; a++) assemble_columns(c, a);
 }
 
 /* The basis between a closed contact's place in the problem and its place in memory. */
@@ -542,8 +554,8 @@ int nsdae_contacts_step(nsdae_contacts *c, const nsdae_terms *terms, const nsdae
   memcpy(v, r, bytes);
   int status = solve_equations(c, terms, kkt, 1, v, lambda);
   if (status < 0) return status;
-  memcpy(size, r, bytes);
-  nsdae_kkt_solve_mass(kkt, size);
+  memcpy(size, kkt->m > 0 ? r : v, bytes);
+  if (kkt->m > 0) nsdae_kkt_solve_mass(kkt, size);
   return nsdae_contacts_solve(c, terms, kkt, size, v, lambda);
 }
 

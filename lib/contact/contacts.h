@@ -117,9 +117,8 @@ int nsdae_contacts_give(nsdae_contacts *contacts, int status);
 long nsdae_contacts_rows(const nsdae_system *system, int polygon_edges);
 int nsdae_contacts_rows_limit(void);
 
-/* The bases that problems begin from and leave are the caller's: a number of integers, zero where
- * there is none yet. Cones begin from the impulses in the results. */
-size_t nsdae_contacts_memory_size(const nsdae_contacts *contacts);
+/* The bases that problems begin from and leave are the caller's: k rows_most + 3 slides.count
+ * integers, zero where there is none yet. Cones begin from the impulses in the results. */
 void nsdae_contacts_remember(nsdae_contacts *contacts, int *memory);
 
 /* Slides take rows from first on, and are the last of them. */

@@ -376,6 +376,7 @@ static int stands(const nsdae_dense_island *l)
   for (int j = 0; j < l->kkt.n; j++) /* mostly the first */
     if (!(fabs(l->at.v[j]) <= digits * speed)) return 0;
   double fastest = nsdae_largest(l->kkt.n, l->at.v), most = 0;
+  if (fastest == 0) return 0; /* without more ado */
   for (int j = 0; j < l->kkt.n; j++) {
     double lever = 0;
     for (int i = 0; i < c->columns; i++) lever = fmax(lever, fabs(W[i * l->kkt.n + j]));
@@ -400,21 +401,24 @@ static void stand(nsdae_dense_island *l)
 
 /* ---- residuals of the laws */
 
-/* Of column j of W: W_j^T M^-1 W_j and the velocity without impulses, u_j being that of v. Where
- * there are no constraints the Delassus matrix has them. */
-static inline void measure(const nsdae_dense_island *l, int j, double u_j, double *diagonal,
-                           double *q)
+/* W_j^T M^-1 W_j: without constraints the Delassus matrix has it. */
+static double diagonal(const nsdae_dense_island *l, int j)
 {
   const nsdae_delassus *d = &l->contacts.delassus;
   int n = l->kkt.n;
   const double *W = d->W + (size_t)j * (size_t)n;
-  *diagonal = d->G[(size_t)j * (size_t)(l->contacts.columns + 1)];
-  *q = d->offset[j];
-  if (l->kkt.m == 0) return;
+  if (l->kkt.m == 0) return d->G[(size_t)j * (size_t)(l->contacts.columns + 1)];
   memcpy(l->column, W, (size_t)n * sizeof *W);
   nsdae_kkt_solve_mass(&l->kkt, l->column);
-  *diagonal = nsdae_dot(n, W, l->column);
-  *q = u_j + nsdae_dot(n, W, l->free);
+  return nsdae_dot(n, W, l->column);
+}
+
+/* With constraints: the velocity along column j without any impulse, u being that of v. */
+static void fit_speed(const nsdae_dense_island *l, int j, double u,
+                      nsdae_natural_residual *residual)
+{
+  const double *W = l->contacts.delassus.W + (size_t)j * (size_t)l->kkt.n;
+  if (l->kkt.m > 0) nsdae_natural_residual_speed(residual, u + nsdae_dot(l->kkt.n, W, l->free));
 }
 
 /* The residual of a law with velocities along columns of W, beside their rounding: v is as good as
@@ -433,6 +437,29 @@ static void leave(const nsdae_dense_island *l, int column, int columns, double l
   nsdae_natural_residual_row(residual, left > 0 || left != left ? left : 0);
 }
 
+/* What the law of the a-th contact leaves where it has friction; d, u_N: of its normal. */
+static double fit_friction(const nsdae_dense_island *l, int a, double d, double u_N,
+                           nsdae_natural_residual *residual)
+{
+  const nsdae_contacts *c = &l->contacts;
+  const nsdae_impulses *r = c->results;
+  int i = c->active[a], columns = c->law[a].columns;
+  const nsdae_coefficients *law = &c->part.coefficient[i];
+  double x[3], u[3] = {u_N};
+  for (int j = 1, t = i * (columns - 1); j < columns; j++, t++) {
+    u[j] = r->after_t[t] + law->e_t * r->before_t[t];
+    x[j] = r->tangential[t];
+    d += diagonal(l, c->first_column[a] + j);
+    fit_speed(l, c->first_column[a] + j, u[j], residual);
+  }
+  if (c->law[a].kind == NSDAE_POLYGON) return 0;
+  d /= columns;
+  x[0] = d * r->normal[i];
+  for (int j = 1; j < columns; j++) x[j] *= d;
+  return columns == 2 ? nsdae_natural_planar(law->mu, x, u)
+                      : nsdae_fc_natural(NSDAE_FC_CONE, law->mu, x, NULL, u);
+}
+
 /* Residual of the a-th contact: impulses in units of velocity by the mean diagonal of G, against
  * the law. */
 static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
@@ -440,40 +467,15 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
 {
   const nsdae_contacts *c = &l->contacts;
   const nsdae_impulses *r = c->results;
-  int i = c->active[a], nt = c->system->dims.nt, columns = c->law[a].columns;
-  const nsdae_coefficients *law = &c->part.coefficient[i];
-  if (columns == 1 && l->kkt.m == 0) { /* the most of many */
-    size_t column = (size_t)c->first_column[a];
-    double xi = r->after[i] + law->e_n * r->before[i];
-    double scaled = r->normal[i] * c->delassus.G[column * (size_t)(c->columns + 1)];
-    nsdae_natural_residual_speed(residual, c->delassus.offset[column]);
-    double left = fabs(scaled - xi > 0 ? xi : scaled);
-    if (rounded)
-      leave(l, c->first_column[a], 1, left, residual);
-    else
-      nsdae_natural_residual_row(residual, left);
-    return;
-  }
-  double x[3] = {r->normal[i]}, u[3] = {r->after[i] + law->e_n * r->before[i]}, d = 0;
-  for (int j = 1, t = i * nt; j < columns; j++, t++) {
-    x[j] = r->tangential[t];
-    u[j] = r->after_t[t] + law->e_t * r->before_t[t];
-  }
-  for (int j = 0; j < columns; j++) {
-    double diagonal, q;
-    measure(l, c->first_column[a] + j, u[j], &diagonal, &q);
-    nsdae_natural_residual_speed(residual, q);
-    d += diagonal;
-  }
-  if (c->law[a].kind == NSDAE_POLYGON) return;
-  if (columns > 1) d /= columns;
-  for (int j = 0; j < columns; j++) x[j] *= d;
-  nsdae_natural_residual one = {0};
-  nsdae_natural_residual_contact(&one, columns > 1 ? law->mu : 0, x, u);
+  int i = c->active[a], column = c->first_column[a], columns = c->law[a].columns;
+  double u = r->after[i] + c->part.coefficient[i].e_n * r->before[i], d = diagonal(l, column);
+  fit_speed(l, column, u, residual);
+  double left =
+      columns == 1 ? nsdae_natural_normal(d * r->normal[i], u) : fit_friction(l, a, d, u, residual);
   if (rounded)
-    leave(l, c->first_column[a], columns, one.left, residual);
+    leave(l, column, columns, left, residual);
   else
-    nsdae_natural_residual_row(residual, one.left);
+    nsdae_natural_residual_row(residual, left);
 }
 
 /* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto the friction that |lambda| bounds. */
@@ -481,11 +483,10 @@ static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
                       nsdae_natural_residual *residual)
 {
   const nsdae_contacts *c = &l->contacts;
-  int j = c->slides.number[i];
-  double u = c->results->slide_after[j], x = c->results->frictional_joint_impulse[j], d, q;
-  int column = c->columns - c->slides.count + i;
-  measure(l, column, u, &d, &q);
-  nsdae_natural_residual_speed(residual, q);
+  int j = c->slides.number[i], column = c->columns - c->slides.count + i;
+  double u = c->results->slide_after[j], x = c->results->frictional_joint_impulse[j],
+         d = diagonal(l, column);
+  fit_speed(l, column, u, residual);
   double most = d * c->system->frictional_joint[j].mu * fabs(l->at.lambda[c->slides.constraint[i]]);
   double left = fabs(d * x - fmax(-most, fmin(most, d * x - u)));
   if (rounded)
@@ -517,7 +518,8 @@ static nsdae_natural_residual fit(const nsdae_dense_island *l, int rounded)
     memcpy(l->free, l->at.r, (size_t)l->kkt.n * sizeof *l->free);
     nsdae_kkt_solve_mass(&l->kkt, l->free);
     for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->at.v[j];
-  }
+  } else
+    residual.speed = nsdae_largest(c->columns, c->delassus.offset);
   for (int a = 0; a < c->active_count; a++) fit_contact(l, a, rounded, &residual);
   for (int i = 0; i < c->slides.count; i++) fit_joint(l, i, rounded, &residual);
   for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, rounded, &residual);
@@ -556,7 +558,6 @@ static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
                  nsdae_natural_residual *residual)
 {
   const nsdae_island_view *at = &l->at;
-  memcpy(at->lambda, l->asked, (size_t)l->kkt.m * sizeof *at->lambda);
   int status =
       nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, at->r, at->v, at->size, at->lambda);
   if (status < 0) return status;
@@ -565,6 +566,13 @@ static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
   if (!(nsdae_natural_residual_scaled(residual) <= l->contacts.lcp.options.tol))
     *residual = fit(l, 1);
   return status;
+}
+
+static int solve_again(nsdae_dense_island *l, const nsdae_island_equations *w,
+                       nsdae_natural_residual *residual)
+{
+  memcpy(l->at.lambda, l->asked, (size_t)l->kkt.m * sizeof *l->asked);
+  return solve(l, w, residual);
 }
 
 /* Whether the normal impulses are what they were, up to rounding. */
@@ -585,7 +593,7 @@ static void copy_bases(nsdae_dense_island *l, int back)
   int rows = c->rows_most;
   for (int a = 0; a < c->active_count; a++, basis += rows) {
     int *of = c->warm.basis + (size_t)c->active[a] * (size_t)rows;
-    for (int i = 0; i < rows; i++) *(back ? of + i : basis + i) = *(back ? basis + i : of + i);
+    memcpy(back ? of : basis, back ? basis : of, (size_t)rows * sizeof *of);
   }
   for (int i = 0; i < c->slides.count; i++, basis += 3) {
     int *of = c->warm.slide_basis + 3 * (size_t)c->slides.place[i];
@@ -606,25 +614,26 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
   if (status < 0 || c->lcp.given || nsdae_natural_residual_scaled(residual) <= asked) return status;
   for (int a = 0; a < c->active_count; a++) l->was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
-  status = solve(l, w, residual);
+  status = solve_again(l, w, residual);
   *tol = asked;
   if (status == NSDAE_OK && same_impulses(l, l->was)) return status;
   copy_bases(l, 1);
-  return solve(l, w, residual);
+  return solve_again(l, w, residual);
 }
 
 int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations *w, int island,
                              int least_norm, nsdae_natural_residual *residual)
 {
+  l->solves = 0;
   if (!enough(l, w, island)) return NSDAE_ARRAYS_GROW;
   int status = take(l, w, island);
   if (status == NSDAE_OK && l->kkt.rank < l->kkt.m && !least_norm) status = NSDAE_E_RANK;
   if (status < 0) return status;
-  int any = w->with_contacts && nsdae_members_count(&w->islands->contact, island) +
-                                        nsdae_members_count(&w->islands->joint, island) >
-                                    0;
-  if (any) close_contacts(l, w, island);
-  status = any ? solve_laws(l, w, residual) : solve_alone(l);
+  l->solves = w->with_contacts && nsdae_members_count(&w->islands->contact, island) +
+                                          nsdae_members_count(&w->islands->joint, island) >
+                                      0;
+  if (l->solves) close_contacts(l, w, island);
+  status = l->solves ? solve_laws(l, w, residual) : solve_alone(l);
   if (status == NSDAE_OK && !l->at.whole) scatter(l, w, island);
   return status;
 }

@@ -51,6 +51,7 @@ typedef struct nsdae_dense_island {
   long factored;         /* number of the factorisation of kkt */
   long closed;           /* of the contacts, if they are those of the whole system; else -1 */
   int island;            /* it is of */
+  int solves;            /* the last solution was of a contact problem */
   double *free, *column; /* n: M^-1 r less v; M^-1 W of a column */
   double *asked;         /* m: -Phi_t */
   double *was;           /* contacts: impulses of another solution */

@@ -4,6 +4,8 @@
 
 #include <nsdae/contact.h>
 
+#include "vector.h"
+
 /* cos and sin of a turn leave 6e-17 where there is nothing: a direction of its own to friction. */
 static double clean(double value)
 {
@@ -43,7 +45,7 @@ double nsdae_law_impulse(const nsdae_law *law, const double *x, double *impulse)
   impulse[0] = x[0];
   if (law->kind == NSDAE_PLANAR) { /* the most of many */
     impulse[1] = x[1] - law->mu * x[0];
-    return fmax(size, fabs(law->mu * x[0]) + fabs(x[1]));
+    return nsdae_larger(size, fabs(law->mu * x[0]) + fabs(x[1]));
   }
   for (int l = 1; l < law->columns; l++) {
     double terms = 0;
@@ -58,28 +60,27 @@ double nsdae_law_impulse(const nsdae_law *law, const double *x, double *impulse)
   return size;
 }
 
-static void times(const nsdae_law *law, double mu, const double *g, size_t apart, double *row)
-{
-  if (law->kind == NSDAE_PLANAR) { /* the most of many */
-    row[0] = g[0] - mu * g[apart];
-    row[1] = g[apart];
-    row[2] = 0;
-    return;
-  }
-  for (int i = 0; i < law->rows; i++) {
-    row[i] = 0;
-    for (int l = 0; l < law->columns; l++) row[i] += g[(size_t)l * apart] * entry(law, mu, l, i);
-  }
-}
-
 void nsdae_law_times_impulse(const nsdae_law *law, const double *g, size_t apart, double *row)
 {
-  times(law, law->mu, g, apart, row);
+  for (int i = 0; i < law->rows; i++) {
+    row[i] = 0;
+    for (int l = 0; l < law->columns; l++)
+      row[i] += g[(size_t)l * apart] * entry(law, law->mu, l, i);
+  }
 }
 
 void nsdae_law_velocity(const nsdae_law *law, const double *xi, double *y)
 {
-  times(law, 0, xi, 1, y);
+  y[0] = xi[0];
+  if (law->kind == NSDAE_PLANAR) { /* the most of many */
+    y[1] = xi[1];
+    y[2] = 0;
+    return;
+  }
+  for (int i = 1; i < law->rows; i++) {
+    y[i] = 0;
+    for (int l = 1; l < law->columns; l++) y[i] += xi[l] * entry(law, 0, l, i);
+  }
 }
 
 void nsdae_law_add_coupling(const nsdae_law *law, double *A, int lda)

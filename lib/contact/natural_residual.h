@@ -30,20 +30,30 @@ static inline void nsdae_natural_residual_speed(nsdae_natural_residual *m, doubl
   nsdae_natural_residual_raise(&m->speed, fabs(q));
 }
 
-/* A constraint with the velocity u beside what is asked of it. */
+/* The residual of a contact; of a constraint with the velocity u beside what is asked of it. */
 static inline void nsdae_natural_residual_row(nsdae_natural_residual *m, double u)
 {
   nsdae_natural_residual_raise(&m->left, fabs(u));
 }
 
-/* A contact of 1 + nt rows; x = d Lambda, u; those that it does not have are zero. */
-static inline void nsdae_natural_residual_contact(nsdae_natural_residual *m, double mu,
-                                                  const double x[3], const double u[3])
+/* Largest entry of the natural map of a contact, x = d Lambda: without friction; and of one in the
+ * plane, as cone.h has it in space: with y = u + mu |u_T| e_N and z = x - y it is y in the cone, x
+ * in the polar cone, and between them y plus what separates z from the cone. */
+static inline double nsdae_natural_normal(double x, double u)
 {
-  if (mu > 0)
-    nsdae_natural_residual_raise(&m->left, nsdae_fc_natural(NSDAE_FC_CONE, mu, x, NULL, u));
-  else
-    nsdae_natural_residual_raise(&m->left, fabs(x[0] - u[0] > 0 ? u[0] : x[0]));
+  return fabs(x - u > 0 ? u : x);
+}
+
+static inline double nsdae_natural_planar(double mu, const double x[2], const double u[2])
+{
+  double y = u[0] + mu * fabs(u[1]), z = x[0] - y, z_T = x[1] - u[1], most;
+  const double big = mu > 1 ? mu : 1, a = 1 / big, b = mu / big; /* 1 and mu, scaled */
+  int inside = z >= 0 && fabs(z_T) <= mu * z, polar = !inside && mu * fabs(z_T) <= -z;
+  double l =
+      inside || polar ? 0 : (mu > 1 ? fabs(z_T) / mu - z : fabs(z_T) - mu * z) / (a * a + b * b);
+  most = fabs(polar ? x[0] : y - b * l);
+  nsdae_natural_residual_raise(&most, fabs(polar ? x[1] : u[1] + copysign(a * l, z_T)));
+  return most;
 }
 
 static inline void nsdae_natural_residual_add(nsdae_natural_residual *sum,

@@ -134,13 +134,14 @@ static void scatter_side(const nsdae_island_equations *w, const nsdae_single *c,
 }
 
 /* The residual at the velocities xi that v has now. */
-static nsdae_natural_residual left_over(const nsdae_single *c, const double xi[3])
+static nsdae_natural_residual left_over(const nsdae_single *c, const double xi[2])
 {
   nsdae_natural_residual residual = {0};
   double d = c->columns == 2 ? (c->G[0][0] + c->G[1][1]) / 2 : c->G[0][0];
-  const double x[3] = {d * c->x[0], d * c->x[1], 0};
+  const double x[2] = {d * c->x[0], d * c->x[1]};
   for (int i = 0; i < c->columns; i++) nsdae_natural_residual_speed(&residual, c->b[i]);
-  nsdae_natural_residual_contact(&residual, c->mu, x, xi);
+  nsdae_natural_residual_row(&residual, c->columns == 2 ? nsdae_natural_planar(c->mu, x, xi)
+                                                        : nsdae_natural_normal(x[0], xi[0]));
   return residual;
 }
 
@@ -160,7 +161,7 @@ int nsdae_single_solve(nsdae_single *c, const nsdae_island_equations *w, int isl
     to->tangential[j] = j == a * nt && c->columns == 2 ? c->x[1] : 0;
     to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
   }
-  double xi[3] = {to->after[a] + w->law[a].e_n * to->before[a]};
+  double xi[2] = {to->after[a] + w->law[a].e_n * to->before[a]};
   if (c->columns == 2) xi[1] = to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt];
   *residual = left_over(c, xi);
   return nsdae_natural_residual_scaled(residual) <= most;

@@ -265,13 +265,10 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   const nsdae_kkt *kkt = &l->kkt;
   nsdae_natural_residual residual = {0};
   int status = nsdae_dense_island_solve(l, whole, island, w->least_norm, &residual);
-  int any = has_contacts(whole, island) ||
-            (whole->with_contacts && nsdae_members_count(&whole->islands->joint, island) > 0);
   if (status == NSDAE_ARRAYS_GROW) w->error.status = status;
   if (status == NSDAE_ARRAYS_GROW) return status;
   count_rank(s, kkt->rank, kkt->kept, kkt->left);
-  int asked = any && (status == NSDAE_OK || w->error.status < 0); /* else it was not factored */
-  if (asked) {
+  if (l->solves) {
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
     s->problem = &l->contacts;
@@ -286,7 +283,7 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (status == NSDAE_E_RANK)
     return bad_rank(w, whole, island, kkt->rank,
                     whole->islands->row.of[whole->islands->row.first[island] + kkt->dependent]);
-  return asked ? name_island(w, whole, island, status) : unsolved(w, whole, island, status);
+  return l->solves ? name_island(w, whole, island, status) : unsolved(w, whole, island, status);
 }
 
 /* The factors of the constraints of a large island, and their rank. */

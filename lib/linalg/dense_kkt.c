@@ -184,7 +184,8 @@ static double factor_schur(nsdae_kkt *kkt, int r, double damping)
   for (size_t j = 0; j < m; j++) {
     double sum = 0, pivot = d->S[j * m + j];
     for (size_t k = 0; k <= j; k++) sum += d->S[k * m + j] * d->S[k * m + j];
-    smallest = fmin(smallest, sum > 0 ? pivot * pivot / sum : 0);
+    double square = sum > 0 ? pivot * pivot / sum : 0;
+    if (square < smallest) smallest = square;
   }
   return sqrt(smallest);
 }
@@ -207,7 +208,7 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
   kkt->kept = factor_schur(kkt, kkt->m, 0);
-  if (kkt->kept >= fmax(TRUSTED, kkt->rank_tol)) return NSDAE_OK;
+  if (kkt->kept >= TRUSTED && kkt->kept >= kkt->rank_tol) return NSDAE_OK;
   /* Those held that the factorisation before found independent, as long as they are. */
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
   int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;

@@ -192,8 +192,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
   const nsdae_dims *dims = &s->system->dims;
   int impact = 0, rank[2] = {dims->m, 0};
   double moved = INFINITY;
-  int status = nsdae_step_close(step, step->start);
-  if (status < 0) return status;
+  int status;
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   first_guess(step);
   for (int i = 0; i < s->options->iteration_max; i++) {
@@ -229,7 +228,10 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   status = nsdae_step_close(&step, start);
   if (status == NSDAE_OK) status = need(&step, start, 0);
   if (status == NSDAE_OK) status = attempt(&step, 0);
-  if (worth_another_attempt(&step, status)) status = attempt(&step, 1);
+  if (worth_another_attempt(&step, status)) {
+    status = nsdae_step_close(&step, start);
+    if (status == NSDAE_OK) status = attempt(&step, 1);
+  }
   if (status < 0) return status;
   nsdae_step_end(&step);
   return NSDAE_OK;

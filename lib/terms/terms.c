@@ -24,23 +24,72 @@ void nsdae_terms_layout_rows(nsdae_rows *rows, const nsdae_blocks *blocks, long 
   }
 }
 
-/* The parts of the rows of an array: each block in which a row is not zero. */
+/* ---- rows of an array over several blocks */
+
+/* Writes zeros, as a callback finds them: parts of before are where anything is. */
+static void clear_parts(const nsdae_blocks *blocks, nsdae_rows *rows)
+{
+  for (int p = 0; p < rows->first[rows->count]; p++)
+    for (int j = 0; j < nsdae_blocks_size(blocks, rows->block[p]); j++)
+      rows->value[rows->at[p] + (size_t)j * rows->stride] = 0;
+}
+
+/* Whether these n entries from `at` on are zero: the second is faster, and sure of one sign. */
+static int are_zero(const nsdae_rows *rows, size_t at, int n)
+{
+  int i = 0;
+  while (i < n && rows->value[at + (size_t)i * rows->stride] == 0) i++;
+  return i == n;
+}
+
+static int surely_zero(const double *a, size_t n)
+{
+  return n == 0 || (a[0] == 0 && memcmp(a, a + 1, (n - 1) * sizeof *a) == 0);
+}
+
+/* Whether each row has the parts of before, as mostly: between them memcmp is faster. */
+static int same_parts(const nsdae_blocks *blocks, const nsdae_rows *rows, size_t begin)
+{
+  if (rows->stride != 1) return 0;
+  for (int i = 0; i < rows->count; i++) {
+    size_t done = (size_t)i * begin, end = done + (size_t)blocks->first[blocks->count];
+    for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+      int n = nsdae_blocks_size(blocks, rows->block[p]);
+      if (!surely_zero(rows->value + done, rows->at[p] - done)) return 0;
+      if (are_zero(rows, rows->at[p], n)) return 0;
+      done = rows->at[p] + (size_t)n;
+    }
+    if (!surely_zero(rows->value + done, end - done)) return 0;
+  }
+  return 1;
+}
+
+/* The parts of the rows: each block in which a row is not zero. */
 static void find_parts(const nsdae_blocks *blocks, nsdae_rows *rows, size_t begin)
 {
   int part = 0;
-  if (blocks->count == 1) return;
+  if (same_parts(blocks, rows, begin)) return;
   for (int i = 0; i < rows->count; i++) {
     for (int b = 0; b < blocks->count; b++) {
-      size_t at = (size_t)i * begin + (size_t)blocks->first[b] * rows->stride, n = 0,
-             size = (size_t)nsdae_blocks_size(blocks, b);
-      while (n < size && rows->value[at + n * rows->stride] == 0) n++;
-      if (n == size) continue;
+      size_t at = (size_t)i * begin + (size_t)blocks->first[b] * rows->stride;
+      if (are_zero(rows, at, nsdae_blocks_size(blocks, b))) continue;
       rows->block[part] = b;
       rows->at[part++] = at;
     }
     rows->first[i + 1] = part;
   }
 }
+
+static int parts_finite(const nsdae_blocks *blocks, const nsdae_rows *rows)
+{
+  double sum = 0;
+  for (int p = 0; p < rows->first[rows->count]; p++)
+    for (int j = 0; j < nsdae_blocks_size(blocks, rows->block[p]); j++)
+      sum += 0 * rows->value[rows->at[p] + (size_t)j * rows->stride];
+  return sum == 0;
+}
+
+/* ---- memory */
 
 static void lay_out_rows(const nsdae_system *s, nsdae_row_list *list, int kind, nsdae_rows *rows,
                          nsdae_arena *arena)
@@ -170,12 +219,38 @@ static inline int outcome(nsdae_terms *T, unsigned term, int code, const char *c
   return NSDAE_OK;
 }
 
-/* The same of differences of a callback. */
-static int difference_outcome(nsdae_terms *T, unsigned term, int code, const char *callback,
-                              const double *a, int rows, int columns)
+/* Zeros for the callback of rows of an array. */
+static inline void clear_rows(const nsdae_terms *T, nsdae_rows *of)
 {
-  const char *failed = code ? T->differences->failed : NULL;
-  return outcome(T, term, code, failed ? failed : callback, a, rows, columns);
+  if (T->system->blocks.count > 1)
+    clear_parts(&T->system->blocks, of);
+  else
+    zero(of->value, (long)of->count * T->system->dims.nv);
+}
+
+/* Outcome of rows of an array [rows x columns], begin apart. */
+static int parts_outcome(nsdae_terms *T, unsigned term, int code, const char *callback,
+                         nsdae_rows *of, int rows, int columns, int begin)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  find_parts(blocks, of, (size_t)begin);
+  if (code || !parts_finite(blocks, of)) return refuse(T, code, callback, of->value, rows, columns);
+  T->have |= term;
+  return NSDAE_OK;
+}
+
+static inline int rows_outcome(nsdae_terms *T, unsigned term, int code, const char *callback,
+                               nsdae_rows *of, int rows, int columns)
+{
+  if (T->system->blocks.count > 1)
+    return parts_outcome(T, term, code, callback, of, rows, columns, of->stride == 1 ? rows : 1);
+  return outcome(T, term, code, callback, of->value, rows, columns);
+}
+
+/* The callback that failed, of differences of one. */
+static const char *differenced(const nsdae_terms *T, int code, const char *callback)
+{
+  return code && T->differences->failed ? T->differences->failed : callback;
 }
 
 /* Of what is no dense output: the term is there, unless it failed. */
@@ -217,20 +292,20 @@ static int phi(nsdae_terms *T)
 static int jacobian(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int m = s->dims.m, n = s->dims.nv, code;
+  int m = s->dims.m, code;
   double *J = T->by.jacobian.value;
   if (s->call.constraint_rows) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
-  zero(J, (long)m * n);
+  clear_rows(T, &T->by.jacobian);
   T->evals->jacobian++;
   if (s->call.constraint_jacobian)
     code = s->call.constraint_jacobian(nsdae_terms_time(T), T->q, J, m, s->user);
   else
     code = nsdae_differences_velocity(T->differences, s->call.constraint, m, nsdae_terms_time(T),
                                       T->q, J, m, 0);
-  find_parts(&s->blocks, &T->by.jacobian, 1);
-  if (s->call.constraint_jacobian)
-    return outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint_jacobian", J, m, n);
-  return difference_outcome(T, NSDAE_TERM_JACOBIAN, code, "constraint", J, m, n);
+  return rows_outcome(T, NSDAE_TERM_JACOBIAN, code,
+                      s->call.constraint_jacobian ? "constraint_jacobian"
+                                                  : differenced(T, code, "constraint"),
+                      &T->by.jacobian, m, s->dims.nv);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -255,7 +330,8 @@ static int phi_t(nsdae_terms *T)
   if (s->call.constraint_bias) return given_bias(T);
   int code = nsdae_differences_time(T->differences, s->call.constraint, m, nsdae_terms_time(T),
                                     T->q, T->constraint.phi_t);
-  return difference_outcome(T, NSDAE_TERM_PHI_T, code, "constraint", T->constraint.phi_t, m, 1);
+  return outcome(T, NSDAE_TERM_PHI_T, code, differenced(T, code, "constraint"), T->constraint.phi_t,
+                 m, 1);
 }
 
 static int omega(nsdae_terms *T)
@@ -265,7 +341,8 @@ static int omega(nsdae_terms *T)
   if (s->call.constraint_bias) return given_bias(T);
   int code = nsdae_differences_second(T->differences, s->call.constraint, m, nsdae_terms_time(T),
                                       T->q, T->v, T->constraint.omega);
-  return difference_outcome(T, NSDAE_TERM_OMEGA, code, "constraint", T->constraint.omega, m, 1);
+  return outcome(T, NSDAE_TERM_OMEGA, code, differenced(T, code, "constraint"), T->constraint.omega,
+                 m, 1);
 }
 
 static int gap(nsdae_terms *T)
@@ -281,27 +358,27 @@ static int normal(nsdae_terms *T)
   const nsdae_system *s = T->system;
   int k = s->dims.k, n = s->dims.nv, code;
   double *W = T->by.normal.value;
-  zero(W, (long)n * k);
+  clear_rows(T, &T->by.normal);
   if (s->call.gap_normal)
     code = s->call.gap_normal(nsdae_terms_time(T), T->q, W, n, s->user);
   else
     code = nsdae_differences_velocity(T->differences, s->call.gap, k, nsdae_terms_time(T), T->q, W,
                                       n, 1);
-  find_parts(&s->blocks, &T->by.normal, (size_t)n);
-  if (s->call.gap_normal) return outcome(T, NSDAE_TERM_NORMAL, code, "gap_normal", W, n, k);
-  return difference_outcome(T, NSDAE_TERM_NORMAL, code, "gap", W, n, k);
+  return rows_outcome(T, NSDAE_TERM_NORMAL, code,
+                      s->call.gap_normal ? "gap_normal" : differenced(T, code, "gap"),
+                      &T->by.normal, n, k);
 }
 
 static int tangent(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int columns = s->dims.k * s->dims.nt, n = s->dims.nv, code = 0;
+  int n = s->dims.nv, code = 0;
   double *W = T->by.tangent.value;
-  zero(W, (long)n * columns);
+  clear_rows(T, &T->by.tangent);
   if (s->call.gap_tangent) /* may be missing if no contact has friction */
     code = s->call.gap_tangent(nsdae_terms_time(T), T->q, W, n, s->user);
-  find_parts(&s->blocks, &T->by.tangent, (size_t)n);
-  return outcome(T, NSDAE_TERM_TANGENT, code, "gap_tangent", W, n, columns);
+  return rows_outcome(T, NSDAE_TERM_TANGENT, code, "gap_tangent", &T->by.tangent, n,
+                      T->by.tangent.count);
 }
 
 static int bias(nsdae_terms *T)
@@ -331,11 +408,10 @@ static int frictional_joint(nsdae_terms *T)
     int status = nsdae_terms_joint_rows(T);
     return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, callback, w, f, 1);
   }
-  zero(W, (long)n * f); /* the callback may be missing if no joint has friction */
+  clear_rows(T, &T->by.frictional_joint); /* may be missing if no joint has friction */
   if (s->call.frictional_joint_tangent)
     code = s->call.frictional_joint_tangent(nsdae_terms_time(T), T->q, W, n, w, s->user);
-  find_parts(&s->blocks, &T->by.frictional_joint, (size_t)n);
-  int status = outcome(T, 0, code, callback, W, n, f);
+  int status = rows_outcome(T, 0, code, callback, &T->by.frictional_joint, n, f);
   return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, callback, w, f, 1);
 }
 
@@ -508,22 +584,6 @@ double nsdae_terms_touch(const nsdae_terms *terms)
   const double *q = terms->q, *end = q + terms->system->dims.nq;
   for (; q < end; q++) size = nsdae_larger(size, 1 + fabs(*q));
   return 8 * DBL_EPSILON * size;
-}
-
-double nsdae_terms_drift(const nsdae_terms *terms)
-{
-  double most = 0;
-  for (int i = 0; i < terms->system->dims.m; i++)
-    most = nsdae_larger(most, fabs(terms->constraint.phi[i]));
-  return most;
-}
-
-double nsdae_terms_penetration(const nsdae_terms *terms)
-{
-  double most = 0;
-  const double *gap = terms->gap, *end = gap + terms->system->dims.k;
-  for (; gap < end; gap++) most = nsdae_larger(most, -*gap);
-  return most;
 }
 
 static int bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)

@@ -174,10 +174,6 @@ double nsdae_terms_energy(const nsdae_terms *terms, const double *v);
  * those are all that it says, 8 eps (1 + max |q|). */
 double nsdae_terms_touch(const nsdae_terms *terms);
 
-/* max |Phi| and max(0, -g_N); phi and gap must be there. */
-double nsdae_terms_drift(const nsdae_terms *terms);
-double nsdae_terms_penetration(const nsdae_terms *terms);
-
 /* The record of a status of nsdae_kkt_factor or nsdae_kkt_solve at the point, which is returned. */
 int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int status);
 

@@ -124,6 +124,12 @@ static inline int fixture_slide(double t, const double *q, double *W, int ldw, d
   return 0;
 }
 
+/* Integers of the bases. */
+static inline long fixture_memory(const fixture *f)
+{
+  return (long)f->dims.k * f->contacts.rows_most + 3L * f->contacts.slides.count;
+}
+
 static inline void fixture_layout(void *object, nsdae_arena *arena)
 {
   fixture *f = object;
@@ -132,7 +138,7 @@ static inline void fixture_layout(void *object, nsdae_arena *arena)
   nsdae_kkt_layout(&f->kkt, arena);
   nsdae_contacts_layout(&f->contacts, &f->dims, arena);
   nsdae_impulses_layout(&f->impulses, &f->dims, arena);
-  f->memory = NSDAE_ARENA_INTS(arena, nsdae_contacts_memory_size(&f->contacts));
+  f->memory = NSDAE_ARENA_INTS(arena, fixture_memory(f));
 }
 
 /* The sizes; M is the identity and the rest zero. */
@@ -182,7 +188,7 @@ static inline void fixture_factor(fixture *f)
 /* The next problem starts cold. */
 static inline void fixture_forget(fixture *f)
 {
-  memset(f->memory, 0, nsdae_contacts_memory_size(&f->contacts) * sizeof *f->memory);
+  memset(f->memory, 0, (size_t)fixture_memory(f) * sizeof *f->memory);
 }
 
 static inline void fixture_end(fixture *f)

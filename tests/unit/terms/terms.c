@@ -4,6 +4,7 @@
 #include "check.h"
 
 #include "planar_counted.h"
+#include "support/random.h"
 
 typedef struct fixture {
   counted user;
@@ -122,8 +123,6 @@ static void test_values(void **state)
   assert_memory_equal(f.terms.w_N, w_n, sizeof w_n);
   assert_memory_equal(f.terms.w_T, w_t, sizeof w_t);
   assert_true(f.terms.potential == 9.81 * q0[1]);
-  assert_near(nsdae_terms_drift(&f.terms), fmax(fabs(phi[0]), fabs(phi[1])), 0);
-  assert_near(nsdae_terms_penetration(&f.terms), fmax(0, -fmin(gap[0], gap[1])), 0);
   end(&f);
 }
 
@@ -286,8 +285,127 @@ static void test_terms_that_are_not(void **state)
   nsdae_terms_at(&f.terms, t0, q0, v0);
   assert_int_equal(nsdae_terms_need(&f.terms, ALL), NSDAE_OK);
   assert_true(f.terms.potential == 0);
-  assert_true(nsdae_terms_drift(&f.terms) == 0 && nsdae_terms_penetration(&f.terms) == 0);
   end(&f);
+}
+
+/* ---- rows of arrays over several blocks */
+
+enum { BLOCKS = 4, PARTED = 8, ROWS = 5 };
+static const int block_size[BLOCKS] = {1, 3, 2, 2};
+
+/* Entries of the rows that the callbacks write, those that they leave, and what they return. */
+static struct parted {
+  double entry[ROWS * PARTED];
+  int written[ROWS * PARTED], code;
+} parted;
+
+static int parted_rows(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < ROWS * PARTED; i++)
+    if (parted.written[i]) W[i / PARTED * ldw + i % PARTED] = parted.entry[i];
+  return parted.code;
+}
+
+static int parted_jacobian(double t, const double *q, double *J, int ldj, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < ldj * PARTED; i++)
+    if (parted.written[i]) J[i % PARTED * ldj + i / PARTED] = parted.entry[i];
+  return parted.code;
+}
+
+static int no_gap(double t, const double *q, double *g, void *user)
+{
+  (void)t, (void)q, (void)g, (void)user;
+  return 0;
+}
+
+static int unit_blocks(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int b = 0; b < BLOCKS; M += block_size[b] * block_size[b], b++)
+    for (int j = 0; j < block_size[b]; j++) M[j * (block_size[b] + 1)] = 1;
+  return 0;
+}
+
+/* Mostly the rows of before, with other entries; zeros of both signs are none. */
+static void next_rows(random_state *r)
+{
+  int anew = random_bits(r) % 3 == 0;
+  parted.code = random_bits(r) % 8 == 0 ? -1 : 0;
+  for (int i = 0; i < ROWS * PARTED; i++) {
+    if (anew) parted.written[i] = random_bits(r) % 4 == 0;
+    parted.entry[i] = (double)(random_bits(r) % 1000) + 1;
+    if (anew && random_bits(r) % 4 == 0) parted.entry[i] = random_bits(r) % 2 ? -0.0 : 0;
+  }
+}
+
+/* Each part is a block in which the row is not zero, in order, and has its entries. */
+static void expect_parts(const nsdae_blocks *blocks, const nsdae_rows *rows)
+{
+  for (int i = 0, part = 0; i < rows->count; i++) {
+    assert_int_equal(rows->first[i], part);
+    for (int b = 0; b < BLOCKS; b++) {
+      int any = 0;
+      for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++)
+        any |= parted.written[i * PARTED + j] && parted.entry[i * PARTED + j] != 0;
+      if (!any) continue;
+      assert_int_equal(rows->block[part], b);
+      for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++) {
+        size_t at = rows->at[part] + (size_t)(j - blocks->first[b]) * rows->stride;
+        int is = i * PARTED + j;
+        assert_true(rows->value[at] == (parted.written[is] ? parted.entry[is] : 0));
+      }
+      part++;
+    }
+    assert_int_equal(rows->first[i + 1], part);
+  }
+}
+
+static void check_parts(int m)
+{
+  fixture f;
+  const nsdae_dims dims = {.nq = PARTED, .m = m, .k = ROWS};
+  const double q[PARTED] = {0};
+  random_state r = {(uint64_t)m};
+  int failed = 0;
+  memset(&f, 0, sizeof f);
+  assert_int_equal(nsdae_system_create(&dims, &f.system, NULL), NSDAE_OK);
+  nsdae_system_set_blocks(f.system, BLOCKS, block_size, block_size);
+  nsdae_system_set_mass_blocks(f.system, unit_blocks);
+  nsdae_system_set_constraint(f.system, no_gap);
+  nsdae_system_set_constraint_jacobian(f.system, parted_jacobian);
+  nsdae_system_set_gap(f.system, no_gap);
+  nsdae_system_set_gap_normal(f.system, parted_rows);
+  f.differences.system = f.terms.system = f.system;
+  f.terms.differences = &f.differences;
+  f.terms.error = &f.error;
+  f.terms.evals = &f.evals;
+  assert_int_equal(nsdae_arena_build(&f.arena, layout, &f), NSDAE_OK);
+  for (int point = 0; point < 2000; point++) {
+    next_rows(&r);
+    int bad = random_below(&r.seed, ROWS * PARTED), hit = point % 10 == 0 && parted.written[bad];
+    if (hit) parted.entry[bad] = point % 20 == 0 ? NAN : -INFINITY;
+    nsdae_terms_at(&f.terms, 0, q, q);
+    int status = nsdae_terms_need(&f.terms, NSDAE_TERM_NORMAL);
+    assert_int_equal(status, parted.code ? NSDAE_E_CALLBACK : hit ? NSDAE_E_NONFINITE : NSDAE_OK);
+    if (status == NSDAE_E_NONFINITE) assert_int_equal(f.error.index, bad);
+    failed += status < 0;
+    if (status == NSDAE_OK) expect_parts(&f.system->blocks, &f.terms.by.normal);
+    status = nsdae_terms_need(&f.terms, NSDAE_TERM_JACOBIAN);
+    if (status == NSDAE_OK) expect_parts(&f.system->blocks, &f.terms.by.jacobian);
+    assert_true(parted.code == 0 || status == NSDAE_E_CALLBACK);
+  }
+  assert_true(failed > 100);
+  end(&f);
+}
+
+/* Whatever the rows were at the point before, or if that failed. */
+static void test_parts(void **state)
+{
+  (void)state;
+  for (int m = 1; m <= ROWS; m++) check_parts(m);
 }
 
 int main(void)
@@ -303,6 +421,7 @@ int main(void)
       cmocka_unit_test(test_not_finite),
       cmocka_unit_test(test_not_finite_second_output),
       cmocka_unit_test(test_terms_that_are_not),
+      cmocka_unit_test(test_parts),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
