@@ -1,17 +1,6 @@
 #include "rows.h"
 
 #include <math.h>
-#include <string.h>
-
-void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *rows, double scale,
-                                 const double *x, double *work, double *y)
-{
-  int nv = blocks->first[blocks->count];
-  if (rows->count == 0) return;
-  memset(work, 0, (size_t)nv * sizeof *work);
-  for (int i = 0; i < rows->count; i++) nsdae_rows_add(blocks, rows, i, x[i], work);
-  for (int j = 0; j < nv; j++) y[j] += scale * work[j];
-}
 
 void nsdae_rows_gather(const nsdae_blocks *blocks, const nsdae_rows *rows, int i, const int *place,
                        double *out, size_t stride)

@@ -46,10 +46,6 @@ static inline void nsdae_rows_add(const nsdae_blocks *blocks, const nsdae_rows *
   }
 }
 
-/* y [nv] += scale rows^T x, with the sums formed in work [nv] first. */
-void nsdae_rows_times_transposed(const nsdae_blocks *blocks, const nsdae_rows *rows, double scale,
-                                 const double *x, double *work, double *y);
-
 /* Row i over the blocks with place[b] >= 0, where their velocities begin in out; stride: from an
  * entry of out to the next. out comes zeroed. */
 void nsdae_rows_gather(const nsdae_blocks *blocks, const nsdae_rows *rows, int i, const int *place,

@@ -36,11 +36,10 @@ struct nsdae_ida {
   N_Vector y, ydot, between, differs; /* where it is; where it is read; 1: differential */
   SUNMatrix matrix;
   SUNLinearSolver solver;
-  double t, way;  /* where it is; l of runge_kutta.h */
-  long residuals; /* evaluations of F */
-  long failed;    /* error tests since the start */
-  int held;       /* steps that must not grow */
-  int flag;       /* of the last step */
+  double t, way; /* where it is; l of runge_kutta.h */
+  long failed;   /* error tests since the start */
+  int held;      /* steps that must not grow */
+  int flag;      /* of the last step */
   nsdae_progress progress;
 };
 
@@ -130,10 +129,16 @@ static double current_cj(const nsdae_ida *s)
 static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector r, void *user)
 {
   nsdae_ida *s = user;
-  s->residuals++;
   int code = s->problem.residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), current_cj(s),
                                  N_VGetArrayPointer(r), s->problem.user);
   return nsdae_progress_note(&s->progress, code);
+}
+
+static double last_step(const nsdae_ida *s)
+{
+  double h = 0;
+  IDAGetLastStep(s->ida, &h);
+  return h;
 }
 
 /* Impulses are not fed back: see runge_kutta.c. */
@@ -144,7 +149,7 @@ static int weigh(N_Vector y, N_Vector weights, void *user)
   const nsdae_ida *s = user;
   const nsdae_ida_problem *p = &s->problem;
   const nsdae_ida_tolerances *tol = &s->tolerances;
-  double h = nsdae_ida_last_step(s);
+  double h = last_step(s);
   double *w = N_VGetArrayPointer(weights);
   const double *at = N_VGetArrayPointer(y);
   for (int i = 0; i < p->differential; i++) {
@@ -325,7 +330,7 @@ static void hold_step(nsdae_ida *s)
   IDAGetLastOrder(s->ida, &order);
   if (failed > s->failed) {
     s->held = order + 2;
-    IDASetMaxStep(s->ida, nsdae_ida_last_step(s));
+    IDASetMaxStep(s->ida, last_step(s));
   } else if (s->held > 0 && --s->held == 0) {
     IDASetMaxStep(s->ida, most);
   }
@@ -375,16 +380,4 @@ int nsdae_ida_read(nsdae_ida *s, double t, int derivative, double *y)
   if (t != s->t && IDAGetDky(s->ida, t, derivative, from) != 0) return NSDAE_E_CONVERGENCE;
   memcpy(y, N_VGetArrayPointer(from), (size_t)s->problem.n * sizeof *y);
   return NSDAE_OK;
-}
-
-double nsdae_ida_last_step(const nsdae_ida *s)
-{
-  double h = 0;
-  IDAGetLastStep(s->ida, &h);
-  return h;
-}
-
-long nsdae_ida_residuals(const nsdae_ida *s)
-{
-  return s->residuals;
 }

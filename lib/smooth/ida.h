@@ -65,8 +65,4 @@ const char *nsdae_ida_failure(const nsdae_ida *ida);
  * NSDAE_E_CONVERGENCE if t is outside of it. */
 int nsdae_ida_read(nsdae_ida *ida, double t, int derivative, double *y);
 
-/* Length of the last step; evaluations of F since creation. */
-double nsdae_ida_last_step(const nsdae_ida *ida);
-long nsdae_ida_residuals(const nsdae_ida *ida);
-
 #endif

@@ -37,13 +37,3 @@ int nsdae_ida_read(nsdae_ida *ida, double t, int derivative, double *y)
 {
   return NSDAE_E_UNSUPPORTED;
 }
-
-double nsdae_ida_last_step(const nsdae_ida *ida)
-{
-  return 0;
-}
-
-long nsdae_ida_residuals(const nsdae_ida *ida)
-{
-  return 0;
-}

@@ -193,8 +193,7 @@ static void test_pendulum(void **state)
     assert_int_equal(nsdae_ida_read(ida, t, 1, ydot), NSDAE_OK);
     assert_near(ydot[0], y[2], 1e4 * rtol);
     assert_near(ydot[3], 2 * G, 1e5 * rtol);
-    print_message("rtol %.0e: %d steps, %ld residuals, error %.1e\n", rtol, steps,
-                  nsdae_ida_residuals(ida), error[i]);
+    print_message("rtol %.0e: %d steps, error %.1e\n", rtol, steps, error[i]);
   }
   assert_at_most(error[4], error[0] / 1000);
   nsdae_ida_destroy(&ida);
