@@ -16,31 +16,33 @@ void nsdae_active_set_layout(nsdae_active_set_island *c, const nsdae_system *sys
   c->touched = NSDAE_ARENA_INTS(arena, system->blocks.count);
 }
 
-enum { ARRAYS = 11 };
+/* By contact, of which there is room for one more; the last is by value. */
+enum { ARRAYS = 14 };
 
-int nsdae_active_set_grow(nsdae_active_set_island *c, const nsdae_room *contacts)
+static void list_arrays(nsdae_active_set_island *c, nsdae_array all[ARRAYS])
 {
-  const nsdae_array each[ARRAYS] = {
+  const nsdae_array list[ARRAYS] = {
       NSDAE_ARRAY(c->order, 1),  NSDAE_ARRAY(c->position, 1), NSDAE_ARRAY(c->of_block, 2),
       NSDAE_ARRAY(c->part, 2),   NSDAE_ARRAY(c->at, 1),       NSDAE_ARRAY(c->low, 1),
       NSDAE_ARRAY(c->active, 1), NSDAE_ARRAY(c->b, 1),        NSDAE_ARRAY(c->x, 1),
-      NSDAE_ARRAY(c->u, 1),      NSDAE_ARRAY(c->rest, 1)};
-  const nsdae_array values[] = {NSDAE_ARRAY(c->U, 1)};
-  const nsdae_array envelopes[] = {NSDAE_ARRAY(c->A, WIDEST), NSDAE_ARRAY(c->L, WIDEST)};
-  int status = nsdae_arrays_grow(each, ARRAYS, contacts->entries + 1);
-  if (status == NSDAE_OK) status = nsdae_arrays_grow(values, 1, contacts->values);
-  return status < 0 ? status : nsdae_arrays_grow(envelopes, 2, contacts->entries);
+      NSDAE_ARRAY(c->u, 1),      NSDAE_ARRAY(c->rest, 1),     NSDAE_ARRAY(c->A, WIDEST),
+      NSDAE_ARRAY(c->L, WIDEST), NSDAE_ARRAY(c->U, 1)};
+  memcpy(all, list, sizeof list);
+}
+
+int nsdae_active_set_grow(nsdae_active_set_island *c, const nsdae_room *contacts)
+{
+  nsdae_array all[ARRAYS];
+  list_arrays(c, all);
+  int status = nsdae_arrays_grow(all, ARRAYS - 1, contacts->entries + 1);
+  return status < 0 ? status : nsdae_arrays_grow(all + ARRAYS - 1, 1, contacts->values);
 }
 
 void nsdae_active_set_release(nsdae_active_set_island *c)
 {
-  const nsdae_array all[] = {
-      NSDAE_ARRAY(c->order, 1),  NSDAE_ARRAY(c->position, 1), NSDAE_ARRAY(c->of_block, 1),
-      NSDAE_ARRAY(c->part, 1),   NSDAE_ARRAY(c->at, 1),       NSDAE_ARRAY(c->low, 1),
-      NSDAE_ARRAY(c->active, 1), NSDAE_ARRAY(c->b, 1),        NSDAE_ARRAY(c->x, 1),
-      NSDAE_ARRAY(c->u, 1),      NSDAE_ARRAY(c->rest, 1),     NSDAE_ARRAY(c->U, 1),
-      NSDAE_ARRAY(c->A, 1),      NSDAE_ARRAY(c->L, 1)};
-  nsdae_arrays_release(all, sizeof all / sizeof *all);
+  nsdae_array all[ARRAYS];
+  list_arrays(c, all);
+  nsdae_arrays_release(all, ARRAYS);
 }
 
 /* ---- memory and order */

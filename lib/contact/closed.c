@@ -5,35 +5,40 @@
 
 #include "dynamic_array.h"
 
+enum { ARRAYS = 13 };
+
+static void list_arrays(nsdae_closed *c, nsdae_impulses *r, nsdae_array all[ARRAYS])
+{
+  const nsdae_array list[ARRAYS] = {NSDAE_ARRAY(c->id, 1),
+                                    NSDAE_ARRAY(c->block, 2),
+                                    NSDAE_ARRAY(c->gap, 1),
+                                    NSDAE_ARRAY(c->fresh, 1),
+                                    NSDAE_ARRAY(c->basis, c->rows),
+                                    NSDAE_ARRAY(r->impact, 1),
+                                    NSDAE_ARRAY(r->mode, 1),
+                                    NSDAE_ARRAY(r->before, 1),
+                                    NSDAE_ARRAY(r->before_t, c->nt),
+                                    NSDAE_ARRAY(r->after, 1),
+                                    NSDAE_ARRAY(r->after_t, c->nt),
+                                    NSDAE_ARRAY(r->normal, 1),
+                                    NSDAE_ARRAY(r->tangential, c->nt)};
+  memcpy(all, list, sizeof list);
+}
+
 int nsdae_closed_grow(nsdae_closed *c, nsdae_impulses *r, int room)
 {
-  const nsdae_array all[] = {NSDAE_ARRAY(c->id, 1),
-                             NSDAE_ARRAY(c->block, 2),
-                             NSDAE_ARRAY(c->gap, 1),
-                             NSDAE_ARRAY(c->fresh, 1),
-                             NSDAE_ARRAY(c->basis, c->rows),
-                             NSDAE_ARRAY(r->impact, 1),
-                             NSDAE_ARRAY(r->mode, 1),
-                             NSDAE_ARRAY(r->before, 1),
-                             NSDAE_ARRAY(r->before_t, c->nt),
-                             NSDAE_ARRAY(r->after, 1),
-                             NSDAE_ARRAY(r->after_t, c->nt),
-                             NSDAE_ARRAY(r->normal, 1),
-                             NSDAE_ARRAY(r->tangential, c->nt)};
-  int status = nsdae_arrays_grow(all, sizeof all / sizeof *all, (size_t)room);
+  nsdae_array all[ARRAYS];
+  list_arrays(c, r, all);
+  int status = nsdae_arrays_grow(all, ARRAYS, (size_t)room);
   if (status == NSDAE_OK) c->room = room;
   return status;
 }
 
 void nsdae_closed_release(nsdae_closed *c, nsdae_impulses *r)
 {
-  const nsdae_array all[] = {
-      NSDAE_ARRAY(c->id, 1),        NSDAE_ARRAY(c->block, 1),   NSDAE_ARRAY(c->gap, 1),
-      NSDAE_ARRAY(c->fresh, 1),     NSDAE_ARRAY(c->basis, 1),   NSDAE_ARRAY(r->impact, 1),
-      NSDAE_ARRAY(r->mode, 1),      NSDAE_ARRAY(r->before, 1),  NSDAE_ARRAY(r->before_t, 1),
-      NSDAE_ARRAY(r->after, 1),     NSDAE_ARRAY(r->after_t, 1), NSDAE_ARRAY(r->normal, 1),
-      NSDAE_ARRAY(r->tangential, 1)};
-  nsdae_arrays_release(all, sizeof all / sizeof *all);
+  nsdae_array all[ARRAYS];
+  list_arrays(c, r, all);
+  nsdae_arrays_release(all, ARRAYS);
   c->room = 0;
 }
 

@@ -25,38 +25,58 @@ void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, 
   c->lever = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
 }
 
+/* By item, of which there is room for one more; the last two are by entry and by value. */
+enum { ARRAYS = 10 };
+
+static void list_arrays(nsdae_cone_arrays *at, int columns, nsdae_array all[ARRAYS])
+{
+  const nsdae_array list[ARRAYS] = {NSDAE_ARRAY(at->item, 1),        NSDAE_ARRAY(at->rows, 1),
+                                    NSDAE_ARRAY(at->mu, 1),          NSDAE_ARRAY(at->w, columns),
+                                    NSDAE_ARRAY(at->r, columns),     NSDAE_ARRAY(at->u, columns),
+                                    NSDAE_ARRAY(at->guess, columns), NSDAE_ARRAY(at->first, 1),
+                                    NSDAE_ARRAY(at->block, 1),       NSDAE_ARRAY(at->value, 1)};
+  memcpy(all, list, sizeof list);
+}
+
 int nsdae_cone_island_grow(nsdae_cone_island *c, const nsdae_system *system,
                            const nsdae_room *contacts, const nsdae_room *rows)
 {
-  nsdae_cone_arrays *at = &c->at;
-  size_t m = (size_t)system->dims.m, columns = (size_t)(1 + system->dims.nt);
-  size_t items = contacts->entries + m, parts = (size_t)nsdae_terms_parts(system);
-  const nsdae_array by_item[] = {NSDAE_ARRAY(at->item, 1),       NSDAE_ARRAY(at->rows, 1),
-                                 NSDAE_ARRAY(at->mu, 1),         NSDAE_ARRAY(at->w, columns),
-                                 NSDAE_ARRAY(at->r, columns),    NSDAE_ARRAY(at->u, columns),
-                                 NSDAE_ARRAY(at->guess, columns)};
-  const nsdae_array by_end[] = {NSDAE_ARRAY(at->first, 1)};
-  const nsdae_array by_part[] = {NSDAE_ARRAY(at->block, 1)};
-  const nsdae_array by_value[] = {NSDAE_ARRAY(at->value, 1)};
-  int status = nsdae_arrays_grow(by_item, sizeof by_item / sizeof *by_item, items);
-  if (status == NSDAE_OK) status = nsdae_arrays_grow(by_end, 1, items + 1);
+  nsdae_array all[ARRAYS];
+  size_t items = contacts->entries + (size_t)system->dims.m,
+         entries = (size_t)nsdae_terms_parts(system) * contacts->entries + rows->entries;
+  list_arrays(&c->at, 1 + system->dims.nt, all);
+  int status = nsdae_arrays_grow(all, ARRAYS - 2, items + 1);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(all + ARRAYS - 2, 1, entries);
   if (status == NSDAE_OK)
-    status = nsdae_arrays_grow(by_part, 1, parts * contacts->entries + rows->entries);
-  return status < 0 ? status : nsdae_arrays_grow(by_value, 1, contacts->values + rows->values);
+    status = nsdae_arrays_grow(all + ARRAYS - 1, 1, contacts->values + rows->values);
+  return status;
 }
 
 void nsdae_cone_island_release(nsdae_cone_island *c)
 {
-  nsdae_cone_arrays *at = &c->at;
-  const nsdae_array all[] = {NSDAE_ARRAY(at->item, 1),  NSDAE_ARRAY(at->rows, 1),
-                             NSDAE_ARRAY(at->mu, 1),    NSDAE_ARRAY(at->w, 1),
-                             NSDAE_ARRAY(at->r, 1),     NSDAE_ARRAY(at->u, 1),
-                             NSDAE_ARRAY(at->guess, 1), NSDAE_ARRAY(at->first, 1),
-                             NSDAE_ARRAY(at->block, 1), NSDAE_ARRAY(at->value, 1)};
-  nsdae_arrays_release(all, sizeof all / sizeof *all);
+  nsdae_array all[ARRAYS];
+  list_arrays(&c->at, 1, all);
+  nsdae_arrays_release(all, ARRAYS);
 }
 
 /* ---- gathering */
+
+static void set_problem(nsdae_cone_island *c, int contacts, int bilateral)
+{
+  const nsdae_cone_arrays *at = &c->at;
+  c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL,
+                                        .contacts = contacts,
+                                        .bilateral = bilateral,
+                                        .rows = at->rows,
+                                        .mu = at->mu,
+                                        .w = at->w,
+                                        .size = at->size,
+                                        .M = at->M,
+                                        .f = at->f,
+                                        .first = at->first,
+                                        .block = at->block,
+                                        .value = at->value};
+}
 
 static void add_blocks(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
@@ -166,22 +186,10 @@ static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, in
 static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *contact = &w->islands->contact, *row = &w->islands->row;
-  const nsdae_cone_arrays *at = &c->at;
-  double *value = at->value;
+  double *value = c->at.value;
   c->items = c->m = c->driven = 0;
-  at->first[0] = 0;
-  c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL,
-                                        .contacts = nsdae_members_count(contact, island),
-                                        .bilateral = nsdae_members_count(row, island),
-                                        .rows = at->rows,
-                                        .mu = at->mu,
-                                        .w = at->w,
-                                        .size = at->size,
-                                        .M = at->M,
-                                        .f = at->f,
-                                        .first = at->first,
-                                        .block = at->block,
-                                        .value = at->value};
+  c->at.first[0] = 0;
+  set_problem(c, nsdae_members_count(contact, island), nsdae_members_count(row, island));
   add_blocks(c, w, island);
   for (int i = contact->first[island]; i < contact->first[island + 1]; i++)
     value = add_contact(c, w, contact->of[i], value);
@@ -195,19 +203,8 @@ int nsdae_cone_island_reserve(nsdae_cone_island *c, const nsdae_system *system,
   const nsdae_dims *d = &system->dims;
   const nsdae_cone_arrays *at = &c->at;
   int n = d->nv, columns = d->m;
-  c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_GLOBAL,
-                                        .contacts = d->k,
-                                        .bilateral = d->m,
-                                        .blocks = 1,
-                                        .rows = at->rows,
-                                        .mu = at->mu,
-                                        .w = at->w,
-                                        .size = at->size,
-                                        .M = at->M,
-                                        .f = at->f,
-                                        .first = at->first,
-                                        .block = at->block,
-                                        .value = at->value};
+  set_problem(c, d->k, d->m);
+  c->problem.blocks = 1;
   for (int i = 0; i < d->k; i++) {
     at->mu[i] = system->contact[i].mu;
     at->rows[i] = at->mu[i] > 0 ? 1 + d->nt : 1;

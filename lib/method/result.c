@@ -18,20 +18,20 @@ static size_t length_of(const nsdae_memory_part *part, nsdae_memory_length lengt
   return length.fixed + part->slots * (length.slot + part->slots * length.pair);
 }
 
-/* Bytes of an array that two memories have, one of which is copied. */
-static size_t shared(const nsdae_memory_part *part, nsdae_memory_length length, size_t each)
+/* Copies an array that two memories have. */
+static void copy_shared(const nsdae_memory_part *part, nsdae_memory_length length, size_t each,
+                        void *at, const void *from)
 {
-  const nsdae_memory_part *fewer = part->from;
-  if (!fewer) return 0;
-  return each * length_of(fewer->slots < part->slots ? fewer : part, length);
+  const nsdae_memory_part *fewer = part->from->slots < part->slots ? part->from : part;
+  size_t bytes = each * length_of(fewer, length);
+  if (bytes > 0) memcpy(at, from, bytes);
 }
 
 double *nsdae_memory_take_reals(nsdae_memory_part *part, nsdae_memory_length length)
 {
   double *at = part->real ? part->real + part->reals : NULL;
-  const double *from = part->from ? nsdae_memory_take_reals(part->from, length) : NULL;
-  size_t bytes = shared(part, length, sizeof *at);
-  if (bytes > 0) memcpy(at, from, bytes);
+  if (part->from)
+    copy_shared(part, length, sizeof *at, at, nsdae_memory_take_reals(part->from, length));
   part->reals += length_of(part, length);
   return at;
 }
@@ -39,9 +39,8 @@ double *nsdae_memory_take_reals(nsdae_memory_part *part, nsdae_memory_length len
 int *nsdae_memory_take_wholes(nsdae_memory_part *part, nsdae_memory_length length)
 {
   int *at = part->whole ? part->whole + part->wholes : NULL;
-  const int *from = part->from ? nsdae_memory_take_wholes(part->from, length) : NULL;
-  size_t bytes = shared(part, length, sizeof *at);
-  if (bytes > 0) memcpy(at, from, bytes);
+  if (part->from)
+    copy_shared(part, length, sizeof *at, at, nsdae_memory_take_wholes(part->from, length));
   part->wholes += length_of(part, length);
   return at;
 }

@@ -226,10 +226,11 @@ const char *nsdae_terms_called(const nsdae_terms *T, int kind, int i, char text[
 
 enum { ARRAYS = 9 };
 
-static int grow_selected(nsdae_terms *T, size_t room, int nt)
+static void list_selected(nsdae_terms *T, nsdae_array each[ARRAYS])
 {
   nsdae_by_blocks *by = &T->by;
-  const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
+  int nt = by->list.nt;
+  const nsdae_array list[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
                                     NSDAE_ARRAY(T->w_N, 1),
                                     NSDAE_ARRAY(T->w_T, nt),
                                     NSDAE_ARRAY(by->normal.first, 1),
@@ -238,7 +239,7 @@ static int grow_selected(nsdae_terms *T, size_t room, int nt)
                                     NSDAE_ARRAY(by->tangent.first, 1 + nt),
                                     NSDAE_ARRAY(by->tangent.block, 2 * nt),
                                     NSDAE_ARRAY(by->tangent.at, 2 * nt)};
-  return nsdae_arrays_grow(each, ARRAYS, room);
+  memcpy(each, list, sizeof list);
 }
 
 int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_room *rows)
@@ -248,7 +249,9 @@ int nsdae_terms_grow(nsdae_terms *T, const nsdae_room *contacts, const nsdae_roo
     status = nsdae_row_list_grow(&T->by.joint_rows, rows);
   if (status < 0 || !(T->system->by_list || T->system->tracked)) return status;
   /* the list last: all of it can be selected */
-  if (!T->system->tracked) status = grow_selected(T, contacts->entries + 1, T->by.list.nt);
+  nsdae_array each[ARRAYS];
+  list_selected(T, each);
+  if (!T->system->tracked) status = nsdae_arrays_grow(each, ARRAYS, contacts->entries + 1);
   if (status == NSDAE_OK) status = nsdae_differences_grow(T->differences, contacts, T->error);
   if (status == NSDAE_OK) status = nsdae_contact_list_grow(&T->by.list, contacts);
   T->by.normal.value = T->by.tangent.value = T->by.list.value; /* what moved has its place again */
@@ -263,14 +266,7 @@ void nsdae_terms_release(nsdae_terms *T)
   nsdae_contact_list_release(&by->list);
   if (T->differences) nsdae_differences_release(T->differences);
   if (!T->system || !T->system->by_list) return;
-  const nsdae_array each[ARRAYS] = {NSDAE_ARRAY(T->gap, 1),
-                                    NSDAE_ARRAY(T->w_N, 1),
-                                    NSDAE_ARRAY(T->w_T, 1),
-                                    NSDAE_ARRAY(by->normal.first, 1),
-                                    NSDAE_ARRAY(by->normal.block, 2),
-                                    NSDAE_ARRAY(by->normal.at, 2),
-                                    NSDAE_ARRAY(by->tangent.first, 1),
-                                    NSDAE_ARRAY(by->tangent.block, 2),
-                                    NSDAE_ARRAY(by->tangent.at, 2)};
+  nsdae_array each[ARRAYS];
+  list_selected(T, each);
   nsdae_arrays_release(each, ARRAYS);
 }
