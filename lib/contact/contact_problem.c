@@ -277,7 +277,7 @@ int nsdae_problem_factor(nsdae_problem *p, const nsdae_terms *T, int hold)
 void nsdae_problem_mark_hit(nsdae_problem *p, const nsdae_terms *T)
 {
   for (int a = 0; a < p->count; a++) {
-    int i = nsdae_problem_contact(p, a);
+    int i = p->number[a];
     if (p->results->impact[i]) p->hit[nsdae_island_of_contact(&p->dispatch.islands, T, i)] = 1;
   }
 }
@@ -327,7 +327,7 @@ void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, dou
   const nsdae_contact_islands *is = &p->dispatch.islands;
   int nt = p->system->dims.nt;
   for (int a = 0; a < p->count; a++) {
-    int i = nsdae_problem_contact(p, a);
+    int i = p->number[a];
     if (r->normal[i] == 0 || (skip_impacts && r->impact[i])) continue;
     nsdae_rows_add(blocks, &T->by.normal, i, scale * r->normal[i], y);
     for (int j = i * nt; j < (i + 1) * nt; j++)

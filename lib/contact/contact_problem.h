@@ -55,20 +55,7 @@ int nsdae_problem_close(nsdae_problem *problem, nsdae_terms *terms, nsdae_closed
  * directions. */
 int nsdae_problem_update(nsdae_problem *problem, nsdae_terms *terms, double reach);
 
-/* How many are closed, and the number of the a-th; whether there is anything to solve for. */
-static inline int nsdae_problem_count(const nsdae_problem *p)
-{
-  return p->count;
-}
-static inline int nsdae_problem_contact(const nsdae_problem *p, int a)
-{
-  return p->number[a];
-}
-/* Their coefficients, by number. */
-static inline const nsdae_coefficients *nsdae_problem_laws(const nsdae_problem *p)
-{
-  return p->law;
-}
+/* Whether there is anything to solve for. */
 static inline int nsdae_problem_any(const nsdae_problem *p)
 {
   return p->count + p->dispatch.islands.joints > 0;

@@ -244,11 +244,6 @@ void nsdae_contacts_come(nsdae_contacts *c, const double *before)
   memcpy(c->results->before, before, (size_t)c->system->dims.k * sizeof *before);
 }
 
-void nsdae_contacts_turn_to(nsdae_contacts *c, nsdae_impulses *results)
-{
-  c->results = results;
-}
-
 /* Row i as a column of W. */
 static void gather_column(const nsdae_contacts *c, const nsdae_rows *rows, int i, int n, double *to)
 {

@@ -148,8 +148,11 @@ void nsdae_contacts_approach(const nsdae_terms *terms, int count, const int *con
 /* v_N(-) [k] is this instead, as where a part of it is the errors of an integration. */
 void nsdae_contacts_come(nsdae_contacts *contacts, const double *before);
 
-/* The results go there from now on; what is there stays. */
-void nsdae_contacts_turn_to(nsdae_contacts *contacts, nsdae_impulses *results);
+/* Whether contacts have polygons as they are asked for. */
+static inline int nsdae_contacts_polygons(const nsdae_contacts *contacts)
+{
+  return contacts->system->dims.nt == 2 && contacts->edges > 0;
+}
 
 /* Whether there is anything to solve for. */
 static inline int nsdae_contacts_any(const nsdae_contacts *contacts)

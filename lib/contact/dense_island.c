@@ -1,18 +1,11 @@
-#include "dense_island.h"
+#include "dense_residual.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "errors.h"
 #include "listed.h"
 #include "vector.h"
-
-/* Whether polygons are solved as they are asked for. */
-static int has_polygons(const nsdae_contacts *c)
-{
-  return c->system->dims.nt == 2 && c->edges > 0;
-}
 
 void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of, nsdae_error *error,
                                 double rank_tol)
@@ -40,7 +33,7 @@ static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *ro
   const nsdae_dims *d = &s->dims;
   int one = s->blocks.count == 1, planar = d->nt == 1 ? 3 : 1;
   int most = nsdae_terms_most(s), bounded = most < NSDAE_ANY_NUMBER;
-  int all = bounded && (c->slides.count > 0 || has_polygons(c)); /* of any size */
+  int all = bounded && (c->slides.count > 0 || nsdae_contacts_polygons(c)); /* of any size */
   int few = one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS;
   nsdae_dense_size size = {.n = d->nv, .m = d->m, .contacts = few / planar, .rows = few};
   if (!one && !all) size.n = least(d->nv, d->m > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
@@ -171,7 +164,8 @@ int nsdae_dense_island_fits(const nsdae_dense_island *l, const nsdae_island_equa
   int nt = w->system->dims.nt, one = is->blocks == 1, closed = w->with_contacts ? k : 0;
   int rows = closed * (nt == 1 ? 3 : 1);
   if (nsdae_members_count(&is->joint, island) > 0) return 1;
-  if (nt == 2 && closed > 0 && with_friction(w, island)) return has_polygons(&l->contacts);
+  if (nt == 2 && closed > 0 && with_friction(w, island))
+    return nsdae_contacts_polygons(&l->contacts);
   if (rows > (one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS)) return 0;
   if (one) return 1;
   int m = nsdae_members_count(&is->row, island);
@@ -186,7 +180,7 @@ int nsdae_dense_island_fits_all(const nsdae_dense_island *l)
   if (nsdae_terms_most(s) == NSDAE_ANY_NUMBER || s->blocks.count > 1 ||
       (s->tracked && s->dims.nt == 2))
     return 0;
-  if (l->contacts.slides.count > 0 || has_polygons(&l->contacts)) return 1;
+  if (l->contacts.slides.count > 0 || nsdae_contacts_polygons(&l->contacts)) return 1;
   for (int i = 0; i < s->dims.k && s->dims.nt == 2; i++)
     if (s->contact[i].mu > 0) return 0;
   return s->dims.k * (s->dims.nt == 1 ? 3 : 1) <= NSDAE_DENSE_ONE;
@@ -399,134 +393,6 @@ static void stand(nsdae_dense_island *l)
   for (int i = 0; i < c->slides.count; i++) c->results->slide_after[c->slides.number[i]] = 0;
 }
 
-/* ---- residuals of the laws */
-
-/* W_j^T M^-1 W_j: without constraints the Delassus matrix has it. */
-static double diagonal(const nsdae_dense_island *l, int j)
-{
-  const nsdae_delassus *d = &l->contacts.delassus;
-  int n = l->kkt.n;
-  const double *W = d->W + (size_t)j * (size_t)n;
-  if (l->kkt.m == 0) return d->G[(size_t)j * (size_t)(l->contacts.columns + 1)];
-  memcpy(l->column, W, (size_t)n * sizeof *W);
-  nsdae_kkt_solve_mass(&l->kkt, l->column);
-  return nsdae_dot(n, W, l->column);
-}
-
-/* With constraints: the velocity along column j without any impulse, u being that of v. */
-static void fit_speed(const nsdae_dense_island *l, int j, double u,
-                      nsdae_natural_residual *residual)
-{
-  const double *W = l->contacts.delassus.W + (size_t)j * (size_t)l->kkt.n;
-  if (l->kkt.m > 0) nsdae_natural_residual_speed(residual, u + nsdae_dot(l->kkt.n, W, l->free));
-}
-
-/* The residual of a law with velocities along columns of W, beside their rounding: v is as good as
- * contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN. */
-static void leave(const nsdae_dense_island *l, int column, int columns, double left,
-                  nsdae_natural_residual *residual)
-{
-  const double *W = l->contacts.delassus.W + (size_t)column * (size_t)l->kkt.n;
-  double most = 0;
-  for (int c = 0; c < columns; c++) {
-    double sum = 0;
-    for (int j = 0; j < l->kkt.n; j++) sum += fabs(*W++) * l->at.size[j];
-    most = fmax(most, sum);
-  }
-  left -= 32 * DBL_EPSILON * most + DBL_MIN;
-  nsdae_natural_residual_row(residual, left > 0 || left != left ? left : 0);
-}
-
-/* What the law of the a-th contact leaves where it has friction; d, u_N: of its normal. */
-static double fit_friction(const nsdae_dense_island *l, int a, double d, double u_N,
-                           nsdae_natural_residual *residual)
-{
-  const nsdae_contacts *c = &l->contacts;
-  const nsdae_impulses *r = c->results;
-  int i = c->active[a], columns = c->law[a].columns;
-  const nsdae_coefficients *law = &c->part.coefficient[i];
-  double x[3], u[3] = {u_N};
-  for (int j = 1, t = i * (columns - 1); j < columns; j++, t++) {
-    u[j] = r->after_t[t] + law->e_t * r->before_t[t];
-    x[j] = r->tangential[t];
-    d += diagonal(l, c->first_column[a] + j);
-    fit_speed(l, c->first_column[a] + j, u[j], residual);
-  }
-  if (c->law[a].kind == NSDAE_POLYGON) return 0;
-  d /= columns;
-  x[0] = d * r->normal[i];
-  for (int j = 1; j < columns; j++) x[j] *= d;
-  return columns == 2 ? nsdae_natural_planar(law->mu, x, u)
-                      : nsdae_fc_natural(NSDAE_FC_CONE, law->mu, x, NULL, u);
-}
-
-/* Residual of the a-th contact: impulses in units of velocity by the mean diagonal of G, against
- * the law. */
-static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
-                        nsdae_natural_residual *residual)
-{
-  const nsdae_contacts *c = &l->contacts;
-  const nsdae_impulses *r = c->results;
-  int i = c->active[a], column = c->first_column[a], columns = c->law[a].columns;
-  double u = r->after[i] + c->part.coefficient[i].e_n * r->before[i], d = diagonal(l, column);
-  fit_speed(l, column, u, residual);
-  double left =
-      columns == 1 ? nsdae_natural_normal(d * r->normal[i], u) : fit_friction(l, a, d, u, residual);
-  if (rounded)
-    leave(l, column, columns, left, residual);
-  else
-    nsdae_natural_residual_row(residual, left);
-}
-
-/* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto the friction that |lambda| bounds. */
-static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
-                      nsdae_natural_residual *residual)
-{
-  const nsdae_contacts *c = &l->contacts;
-  int j = c->slides.number[i], column = c->columns - c->slides.count + i;
-  double u = c->results->slide_after[j], x = c->results->frictional_joint_impulse[j],
-         d = diagonal(l, column);
-  fit_speed(l, column, u, residual);
-  double most = d * c->system->frictional_joint[j].mu * fabs(l->at.lambda[c->slides.constraint[i]]);
-  double left = fabs(d * x - fmax(-most, fmin(most, d * x - u)));
-  if (rounded)
-    leave(l, column, 1, left, residual);
-  else
-    nsdae_natural_residual_row(residual, left);
-}
-
-static void fit_row(const nsdae_dense_island *l, int i, int rounded,
-                    nsdae_natural_residual *residual)
-{
-  const nsdae_island_view *at = &l->at;
-  double u = nsdae_rows_add_dot(at->blocks, at->J, i, at->v, -l->asked[i]);
-  double rounding =
-      rounded ? 32 * DBL_EPSILON * nsdae_rows_dot_sizes(at->blocks, at->J, i, at->size) + DBL_MIN
-              : 0;
-  nsdae_natural_residual_row(residual, fabs(u) <= rounding ? 0 : u);
-  nsdae_natural_residual_speed(residual, u + nsdae_rows_dot(at->blocks, at->J, i, l->free));
-}
-
-/* rounded: less what rounding explains. Of v as it is, and what it would be without any impulse. A
- * polygon is no cone: it leaves what its complementarity problem leaves, in parts of the fastest.
- */
-static nsdae_natural_residual fit(const nsdae_dense_island *l, int rounded)
-{
-  const nsdae_contacts *c = &l->contacts;
-  nsdae_natural_residual residual = {0};
-  if (l->kkt.m > 0) {
-    memcpy(l->free, l->at.r, (size_t)l->kkt.n * sizeof *l->free);
-    nsdae_kkt_solve_mass(&l->kkt, l->free);
-    for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->at.v[j];
-  } else
-    residual.speed = nsdae_largest(c->columns, c->delassus.offset);
-  for (int a = 0; a < c->active_count; a++) fit_contact(l, a, rounded, &residual);
-  for (int i = 0; i < c->slides.count; i++) fit_joint(l, i, rounded, &residual);
-  for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, rounded, &residual);
-  if (has_polygons(c)) nsdae_natural_residual_row(&residual, c->lcp.info.residual * residual.speed);
-  return residual;
-}
-
 /* ---- solution */
 
 static void scatter(const nsdae_dense_island *l, const nsdae_island_equations *w, int island)
@@ -562,9 +428,9 @@ static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
       nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, at->r, at->v, at->size, at->lambda);
   if (status < 0) return status;
   if (stands(l) && !driven(l, w)) stand(l);
-  *residual = fit(l, 0);
+  *residual = nsdae_dense_residual(l, 0);
   if (!(nsdae_natural_residual_scaled(residual) <= l->contacts.lcp.options.tol))
-    *residual = fit(l, 1);
+    *residual = nsdae_dense_residual(l, 1);
   return status;
 }
 

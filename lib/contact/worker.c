@@ -347,12 +347,6 @@ static int fits_dense(const nsdae_worker *w, const nsdae_island_equations *whole
   return nsdae_dense_island_fits(&w->dense, whole, island);
 }
 
-static int fits_cones(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
-{
-  (void)w, (void)whole, (void)island;
-  return 1;
-}
-
 static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
@@ -376,6 +370,7 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
 
 typedef struct island_solver {
   int pass;
+  /* NULL: every island */
   int (*fits)(const nsdae_worker *worker, const nsdae_island_equations *whole, int island);
   int (*solve)(nsdae_worker *worker, const nsdae_island_equations *whole, int island);
 } island_solver;
@@ -383,7 +378,7 @@ typedef struct island_solver {
 static const island_solver solvers[] = {
     {0, fits_blocks, solve_blocks},         {0, fits_one_contact, solve_one_contact},
     {0, fits_dense, solve_dense},           {0, fits_constraints, solve_constraints},
-    {0, fits_active_set, solve_active_set}, {1, fits_cones, solve_cones}};
+    {0, fits_active_set, solve_active_set}, {1, NULL, solve_cones}};
 
 int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int island, int pass)
 {
@@ -393,7 +388,7 @@ int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (w->all_dense && ((contacts > 1 && whole->with_contacts) || whole->islands->rows > 0))
     return solve_dense(w, whole, island);
   for (size_t i = 0; status == NSDAE_NEXT && i < sizeof solvers / sizeof *solvers; i++)
-    if (solvers[i].pass == pass && solvers[i].fits(w, whole, island))
+    if (solvers[i].pass == pass && (!solvers[i].fits || solvers[i].fits(w, whole, island)))
       status = solvers[i].solve(w, whole, island);
   return status;
 }

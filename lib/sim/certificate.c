@@ -76,8 +76,8 @@ static double root_of_inertia(const nsdae_terms *T, const nsdae_rows *normal, in
 static double rounding_of_contacts(const nsdae_problem *p, const nsdae_point *point)
 {
   double sum = 0;
-  for (int a = 0; a < nsdae_problem_count(p); a++) {
-    int i = nsdae_problem_contact(p, a);
+  for (int a = 0; a < p->count; a++) {
+    int i = p->number[a];
     sum += fabs(point->result.impulses.normal[i]) *
            root_of_inertia(&point->result.end, &p->home->by.normal, i);
   }
@@ -198,8 +198,7 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
   c->unexplained =
       record->kinetic - point->accounts.watch.kinetic + record->dissipated - point->work.sum;
   /* ---- impulses and rates */
-  if (r->located || !r->smooth)
-    measure_impulses(c, r, nsdae_problem_laws(&sim->stepper.problem), count);
+  if (r->located || !r->smooth) measure_impulses(c, r, sim->stepper.problem.law, count);
   if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
   if (status == NSDAE_OK) status = measure_rates(c, r);
   record->constraint_drift = c->constraint_drift;

@@ -81,7 +81,7 @@ static double delassus(const closed_ones *c, int a, int b)
   if (k)
     return k->delassus
         .G[(size_t)k->first_column[a] * (size_t)k->columns + (size_t)k->first_column[b]];
-  int i = nsdae_problem_contact(c->problem, a), j = nsdae_problem_contact(c->problem, b);
+  int i = c->problem->number[a], j = c->problem->number[b];
   double sum = 0;
   for (int p = N->first[i]; p < N->first[i + 1]; p++)
     for (int q = N->first[j]; q < N->first[j + 1]; q++)
@@ -95,8 +95,7 @@ static double follow(const closed_ones *c, int a, int b)
   double ij = delassus(c, a, b), ii = delassus(c, a, a), jj = delassus(c, b, b);
   if (!(ij < 0 && ii > 0 && jj > 0)) return 0;
   double n = PI / acos(fmin(-ij / sqrt(ii * jj), 1));
-  double e = sqrt(c->law[nsdae_problem_contact(c->problem, a)].e_n *
-                  c->law[nsdae_problem_contact(c->problem, b)].e_n);
+  double e = sqrt(c->law[c->problem->number[a]].e_n * c->law[c->problem->number[b]].e_n);
   double impulse = e < 1 ? (1 - pow(e, n)) / (1 - e) : n;
   return impulse >= MANY ? n : 0;
 }
@@ -121,9 +120,9 @@ static void compare_pairs(const closed_ones *c, const nsdae_result *r, int i, do
                           merged *most)
 {
   int a = 0;
-  while (nsdae_problem_contact(c->problem, a) != i) a++;
-  for (int b = 0; b < nsdae_problem_count(c->problem); b++) {
-    int other = nsdae_problem_contact(c->problem, b);
+  while (c->problem->number[a] != i) a++;
+  for (int b = 0; b < c->problem->count; b++) {
+    int other = c->problem->number[b];
     if (b == a || !share_block(c->normal, i, other) || !acts(c, &r->impulses, other, length))
       continue;
     double impacts = follow(c, a, b);
@@ -155,14 +154,14 @@ int nsdae_merged_report(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   const nsdae_terms *T = &before->result.end;
   merged most = {0, -1, -1};
   if (r->located || r->counters.fallbacks > 0 || r->impacts == 0) return NSDAE_OK;
-  const closed_ones c = {
-      problem,
-      r->problem && r->problem->active_count == nsdae_problem_count(problem) ? r->problem : NULL,
-      nsdae_problem_laws(problem),
-      &problem->home->by.normal,
-      &sim->model.blocks,
-      T->M,
-      T->F};
+  const closed_ones c = {problem,
+                         r->problem && r->problem->active_count == problem->count ? r->problem
+                                                                                  : NULL,
+                         problem->law,
+                         &problem->home->by.normal,
+                         &sim->model.blocks,
+                         T->M,
+                         T->F};
   for (int p = 0; p < r->impacts; p++)
     if (acts(&c, &r->impulses, r->impact[p].contact, point->record.duration))
       compare_pairs(&c, r, r->impact[p].contact, point->record.duration, &most);

@@ -171,7 +171,7 @@ static int bring_out(nsdae_sim *sim, double length)
   const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP |
                          NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS;
   double before = 0, after = 0;
-  if (nsdae_problem_count(&s->problem) == 0) return keep_lengths(sim);
+  if (s->problem.count == 0) return keep_lengths(sim);
   int status = nsdae_terms_need(home, terms);
   if (status < 0) return status;
   for (int j = 0; j < sim->system->dims.nv; j++)

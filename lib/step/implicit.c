@@ -50,8 +50,8 @@ static int mark_impacts(const nsdae_step *step, int all)
   nsdae_impulses *r = &step->result->impulses;
   double slow = step->tools->options->impact_velocity;
   int any = 0;
-  for (int a = 0; a < nsdae_problem_count(p); a++) {
-    int i = nsdae_problem_contact(p, a);
+  for (int a = 0; a < p->count; a++) {
+    int i = p->number[a];
     double turned = nsdae_terms_normal_rate(step->end, i, step->start->v);
     r->impact[i] = all || r->before[i] < -2 * fabs(turned - r->before[i]) - slow;
     any |= r->impact[i];
@@ -112,7 +112,7 @@ static int positions(const nsdae_step *step)
 static int iterate(const nsdae_step *step, int number, int all_impacts, int *impact)
 {
   nsdae_stepper *s = step->tools;
-  int first = number == 0, frozen = number >= FREEZE && nsdae_problem_count(&s->problem) > 0;
+  int first = number == 0, frozen = number >= FREEZE && s->problem.count > 0;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end, frozen);
   /* of redundant constraints the same are left out in all iterates: which these are is decided by
@@ -213,7 +213,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
 
 static int worth_another_attempt(const nsdae_step *step, int status)
 {
-  return nsdae_problem_count(&step->tools->problem) > 0 &&
+  return step->tools->problem.count > 0 &&
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 

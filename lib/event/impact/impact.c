@@ -124,7 +124,7 @@ static int solve_plastic(nsdae_event_impacts *p)
          (size_t)(d->k * d->nt) * sizeof *p->plastic.before_t);
   memcpy(p->plastic.slide_before, p->solution.slide_before,
          (size_t)d->f * sizeof *p->plastic.slide_before);
-  nsdae_contacts_turn_to(&p->problem, &p->plastic);
+  p->problem.results = &p->plastic;
   return solve(p);
 }
 
@@ -173,7 +173,7 @@ static int restitute(nsdae_event_impacts *p, const double *before)
   if (!(gained > ROUNDING * nsdae_terms_energy(s->here, before))) return status;
   status = solve_plastic(p);
   if (status == NSDAE_OK) take_share(p, gained, work_of(p));
-  nsdae_contacts_turn_to(&p->problem, &p->solution);
+  p->problem.results = &p->solution;
   return status;
 }
 
