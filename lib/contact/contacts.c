@@ -167,8 +167,10 @@ void nsdae_contacts_close_marked(nsdae_contacts *c, const int *closed, nsdae_imp
 {
   nsdae_impulses_clear(results, &c->system->dims);
   begin(c, results);
-  for (int i = 0; i < c->system->dims.k; i++)
+  for (int n = 0; n < c->system->dims.k; n++) {
+    int i = nsdae_system_contact(c->system, n);
     if (closed[i]) add_contact(c, i);
+  }
   end(c);
 }
 

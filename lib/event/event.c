@@ -79,6 +79,7 @@ static void connect(event *e, nsdae_stepper *s)
                                      .here = &s->middle,
                                      .kkt = &s->kkt};
   nsdae_event_set_places(&e->setting);
+  e->setting.tracking = &e->integrator.tracking;
   e->phase.setting = &e->setting;
   e->roots.phase = &e->phase;
   e->integrator.roots = &e->roots;
@@ -302,18 +303,24 @@ static void note_rattles(const event *e, double t, int first)
   }
 }
 
-/* Contacts that are new in their slots do not rattle, and have no solution to start from. */
+/* Contacts that are new in their slots do not rattle. */
 static void clear_fresh(event *e)
 {
   int *fresh = e->integrator.tracking.fresh;
-  size_t rows = (size_t)e->tools->contacts.rows_most;
   for (int i = 0; e->setting.system->tracked && i < e->setting.system->dims.k; i++) {
     if (!fresh[i]) continue;
     fresh[i] = 0;
     e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
-    for (int l = 0; l < 2; l++)
-      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
   }
+}
+
+/* Contacts that were open have no solution to start from, whether they had a slot or not. */
+static void forget_open(const event *e)
+{
+  size_t rows = (size_t)e->tools->contacts.rows_most;
+  for (int i = 0; i < e->setting.system->dims.k; i++)
+    for (int l = 0; l < 2 && e->phase.modes.contact[i] == NSDAE_MODE_OPEN; l++)
+      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
 }
 
 /* Slots for what touches at t and has none: other features than a moment before. */
@@ -353,11 +360,14 @@ static int change_modes(event *e, double t)
   }
   blur(e);
   int status = find_features(e, t);
+  forget_open(e);
   if (status == NSDAE_OK && !found) status = tune(e, t); /* it has strayed */
   if (status == NSDAE_OK) status = restart(e, t);
   note_rattles(e, t, first);
-  for (int i = 0; i < d->k && status == NSDAE_OK; i++)
+  for (int n = 0; n < d->k && status == NSDAE_OK; n++) {
+    int i = nsdae_system_contact(e->setting.system, n);
     nsdae_result_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
+  }
   for (int j = 0; j < d->f && status == NSDAE_OK; j++)
     nsdae_result_change(r, t, -1, j, e->slide_mode_before[j], m->frictional_joint[j]);
   *e->base.idle += found && r->impacts + r->changes == before;

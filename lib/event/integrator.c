@@ -189,16 +189,34 @@ static int begin_slots(nsdae_event_integrator *e, double t)
     memset(p->modes.direction + i * nt, 0, (size_t)nt * sizeof *p->modes.direction);
   }
   nsdae_event_start_late(e->roots, t, e->tracking.fresh);
-  nsdae_dip_start(&e->dip);
   int status = look_around(t, &T, e);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
   for (int i = 0; i < k && status == NSDAE_OK; i++) {
     nsdae_event_root *root = nsdae_event_root_of(e->roots, NSDAE_ROOT_NORMAL, i);
     if (e->tracking.fresh[i] && T->gap[i] <= root->size) root->state = NSDAE_ROOT_MASKED;
   }
+  return status;
+}
+
+/* Whether a wider reach has contacts at the start of the step that were not listed there. */
+static int has_unlisted(const nsdae_event_integrator *e)
+{
+  const nsdae_tracked *tracked = e->tracking.table;
+  int any = 0;
+  for (int i = 0; e->fall.count > 0 && i < e->tracking.model->dims.k; i++)
+    any |= tracked->used[i] && !(e->fall.low[i] < NSDAE_FAR);
+  return any;
+}
+
+/* Functions at the start of the step, with contacts that have a slot or are listed there now. */
+static int look_again(nsdae_event_integrator *e, double from)
+{
+  nsdae_terms *T;
+  nsdae_dip_start(&e->dip);
+  int status = look_around(from, &T, e);
   if (status < 0 || e->fall.count == 0) return status;
-  return nsdae_event_root_values(e->roots, t, e->y, e->fall.low) < 0 ? NSDAE_E_CONVERGENCE
-                                                                     : NSDAE_OK;
+  return nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0 ? NSDAE_E_CONVERGENCE
+                                                                        : NSDAE_OK;
 }
 
 /* After a step: contacts that are near in it have slots, and roots from its start on. NSDAE_OK or a
@@ -211,9 +229,12 @@ static int look_for_contacts(nsdae_event_integrator *e, double from)
   e->tracking.near = NSDAE_EVENT_NEAR * nsdae_event_position_size(s);
   e->tracking.longest = e->smooth.steps.max_step;
   int dense = e->smooth.steps.is_dense;
+  double reach = e->tracking.table->reach;
   int added = nsdae_tracking_cover(&e->tracking, from, e->ahead);
   if (!dense) e->smooth.steps.is_dense = 0; /* what is rough does not depend on looking */
-  return added > 0 ? begin_slots(e, from) : added;
+  int status = added > 0 ? begin_slots(e, from) : added;
+  int wider = e->tracking.table->reach > reach && has_unlisted(e);
+  return status == NSDAE_OK && (added > 0 || wider) ? look_again(e, from) : status;
 }
 
 /* A step of the integrator at work; its end is in `end`. */
@@ -256,7 +277,7 @@ static int step_to_fall(nsdae_event_integrator *e)
   nsdae_runge_kutta *s = &e->smooth.steps;
   double from = e->ahead;
   memcpy(e->y, e->end, (size_t)s->controlled * sizeof *e->y);
-  if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0)
+  if (e->fall.count > 0 && nsdae_event_first_values(e->roots, from, e->y, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
     int status = step(e), fell = 0;

@@ -31,12 +31,13 @@ void nsdae_dense_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
 {
   nsdae_dense_kkt *d = &kkt->dense;
   nsdae_kkt_pivoted *p = &d->pivoted;
-  long n = kkt->n, m = kkt->m;
+  long n = kkt->n, m = kkt->m, rank = n < m ? n : m;
   d->lwork = (int)(3 * m + 1 + (m + 1) * BLOCK);
   d->L = NSDAE_ARENA_DOUBLES(arena, n * n);
   d->work = NSDAE_ARENA_DOUBLES(arena, m + d->lwork);
   nsdae_arena_doubles(arena, n * m, (double **[]){&d->Y, &p->Q, NULL});
-  nsdae_arena_doubles(arena, m * m, (double **[]){&d->S, &p->Z, &p->T, NULL});
+  nsdae_arena_doubles(arena, m * rank, (double **[]){&d->S, &p->Z, NULL});
+  p->T = NSDAE_ARENA_DOUBLES(arena, m * (kkt->typical > 0 ? rank : m));
   nsdae_arena_doubles(arena, m, (double **[]){&p->tau, &p->norm, NULL});
   nsdae_arena_ints(arena, m, (int **[]){&p->column, &p->held, &p->order, NULL});
 }
@@ -207,7 +208,7 @@ int nsdae_dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J)
   int status = begin(kkt, M, NULL);
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
-  kkt->kept = factor_schur(kkt, kkt->m, 0);
+  kkt->kept = kkt->m <= kkt->n ? factor_schur(kkt, kkt->m, 0) : 0;
   if (kkt->kept >= TRUSTED && kkt->kept >= kkt->rank_tol) return NSDAE_OK;
   /* Those held that the factorisation before found independent, as long as they are. */
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;

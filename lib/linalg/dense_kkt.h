@@ -18,7 +18,7 @@
 /* The rank-revealing factorisation. */
 typedef struct nsdae_kkt_pivoted {
   double *Q;          /* n x m: Q of the pivoted QR; R_11 is in S then */
-  double *Z, *T;      /* m x rank, rank x rank (leading dimension m) */
+  double *Z, *T;      /* m x rank, rank x rank (leading dimension m); T of a basis m x m */
   double *tau, *norm; /* min(n, m), m */
   int *column;        /* m: column order of the QR */
   int *held;          /* m: 1 for each constraint that it found independent */
@@ -28,7 +28,7 @@ typedef struct nsdae_kkt_pivoted {
 typedef struct nsdae_dense_kkt {
   int diagonal;      /* M is, as often in absolute coordinates: no product is spent on it */
   int form;          /* of the last factorisation, see dense_kkt.c */
-  double *L, *Y, *S; /* n x n, n x m, m x m */
+  double *L, *Y, *S; /* n x n, n x m, m x min(m, n) */
   nsdae_kkt_pivoted pivoted;
   double *work; /* 2 m: of one right-hand side; lwork: LAPACK's */
   int lwork;
@@ -44,7 +44,7 @@ typedef struct nsdae_kkt {
   int dependent;     /* the first row that does not count */
   int pivot;         /* of M that failed, from 1 */
   int is_sparse;     /* by the layout */
-  int typical;       /* one more than the rows that there are mostly; 0: m */
+  int typical;       /* one more than the rows that there are mostly, without a basis; 0: m */
   int *each;         /* 0, 1, ...: sparse lists of all blocks and rows */
   nsdae_dense_kkt dense;
   nsdae_sparse_kkt sparse;

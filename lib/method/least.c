@@ -18,8 +18,8 @@ void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, do
   p->kkt.n = (int)n;
   p->kkt.blocks = blocks;
   p->kkt.rank_tol = rank_tol;
-  /* not by the room for contacts */
-  p->kkt.typical = system->tracked || p->given ? 1 + system->dims.m : 0;
+  /* not by the room for contacts, which are mostly open */
+  p->kkt.typical = 1 + system->dims.m;
   nsdae_kkt_layout(&p->kkt, arena);
   p->grows = !p->given && (system->tracked || (system->call.constraint_rows && most * n > DENSE));
   if (p->grows || p->given) {
@@ -127,5 +127,6 @@ int nsdae_least_solve(nsdae_least *p, const nsdae_terms *T)
     return status;
   }
   if (status < 0) return nsdae_terms_unsolved(T, &p->kkt, status);
+  p->kkt.sparse.rank.chosen = 1; /* equations of redundant rows differ by what is projected */
   return nsdae_terms_solve(T, &p->kkt, 1, p->change, p->c);
 }

@@ -5,6 +5,10 @@
 #include "dynamic_array.h"
 #include "listed.h"
 
+/* Impacts of a step that are kept apart; and changes, after which it ends. The number of contacts
+ * that there may be says nothing about it: fixed contacts and lists have the same steps. */
+enum { SEPARATE = 64 };
+
 void nsdae_memory_copy(nsdae_memory *to, const nsdae_memory *from)
 {
   if (from->reals > 0) memcpy(to->real, from->real, from->reals * sizeof *from->real);
@@ -78,7 +82,7 @@ void nsdae_result_layout(nsdae_result *r, nsdae_arena *arena)
   nsdae_impulses_layout(&r->impulses, dims, arena);
   r->multiplier = NSDAE_ARENA_DOUBLES(arena, dims->m);
   if (nsdae_terms_most(r->end.system) < NSDAE_ANY_NUMBER) { /* else they grow with the list */
-    r->impacts_max = 64 + 2 * dims->k;
+    r->impacts_max = SEPARATE + 2 * dims->k;
     r->changes_max = r->impacts_max + 2 * dims->f;
     r->impact = nsdae_arena_take(arena, r->impacts_max, sizeof *r->impact);
   }
@@ -130,10 +134,7 @@ int nsdae_result_takes_part(const nsdae_result *r, int i)
 
 int nsdae_result_room(const nsdae_result *r)
 {
-  const nsdae_dims *d = &r->end.system->dims;
-  int k = nsdae_system_contacts(r->end.system), spare = d->k - k;
-  return r->impacts + k <= r->impacts_max - 2 * spare &&
-         r->changes + k + d->f <= r->changes_max - 2 * spare;
+  return r->impacts <= SEPARATE && r->changes <= SEPARATE;
 }
 
 /* Id and blocks of a contact: of one in a slot those of the list. */
@@ -148,7 +149,7 @@ nsdae_impact *nsdae_result_impact(nsdae_result *r, double t, int contact, double
 {
   t = nsdae_system_time(r->end.system, t);
   int last = r->impacts - 1, at = r->impacts;
-  int full = r->impacts + 2 * r->end.system->dims.k >= r->impacts_max;
+  int full = r->impacts >= SEPARATE;
   while (full && last >= 0 && (r->impact[last].contact != contact || r->impact[last].time != t))
     last--;
   if (full && last >= 0) return &r->impact[last];

@@ -76,7 +76,8 @@ void nsdae_result_layout(nsdae_result *result, nsdae_arena *arena);
 /* Whether contact i was closed or did something in the step. */
 int nsdae_result_takes_part(const nsdae_result *result, int i);
 
-/* Whether the lists hold what one more instant may add: an impact and a change of each contact. */
+/* Whether the lists hold what one more instant may add: an impact of each contact beside those that
+ * are kept apart, and a change. */
 int nsdae_result_room(const nsdae_result *result);
 
 /* Impacts and changes are kept in the user's time. The id is that of a fixed contact, its number.

@@ -80,12 +80,12 @@ static int slide_forces(nsdae_penalty_equations *p, const nsdae_terms *T, double
   return moved > 1e-8 ? 1 : 0; /* no convergence: a smaller step */
 }
 
-/* r [nv] += the forces of rows. */
-static void add_forces(const nsdae_terms *T, const nsdae_rows *rows, int count, const double *force,
-                       double *r)
+void nsdae_penalty_add_forces(const nsdae_terms *T, const nsdae_rows *rows, int each, double scale,
+                              const double *force, double *r)
 {
-  for (int i = 0; i < count; i++)
-    if (force[i] != 0) nsdae_rows_add(&T->system->blocks, rows, i, force[i], r);
+  for (int n = 0; n < T->system->dims.k; n++)
+    for (int i = nsdae_system_contact(T->system, n), j = i * each; j < (i + 1) * each; j++)
+      if (force[j] != 0) nsdae_rows_add(&T->system->blocks, rows, j, scale * force[j], r);
 }
 
 /* a [nv] and lambda of the forces at the terms' point. */
@@ -97,8 +97,8 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
   double alpha = s->options->baumgarte_alpha, beta = s->options->baumgarte_beta;
   contact_forces(p, T);
   memcpy(a, T->F, (size_t)d->nv * sizeof *a);
-  add_forces(T, &T->by.normal, d->k, at->normal, a);
-  add_forces(T, &T->by.tangent, d->k * d->nt, at->tangential, a);
+  nsdae_penalty_add_forces(T, &T->by.normal, 1, 1, at->normal, a);
+  nsdae_penalty_add_forces(T, &T->by.tangent, d->nt, 1, at->tangential, a);
   for (int i = 0; i < d->m; i++) {
     double rate = nsdae_terms_constraint_rate(T, i, T->v);
     at->lambda[i] = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];

@@ -42,6 +42,10 @@ typedef struct nsdae_penalty_equations {
 
 void nsdae_penalty_equations_layout(nsdae_penalty_equations *equations, nsdae_arena *arena);
 
+/* r [nv] += scale times the forces of rows, of contacts with `each` rows. */
+void nsdae_penalty_add_forces(const nsdae_terms *terms, const nsdae_rows *rows, int each,
+                              double scale, const double *force, double *r);
+
 /* IDA starts at the point of the last factorisation. */
 void nsdae_penalty_start_newton(nsdae_penalty_equations *equations);
 

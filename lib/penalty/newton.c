@@ -74,10 +74,8 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
 
   /* ---- motion */
   nsdae_newton_kkt_residual(T, o->baumgarte_alpha, o->baumgarte_beta, y, ydot, r);
-  for (int i = 0; i < d->k; i++)
-    if (normal[i] != 0) nsdae_rows_add(&s->blocks, &T->by.normal, i, -normal[i], v);
-  for (int i = 0; i < d->k * d->nt; i++)
-    if (tangential[i] != 0) nsdae_rows_add(&s->blocks, &T->by.tangent, i, -tangential[i], v);
+  nsdae_penalty_add_forces(T, &T->by.normal, 1, -1, normal, v);
+  nsdae_penalty_add_forces(T, &T->by.tangent, d->nt, -1, tangential, v);
   for (int i = 0; i < d->f; i++)
     nsdae_rows_add(&s->blocks, &T->by.frictional_joint, i, -slide[i], v);
   return 0;
@@ -141,8 +139,10 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
     status = nsdae_newton_kkt_factor(&p->newton, T, cj, p->rank < d->m ? p->basis : NULL, p->rank);
   if (status < 0) return nsdae_progress_code(status, s->error);
   nsdae_penalty_take(p, y);
-  for (int i = 0; i < d->k; i++)
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(s->system, n);
     if (p->base.closed[i]) add_contact(p, i);
+  }
   for (int j = 0; j < d->f; j++) {
     p->at.v_s[j] = nsdae_terms_slide_rate(T, j, T->v);
     if (s->system->frictional_joint[j].mu > 0) add_joint(p, j);

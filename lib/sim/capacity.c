@@ -152,12 +152,14 @@ int nsdae_sim_make_slots(nsdae_sim *sim, int k)
 {
   const nsdae_array table[] = {NSDAE_ARRAY(sim->model.contact, 1), NSDAE_ARRAY(sim->tracked.id, 1),
                                NSDAE_ARRAY(sim->tracked.used, 1),
-                               NSDAE_ARRAY(sim->tracked.block, 2)};
+                               NSDAE_ARRAY(sim->tracked.block, 2),
+                               NSDAE_ARRAY(sim->tracked.order, 1)};
   int before = sim->model.dims.k, status = check_slots(sim, k);
   if (status < 0) return status;
-  if (nsdae_arrays_grow(table, 4, (size_t)k + 1) < 0) return no_memory_for_slots(sim, k);
+  if (nsdae_arrays_grow(table, 5, (size_t)k + 1) < 0) return no_memory_for_slots(sim, k);
   size_t more = (size_t)(k - before);
   memset(sim->tracked.used + before, 0, more * sizeof *sim->tracked.used);
+  for (int i = before; i < k; i++) sim->tracked.order[i] = i;
   memset(sim->model.contact + before, 0, more * sizeof *sim->model.contact);
   sim->lists.slots_before = before;
   sim->lists.slots = k;

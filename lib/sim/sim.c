@@ -205,6 +205,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   free((*sim)->tracked.id);
   free((*sim)->tracked.used);
   free((*sim)->tracked.block);
+  free((*sim)->tracked.order);
   nsdae_system_let_go((*sim)->system);
   nsdae_sim_leave(*sim, NSDAE_MOVE);
   free(*sim);

@@ -120,6 +120,12 @@ static inline int nsdae_system_contacts(const nsdae_system *system)
   return tracked ? nsdae_tracked_count(tracked, system->dims.k) : system->dims.k;
 }
 
+/* The n-th contact in the order of sums and eliminations. */
+static inline int nsdae_system_contact(const nsdae_system *system, int n)
+{
+  return system->tracked ? system->tracked->order[n] : n;
+}
+
 /* The contacts of the model's list are those in the slots of a table, none at first; and again
  * those of the list. */
 void nsdae_system_track(nsdae_system *model, nsdae_tracked *table);

@@ -115,11 +115,14 @@ int nsdae_terms_find(nsdae_terms *T, double reach, const nsdae_contact_list **li
   return *list ? nsdae_terms_contacts(T, reach) : NSDAE_OK;
 }
 
-/* The parts of entry i are those of one more row, of its direction d; of i = -1: none. */
+/* The parts of entry i are those of one more row, of its direction d; of i = -1: none. In the order
+ * of the blocks, as in rows of fixed contacts, so that both have the same sums. */
 static void add_row(nsdae_rows *rows, const nsdae_contact_list *list, int i, size_t d)
 {
   int part = rows->first[rows->count];
-  for (size_t s = 2 * (size_t)i; i >= 0 && s < 2 * (size_t)i + 2; s++) {
+  const int *block = list->block + 2 * (size_t)(i < 0 ? 0 : i);
+  for (size_t n = 0, other = i >= 0 && block[0] > block[1]; i >= 0 && n < 2; n++) {
+    size_t s = 2 * (size_t)i + (n ^ other);
     int b = list->block[s];
     if (b < 0) continue;
     rows->block[part] = b;

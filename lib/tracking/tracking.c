@@ -72,6 +72,7 @@ void nsdae_tracking_load(nsdae_tracking *t)
     t->fresh[i] = 0;
   }
   t->table->reach = t->still[1];
+  nsdae_tracked_sort(t->table, t->model->dims.k);
 }
 
 int nsdae_tracking_is_valid(const nsdae_tracking *t)
@@ -215,6 +216,7 @@ static int ask(nsdae_tracking *t, nsdae_terms *T, double reach, double speed, in
     t->seen[slot] = list->gap[i] <= reach;
     t->model->contact[slot] = list->law[i];
   }
+  if (added) nsdae_tracked_sort(t->table, k);
   return full ? NSDAE_ARRAYS_GROW : NSDAE_OK;
 }
 
@@ -265,7 +267,18 @@ int nsdae_tracking_trim(nsdae_tracking *t, nsdae_terms *T, double h, const int *
   if (status == NSDAE_OK) status = ask(t, T, t->near + h * speed, speed, NULL);
   for (int i = 0; i < t->model->dims.k && status == NSDAE_OK; i++)
     t->table->used[i] &= keep[i] || t->seen[i];
+  nsdae_tracked_sort(t->table, t->model->dims.k);
   return status;
+}
+
+int nsdae_tracking_widen(nsdae_tracking *t, nsdae_terms *T, double h)
+{
+  double speed;
+  int status = speed_at(t, T, &speed);
+  if (status < 0 || !(t->near + WIDER * h * speed > t->table->reach)) return status;
+  t->table->reach = t->near + WIDER * h * speed;
+  nsdae_terms_forget_slots(T);
+  return NSDAE_OK;
 }
 
 /* ---- a step */

@@ -75,6 +75,12 @@ int nsdae_tracking_add(nsdae_tracking *tracking, nsdae_terms *terms);
  * and not kept [k]. */
 int nsdae_tracking_trim(nsdae_tracking *tracking, nsdae_terms *terms, double h, const int *keep);
 
+/* Terms are at a trial point of a step up to h, where a contact is not listed that had been so at
+ * the start. A gap changes by no more than h times the speed: within that, with the speed at the
+ * terms' point, the list is asked from now on. A trial point of a motion that starts from rest may
+ * be farther than the reach of its start. */
+int nsdae_tracking_widen(nsdae_tracking *tracking, nsdae_terms *terms, double h);
+
 /* After a step from one time to another: every contact that comes as near as `near` in it gets a
  * slot. The number of new ones, or a status; NSDAE_E_CALLBACK if a new one is below -near at the
  * start, or a contact moves faster than contact_speed says. Lists within the table's reach then

@@ -163,8 +163,11 @@ static int rub(nsdae_event_accumulation *p, double *v, double *multiplier)
   const nsdae_dims *d = &T->system->dims;
   memset(v, 0, (size_t)d->nv * sizeof *v);
   memset(multiplier, 0, (size_t)d->m * sizeof *multiplier);
-  for (int j = 0; j < d->k * d->nt; j++)
-    nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, p->friction.value[j], v);
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, p->friction.value[j], v);
+  }
   int status = nsdae_terms_solve(T, s->kkt, 1, v, multiplier);
   nsdae_add(d->nv, 1, p->lost, v);
   nsdae_add(d->m, 1, p->reaction, multiplier);
@@ -194,9 +197,11 @@ static int list_sliders(nsdae_event_accumulation *p)
 {
   const nsdae_system *s = p->acceleration->phase->setting->system;
   int count = 0;
-  for (int i = 0; i < s->dims.k; i++)
+  for (int n = 0; n < s->dims.k; n++) {
+    int i = nsdae_system_contact(s, n);
     if (p->settles[i] && p->acceleration->is.moving[i] && s->contact[i].mu > 0)
       p->friction.slider[count++] = i;
+  }
   return count;
 }
 
@@ -242,7 +247,8 @@ static int leave_to_others(nsdae_event_accumulation *p, const double *impulse, d
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   int status = NSDAE_OK;
-  for (int i = 0; i < s->system->dims.k && status == NSDAE_OK; i++) {
+  for (int n = 0; n < s->system->dims.k && status == NSDAE_OK; n++) {
+    int i = nsdae_system_contact(s->system, n);
     if (!p->settles[i] || !(impulse[i] + p->normal[i] < 0)) continue;
     p->settles[i] = 0;
     status = close_with_friction(p, v, multiplier);
@@ -333,7 +339,8 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
   const double *F = p->acceleration->problem.results->normal;
   double power = 0;
   int undecided = most_rattles(p) > PATIENCE; /* or several */
-  for (int i = 0, count = 0; i < T->system->dims.k; i++) {
+  for (int n = 0, count = 0; n < T->system->dims.k; n++) {
+    int i = nsdae_system_contact(T->system, n);
     if (!p->settles[i] && p->acceleration->is.touching[i] && /* a closing that drives it in */
         nsdae_terms_normal_rate(T, i, closed) < -nsdae_event_velocity_size(s))
       return 0;

@@ -234,7 +234,8 @@ static void keep(nsdae_event_impacts *p)
   int ends = 0, rattled = 0;
   nsdae_contacts_come(&p->problem, p->velocity);
   r->work += nsdae_contacts_work(&p->problem) + a->work;
-  for (int i = 0; i < d->k; i++) {
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(p->problem.system, n);
     if (c->normal[i] > 0 && c->normal[i] + a->normal[i] > 0) record(p, i);
     rattled |= p->velocity[i] < -size && p->velocity[i] >= -p->blur[i] * size &&
                p->problem.system->contact[i].e_n > 0;

@@ -39,8 +39,10 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   nsdae_least_start(&p->least);
   for (int i = 0; i < d->m; i++)
     nsdae_least_append(&p->least, &T->by.jacobian, i, T->constraint.phi[i]);
-  for (int i = 0; i < d->k; i++)
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
     if (closed[i]) nsdae_least_append(&p->least, &T->by.normal, i, T->gap[i]);
+  }
   return nsdae_largest(p->least.rows, p->least.c);
 }
 
@@ -89,7 +91,8 @@ static void append_velocities(nsdae_event_projection *p, const int *moving)
   const nsdae_dims *d = &T->system->dims;
   int begin = moving && any_sticks(p->phase);
   append_rates(p, T->v);
-  for (int i = 0; i < d->k; i++) {
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
     if (m->contact[i] == NSDAE_MODE_OPEN) continue;
     append_rate(p, &T->by.normal, T->w_N, i, T->v);
     int rests = begin && T->system->contact[i].mu > 0 && !moving[i];
@@ -137,7 +140,8 @@ int nsdae_event_close(nsdae_event_projection *p, const int *closed, const int *s
   const nsdae_terms *T = p->phase->setting->here;
   const nsdae_dims *d = &T->system->dims;
   append_rates(p, v);
-  for (int i = 0; i < d->k; i++) {
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
     if (closed[i]) append_rate(p, &T->by.normal, T->w_N, i, v);
     for (int j = i * d->nt; closed[i] && sticks[i] && j < (i + 1) * d->nt; j++)
       append_rate(p, &T->by.tangent, T->w_T, j, v);
@@ -146,7 +150,8 @@ int nsdae_event_close(nsdae_event_projection *p, const int *closed, const int *s
   if (status < 0) return status;
   nsdae_add(d->nv, 1, p->least.change, v);
   nsdae_add(d->m, 1, p->least.c, multiplier);
-  for (int i = 0; i < d->k; i++) {
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
     normal[i] = closed[i] ? -p->least.c[row++] : 0;
     for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
       tangential[j] = closed[i] && sticks[i] ? -p->least.c[row++] : 0;

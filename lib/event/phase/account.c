@@ -39,7 +39,8 @@ static double leak(const nsdae_event_phase *p, const double *y)
   double power = 0;
   for (int i = 0; i < d->m; i++)
     power -= y[at->lambda + i] * nsdae_terms_constraint_rate(T, i, T->v);
-  for (int i = 0; i < d->k; i++) {
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
     if (p->modes.contact[i] == NSDAE_MODE_OPEN) continue;
     power += y[at->normal + i] * nsdae_terms_normal_rate(T, i, T->v);
     for (int j = i * d->nt; p->modes.contact[i] == NSDAE_MODE_STICK && j < (i + 1) * d->nt; j++)

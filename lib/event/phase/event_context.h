@@ -13,6 +13,7 @@
 #define NSDAE_EVENT_SETTING_H
 
 #include "stepper.h"
+#include "tracking.h"
 
 /* The largest relative error of differences, eps^(1/2): beyond it the function is not smooth. */
 #define NSDAE_EVENT_DIFFERENCES 1.5e-8
@@ -31,6 +32,7 @@ typedef struct nsdae_event_setting {
   nsdae_event_places at;
   double error_by_differences[2]; /* of velocities and accelerations along the motion */
   nsdae_result *result;           /* of the step in work */
+  nsdae_tracking *tracking;       /* of contacts in slots */
 } nsdae_event_setting;
 
 /* Fills `at`; the system is set before. */

@@ -44,7 +44,7 @@ int nsdae_event_residual(double t, const double *y, const double *ydot, double c
   const nsdae_sim_options *o = p->setting->options;
   int status = nsdae_newton_kkt_move(p->setting->here, t, y, ydot, cj, p->moved, r);
   nsdae_event_move(p->setting, t, p->moved);
-  if (status == NSDAE_OK) status = nsdae_terms_need(p->setting->here, p->terms);
+  if (status == NSDAE_OK) status = nsdae_event_need(p);
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   nsdae_newton_kkt_residual(T, o->baumgarte_alpha, o->baumgarte_beta, y, ydot, r);
   memcpy(r + at->normal, y + at->normal, (size_t)(at->n - at->normal) * sizeof *r);
@@ -69,7 +69,7 @@ int nsdae_event_newton_setup(double t, const double *y, const double *ydot, doub
   int redundant = *p->modes.redundant;
   (void)ydot;
   nsdae_event_move(s, t, y);
-  int status = nsdae_terms_need(s->here, p->terms);
+  int status = nsdae_event_need(p);
   if (status == NSDAE_OK)
     status = nsdae_newton_kkt_factor(&p->newton, s->here, cj, redundant ? p->modes.basis : NULL,
                                      s->system->dims.m - redundant);

@@ -46,6 +46,14 @@ static nsdae_event_row_kind kind_of(const nsdae_event_phase *p, int force)
   return p->setting->system->contact[i].mu > 0 ? NSDAE_ROW_RUBS : NSDAE_ROW_NONE;
 }
 
+/* The n-th row of those of kind l: contacts by their numbers. */
+static int row_in_order(const nsdae_system *s, int l, int n)
+{
+  int nt = s->dims.nt;
+  if (l == 2) return n;
+  return l == 0 ? nsdae_system_contact(s, n) : nsdae_system_contact(s, n / nt) * nt + n % nt;
+}
+
 /* Normal, tangential and of frictional joints. */
 static void list_rows(nsdae_event_phase *p)
 {
@@ -58,8 +66,9 @@ static void list_rows(nsdae_event_phase *p)
        .w = T->frictional_joint.w,
        .omega = T->frictional_joint.omega}};
   b->count = 0;
-  for (int l = 0, force = 0; l < 3; l++)
-    for (int i = 0; i < of[l].rows->count; i++, force++) {
+  for (int l = 0, first = 0; l < 3; first += of[l++].rows->count)
+    for (int n = 0; n < of[l].rows->count; n++) {
+      int i = row_in_order(T->system, l, n), force = first + i;
       nsdae_event_row *row = &b->row[b->count];
       nsdae_event_row_kind kind = kind_of(p, force);
       b->place[force] = kind == NSDAE_ROW_NONE ? -1 : b->count++;
@@ -202,13 +211,24 @@ static int solve(nsdae_event_phase *p)
   return nsdae_border_solve(&p->border, T, p->x, p->l, p->rows.f);
 }
 
+int nsdae_event_need(const nsdae_event_phase *p)
+{
+  nsdae_terms *T = p->setting->here;
+  int unlisted = 0, status = nsdae_terms_need(T, p->terms);
+  for (int i = 0; T->system->tracked && i < T->system->dims.k && status == NSDAE_OK; i++)
+    unlisted |= p->modes.contact[i] != NSDAE_MODE_OPEN && !(T->gap[i] < NSDAE_FAR);
+  if (!unlisted) return status;
+  status = nsdae_tracking_widen(p->setting->tracking, T, p->setting->options->dt);
+  return status < 0 ? status : nsdae_terms_need(T, p->terms);
+}
+
 int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
 {
   nsdae_terms *T = p->setting->here;
   const nsdae_event_places *at = &p->setting->at;
   memset(y + at->lambda, 0, (size_t)(at->n - at->lambda) * sizeof *y);
   nsdae_event_move(p->setting, t, y);
-  int status = nsdae_terms_need(T, p->terms);
+  int status = nsdae_event_need(p);
   if (status < 0) return status;
   status = solve(p);
   if (status < 0 && status != NSDAE_E_CONVERGENCE)

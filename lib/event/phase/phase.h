@@ -109,6 +109,10 @@ static inline double nsdae_event_relation(const nsdae_event_phase *p, int force,
 /* Brings `terms` and the rows to what the modes need. */
 void nsdae_event_begin_phase(nsdae_event_phase *phase);
 
+/* The terms of the modes at the point in work, with the rows of every closed contact that a list
+ * has there. */
+int nsdae_event_need(const nsdae_event_phase *phase);
+
 /* The forces of y [n] from its q and v, at time t; v' [nv] is in x then, and the terms are there.
  * NSDAE_E_CONVERGENCE: the equations are singular; NSDAE_E_MASS; or a callback's status. The
  * setting's kkt has the factors of this point then. */

@@ -139,6 +139,14 @@ static double rising(const nsdae_event_root *root, double t, double value, doubl
   return t - root->since > least ? (value - root->start) / (t - root->since) : root->rate;
 }
 
+/* A gap that is above the tolerance after the first step: as that of a contact which a list names
+ * only then, so that both have the same root. */
+static int has_risen(const nsdae_event_phase *p, const nsdae_event_root *root, double value)
+{
+  return root->state == NSDAE_ROOT_RISING && root->kind == NSDAE_ROOT_NORMAL &&
+         p->modes.contact[root->index] == NSDAE_MODE_OPEN && value > root->size;
+}
+
 /* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
  * out of the set until it has. */
 static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
@@ -149,7 +157,7 @@ static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
          (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
 }
 
-int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, double *g)
+static int root_values(nsdae_event_roots *r, double t, const double *y, int begins, double *g)
 {
   const nsdae_event_phase *p = r->phase;
   if (evaluate(r, t, y) < 0) return -1;
@@ -159,10 +167,21 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, dou
     int out = is_out(p, root);
     g[e] = out ? 1 : value_of(p, p->setting->here, r->at, root);
     root->moved |= !out && g[e] > root->size;
+    if (begins && has_risen(p, root, g[e])) root->state = NSDAE_ROOT_LIVE;
     if (root->state == NSDAE_ROOT_RISING) g[e] = rising(root, t, g[e], position);
     if (root->state == NSDAE_ROOT_MASKED && !out) g[e] += root->size;
   }
   return 0;
+}
+
+int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, double *g)
+{
+  return root_values(r, t, y, 0, g);
+}
+
+int nsdae_event_first_values(nsdae_event_roots *r, double t, const double *y, double *g)
+{
+  return root_values(r, t, y, 1, g);
 }
 
 /* Size of a force that is zero up to the errors of the integration. */

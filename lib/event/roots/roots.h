@@ -69,6 +69,9 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
 /* g [count] at y [n]; 0, or -1 where it could not be evaluated. */
 int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y, double *g);
 
+/* The same where a step starts. */
+int nsdae_event_first_values(nsdae_event_roots *roots, double t, const double *y, double *g);
+
 /* The states for the phase that starts now at y, with the accelerations a [nv]. */
 int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, const double *a);
 

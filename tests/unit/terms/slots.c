@@ -16,7 +16,7 @@ typedef struct fixture {
   as_list *as_list;
   nsdae_tracked tracked;
   long id[SLOTS];
-  int used[SLOTS], block[2 * SLOTS];
+  int used[SLOTS], block[2 * SLOTS], order[SLOTS];
   nsdae_differences differences[2];
   nsdae_terms terms[2]; /* fixed, by list */
   nsdae_error error;
@@ -47,7 +47,8 @@ static int begin(fixture *f, uint64_t seed, unsigned left_out)
   f->list = *as_list_system(f->as_list);
   f->list.by_list = 0;
   f->list.dims.k = SLOTS;
-  f->tracked = (nsdae_tracked){.id = f->id, .used = f->used, .block = f->block, .reach = 1e3};
+  f->tracked = (nsdae_tracked){
+      .id = f->id, .used = f->used, .block = f->block, .order = f->order, .reach = 1e3};
   f->list.tracked = &f->tracked;
   for (int i = 0; i < 2; i++) {
     f->differences[i].system = f->terms[i].system = i ? &f->list : f->fixed;

@@ -85,7 +85,7 @@ typedef struct fixture {
   nsdae_system *system, model;
   nsdae_tracked table;
   long id[SLOTS];
-  int used[SLOTS], block[2 * SLOTS];
+  int used[SLOTS], block[2 * SLOTS], order[SLOTS];
   nsdae_coefficients law[SLOTS];
   nsdae_differences differences;
   nsdae_terms terms;
@@ -150,7 +150,8 @@ static void begin(fixture *f, uint64_t *random, int with_speed, int slots)
   f->model.by_list = 0;
   f->model.dims.k = slots;
   f->model.contact = f->law;
-  f->table = (nsdae_tracked){.id = f->id, .used = f->used, .block = f->block};
+  f->table = (nsdae_tracked){.id = f->id, .used = f->used, .block = f->block, .order = f->order};
+  for (int i = 0; i < SLOTS; i++) f->order[i] = i;
   f->model.tracked = &f->table;
   f->differences.system = f->terms.system = f->tracking.model = &f->model;
   f->terms.differences = &f->differences;
@@ -227,9 +228,19 @@ static int close_first(fixture *f, double from, double to)
   return nsdae_tracking_close(&f->tracking, from, high);
 }
 
-/* Every slot has another contact, its blocks and coefficients. */
+/* Every slot has another contact, its blocks and coefficients. Those that are used come in the
+ * order of their ids, the others after them. */
 static void check_slots(const fixture *f)
 {
+  int seen[SLOTS] = {0};
+  for (int n = 0; n < f->model.dims.k; n++) {
+    int slot = f->order[n], last = n > 0 ? f->order[n - 1] : slot;
+    assert_in_range(slot, 0, f->model.dims.k - 1);
+    assert_int_equal(seen[slot]++, 0);
+    if (n == 0) continue;
+    assert_true(f->used[last] || !f->used[slot]);
+    assert_true(f->used[slot] ? f->id[last] < f->id[slot] : f->used[last] || last < slot);
+  }
   for (int s = 0; s < f->model.dims.k; s++) {
     long pair = f->id[s] - f->motion.first_id;
     if (!f->used[s]) continue;
