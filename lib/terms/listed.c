@@ -180,6 +180,8 @@ int nsdae_terms_slots(nsdae_terms *T)
     if (list->gap[i] > tracked->reach) continue; /* of a list that was asked for more */
     int found = nsdae_tracked_find(tracked, k, list->id[i], slot + 1);
     if (found >= 0 && place[found] >= 0) return nsdae_terms_id_twice(T, list->id[i]);
+    if (found >= 0) status = nsdae_terms_same_blocks(T, i, found);
+    if (status < 0) return status;
     if (found >= 0) place[slot = found] = i;
   }
   nsdae_terms_select(T, k, place);
@@ -209,6 +211,20 @@ int nsdae_terms_slot_accelerations(nsdae_terms *T)
     for (int j = 0; j < nt; j++) T->omega.T[i * nt + j] = entry >= 0 ? given[1 + j] : 0;
   }
   return status;
+}
+
+int nsdae_terms_same_blocks(const nsdae_terms *T, int i, int slot)
+{
+  const int *now = T->by.list.block + 2 * (size_t)i, *was = T->system->tracked->block + 2 * slot;
+  double t = nsdae_terms_time(T);
+  if ((now[0] == was[0] && now[1] == was[1]) || (now[0] == was[1] && now[1] == was[0]))
+    return NSDAE_OK;
+  nsdae_error_set(T->error, NSDAE_E_CALLBACK, "nsdae_contact_add", "block",
+                  "the contact of id %ld is between blocks %d and %d at t = %.17g, and was between "
+                  "%d and %d: an id is of one pair of bodies, use another id for another pair",
+                  T->by.list.id[i], now[0], now[1], t, was[0], was[1]);
+  long id = T->by.list.id[i];
+  return nsdae_error_at(T->error, NSDAE_E_CALLBACK, id >= 0 && id <= INT_MAX ? (int)id : -1, t);
 }
 
 int nsdae_terms_id_twice(const nsdae_terms *T, long id)

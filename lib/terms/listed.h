@@ -29,6 +29,9 @@ int nsdae_terms_slots(nsdae_terms *terms);
 int nsdae_terms_slot_accelerations(nsdae_terms *terms);
 /* What is in the slots, or the reach, changed: their terms are out of date. */
 void nsdae_terms_forget_slots(nsdae_terms *terms);
+/* NSDAE_OK, or NSDAE_E_CALLBACK with the record: entry i of the list has other blocks than the
+ * contact of the same id in the slot. */
+int nsdae_terms_same_blocks(const nsdae_terms *terms, int i, int slot);
 /* NSDAE_E_ARGUMENT with the record: the list has this id twice. */
 int nsdae_terms_id_twice(const nsdae_terms *terms, long id);
 /* What item i of a kind is called; a contact of a list, which is its entry, by its id. */

@@ -207,6 +207,8 @@ static int ask(nsdae_tracking *t, nsdae_terms *T, double reach, double speed, in
   for (int i = 0, last = -1; i < list->count; i++) {
     int slot = nsdae_tracked_find(t->table, k, list->id[i], last + 1);
     if (slot < 0 && (!added || !(list->gap[i] <= reach))) continue;
+    if (slot >= 0) status = nsdae_terms_same_blocks(T, i, slot);
+    if (status < 0) return status;
     if (slot < 0) *added += (slot = take_slot(t, list, i)) >= 0;
     full |= slot < 0;
     if (slot < 0) continue;

@@ -368,12 +368,73 @@ static void test_pieces(void **state)
   }
 }
 
+/* ---- an id of two pairs of bodies */
+
+static int two_masses(double t, const double *q, double *M, void *user)
+{
+  point_mass(t, q, M, user);
+  return point_mass(t, q, M + 4, user);
+}
+
+static int two_weights(double t, const double *q, const double *v, double *F, void *user)
+{
+  weight(t, q, v, F, user);
+  return weight(t, q, v, F + 2, user);
+}
+
+/* Until the time of the user the body 0 has the id 5, then the body 1. */
+static int one_id(double t, const double *q, const double *v, double reach,
+                  nsdae_contact_list *list, void *user)
+{
+  const double *until = user;
+  int body = t > *until;
+  nsdae_contact c = {.id = 5, .block = {body, -1}, .gap = q[2 * body + 1], .mu = 0.1};
+  (void)v;
+  c.direction[0][0][1] = c.direction[0][1][0] = 1;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
+static void test_moved_id(void **state)
+{
+  (void)state;
+  /* between steps, and within one */
+  static const double times[] = {0.02, 0.0213};
+  for (int n = 0; n < 4; n++) {
+    double until = times[n / 2];
+    const nsdae_dims dims = {.nq = 4, .nt = 1};
+    static const int two[2] = {2, 2};
+    static const double q0[4] = {0, 0, 1, 0}, v0[4] = {0};
+    nsdae_sim_options o;
+    nsdae_system *s;
+    nsdae_sim *sim;
+    assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+    nsdae_system_set_user(s, &until);
+    nsdae_system_set_blocks(s, 2, two, two);
+    nsdae_system_set_mass_blocks(s, two_masses);
+    nsdae_system_set_force(s, two_weights);
+    nsdae_system_set_contacts(s, one_id);
+    nsdae_sim_options_default(&o);
+    o.method = n % 2 ? NSDAE_METHOD_PENALTY : NSDAE_METHOD_EVENT;
+    assert_int_equal(nsdae_sim_create(s, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 0.1), NSDAE_E_CALLBACK);
+    const nsdae_error *error = nsdae_sim_error(sim);
+    assert_int_equal(error->index, 5);
+    assert_true(error->time > until && error->time < until + 0.01);
+    assert_non_null(strstr(error->text, "the contact of id 5 is between blocks 1 and -1"));
+    assert_non_null(strstr(error->text, "use another id"));
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&s);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_same_order), cmocka_unit_test(test_bounded),
       cmocka_unit_test(test_estimated),  cmocka_unit_test(test_too_slow),
       cmocka_unit_test(test_hidden),     cmocka_unit_test(test_pieces),
+      cmocka_unit_test(test_moved_id),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

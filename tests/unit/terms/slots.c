@@ -80,6 +80,8 @@ static void put_into_slots(fixture *f, int count, uint64_t *random)
     int slot = (int)(random_uniform(random) * SLOTS);
     while (f->used[slot]) slot = (slot + 1) % SLOTS;
     f->used[slot] = 1;
+    f->block[2 * slot] = 0;
+    f->block[2 * slot + 1] = -1;
     f->id[slot] = i;
   }
   nsdae_terms_forget_slots(&f->terms[1]);
