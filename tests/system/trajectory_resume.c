@@ -188,10 +188,35 @@ static void test_dropped_step(void **state)
   expect_same(ROWS); /* the state counts the calls of the step that was dropped, too */
 }
 
+/* The bytes of the file; NULL: there is none. */
+static char *whole_file(size_t *size)
+{
+  FILE *file = fopen(path, "rb");
+  char *bytes = NULL;
+  *size = 0;
+  if (!file) return NULL;
+  assert_int_equal(fseek(file, 0, SEEK_END), 0);
+  *size = (size_t)ftell(file);
+  rewind(file);
+  bytes = malloc(*size + 1);
+  assert_non_null(bytes);
+  assert_true(fread(bytes, 1, *size, file) == *size);
+  fclose(file);
+  return bytes;
+}
+
+/* The file is as it was before, to the byte. */
 static void refuse(fixture *f, const char *argument)
 {
+  size_t before, after;
+  char *kept = whole_file(&before);
   int status = resume(f);
+  char *got = whole_file(&after);
   assert_true(status < 0);
+  assert_true(before == after && (!kept) == (!got));
+  if (kept) assert_memory_equal(kept, got, before);
+  free(kept);
+  free(got);
   assert_null(f->trajectory);
   assert_string_equal(f->error.argument, argument);
   assert_non_null(strstr(f->error.text, path));
@@ -226,6 +251,12 @@ static void test_refused(void **state)
   prepare(&f);
   f.info.compress = 2;
   refuse(&f, "compress");
+  FILE *file = fopen(path, "ab"); /* as after a kill between rows and the lengths of datasets */
+  fputs("rows that nobody knows", file);
+  fclose(file);
+  prepare(&f);
+  f.options.dt = 0.002;
+  refuse(&f, "dt");
   char *got = bytes_of(path, "/time", &after);
   assert_int_equal(before, after);
   assert_memory_equal(kept, got, before);

@@ -62,10 +62,8 @@ int nsdae_vfd_open(nsdae_vfd *file, const char *path, nsdae_vfd_mode mode)
   file->inode = status.st_ino;
   file->budget = READS_MOST;
   file->unready = mode == NSDAE_VFD_REPLACE;
-  if (file->unready)
-    file->old = (uint64_t)status.st_size;
-  else
-    file->eof = file->committed = (uint64_t)status.st_size;
+  file->old = (uint64_t)status.st_size;
+  if (!file->unready) file->eof = file->committed = file->old;
   return 0;
 }
 
@@ -189,11 +187,11 @@ static void commit(nsdae_vfd *f)
 }
 
 /* To what the file refers to, which after a failure may be more than was committed; a file that
- * never came to be leaves the old one as it was. */
+ * never came to be leaves the old one as it was, as does one that was not to be resumed. */
 static void trim(nsdae_vfd *f)
 {
   uint64_t length = f->committed ? f->committed : f->old;
-  if (f->failure && f->committed) return;
+  if ((f->failure || f->unready) && f->committed) return;
   if (ftruncate(f->fd, (off_t)length) != 0 && f->failure == 0) f->failure = errno;
 }
 

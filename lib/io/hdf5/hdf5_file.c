@@ -134,10 +134,11 @@ int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind)
  * its place: with this behind it, it is not at the end. */
 enum { GAP = 8 };
 
-int nsdae_h5_reopen(nsdae_h5 *h5)
+int nsdae_h5_reopen(nsdae_h5 *h5, int on_trial)
 {
   if (h5->status < 0) return h5->status;
   hid_t access = open_disk(h5, NSDAE_VFD_UPDATE);
+  h5->disk.unready = on_trial;
   if (access >= 0) h5->file = H5Fopen(h5->path, H5F_ACC_RDWR, access);
   h5->disk.committed = h5->disk.eoa; /* the file may be longer than what it refers to */
   h5->disk.eoa += GAP;

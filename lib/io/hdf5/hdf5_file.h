@@ -32,8 +32,9 @@ typedef enum nsdae_h5_kind {
 /* Makes the file, which takes the place of one of that name at the first nsdae_h5_flush and is gone
  * if there is none. */
 int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind);
-/* Opens it to be changed. */
-int nsdae_h5_reopen(nsdae_h5 *h5);
+/* Opens it to be changed; on trial: not before the first nsdae_h5_flush, so that a file which is
+ * refused stays as it was. */
+int nsdae_h5_reopen(nsdae_h5 *h5, int on_trial);
 /* Opens it to be read. */
 int nsdae_h5_open(nsdae_h5 *h5);
 /* Before rows are written: whether what was written so far arrived, the file is still the one that

@@ -147,7 +147,7 @@ static int end_file(nsdae_trajectory *t, int run_status)
   nsdae_trajectory_count_rows(t);
   if (t->live && t->h5.status == NSDAE_OK) {
     nsdae_h5_close(&t->h5);
-    nsdae_h5_reopen(&t->h5);
+    nsdae_h5_reopen(&t->h5, 0);
   }
   nsdae_description_set_ended(&t->h5, run_status);
   return nsdae_h5_close(&t->h5);
@@ -159,7 +159,7 @@ static void mark_failed(nsdae_h5 *h5)
 {
   const nsdae_vfd before = h5->disk;
   if (before.failure == NSDAE_VFD_REPLACED || before.committed == 0) return;
-  if (nsdae_h5_reopen(h5) < 0) return;
+  if (nsdae_h5_reopen(h5, 0) < 0) return;
   if (h5->disk.inode == before.inode && h5->disk.device == before.device)
     nsdae_description_set_ended(h5, NSDAE_E_IO);
   nsdae_h5_close(h5);

@@ -172,7 +172,7 @@ static void open_again(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   if (info->live)
     h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, "live",
                                  "a live file cannot be resumed");
-  nsdae_h5_reopen(h5);
+  nsdae_h5_reopen(h5, 1);
   nsdae_description_check(h5);
   compare_run(t, info);
   for (int i = 0; i < NSDAE_TABLES; i++) rows[i] = nsdae_series_open(&t->rows.series[i], h5);
