@@ -51,9 +51,8 @@ static void on_face(const nsdae_solid_of *s, int axis, double side, nsdae_closes
 }
 
 /* One coordinate beyond its half edge is a face, two an edge, three a corner; none is inside, where
- * the nearest face counts. None is nearer than the coordinate that is the farthest beyond. */
-static int nearest_on_box(const nsdae_solid_of *s, const double *place, double enough,
-                          nsdae_closest *c)
+ * the nearest face counts. */
+static void nearest_on_box(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
 {
   int beyond = 0, deepest = 0, within = 0, corner = 0;
   for (int i = 0; i < 3; i++) {
@@ -63,15 +62,13 @@ static int nearest_on_box(const nsdae_solid_of *s, const double *place, double e
     if (!out) within = i;
     if (fabs(place[i]) - s->half[i] > fabs(place[deepest]) - s->half[deepest]) deepest = i;
   }
-  if (fabs(place[deepest]) - s->half[deepest] > enough) return 0;
   if (beyond <= 1) {
     on_face(s, deepest, place[deepest] < 0 ? -1 : 1, c);
-    return 1;
+    return;
   }
   c->kind = beyond == 2 ? NSDAE_LINE_POINT : NSDAE_POINT_POINT;
   set(nsdae_solid_corner(s, corner), c->x[0]);
   if (beyond == 2) set(s->R + 3 * within, c->u[0]);
-  return 1;
 }
 
 /* Whether a place is beside the face across an axis by no more than slack. */
@@ -111,9 +108,11 @@ static int corner_on_box(const nsdae_meeting *met, int base, const double *place
     over = o->face[base] >= o->most - o->slack && /* or no corner in the box is deeper than edges */
            may_be_over(s, place, o->way[base], o->beside) && is_over(s, place, axis, o->beside);
   }
-  if (!over) return nearest_on_box(s, place, met->enough, c);
-  if (o->side[base] * place[axis] - s->half[axis] < o->most - o->slack) return 0;
-  on_face(s, axis, o->side[base], c);
+  if (over && o->side[base] * place[axis] - s->half[axis] < o->most - o->slack) return 0;
+  if (over)
+    on_face(s, axis, o->side[base], c);
+  else
+    nearest_on_box(s, place, c);
   return 1;
 }
 
@@ -226,7 +225,7 @@ static int edge_on_edge(const nsdae_feature *f, const nsdae_meeting *met, nsdae_
   double a = d[axis[0]] + b * w[axis[0]], apart = scale * (w[p] * d[q] - w[q] * d[p]);
   double end = o->most <= o->slack ? o->slack : 0;
   if (fabs(a) > s[0]->half[axis[0]] - end || fabs(b) > s[1]->half[axis[1]] - end) return 0;
-  if (apart > met->enough || (apart < 0 && apart < o->most - o->slack)) return 0;
+  if (apart < 0 && apart < o->most - o->slack) return 0;
   c->kind = NSDAE_LINE_LINE;
   c->side = scale < 0 ? -1 : 1;
   for (int i = 0; i < 2; i++) {
