@@ -307,12 +307,8 @@ static void clear_jammed(nsdae_contacts *c, const nsdae_terms *terms, const nsda
 static int solve_equations(const nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt,
                            int nrhs, double *R, double *C)
 {
-  nsdae_terms T;
   int status = nsdae_kkt_solve(kkt, nrhs, R, kkt->n, C, kkt->m);
-  if (status == NSDAE_OK) return status;
-  T = *terms;
-  T.error = c->error;
-  return nsdae_terms_unsolved(&T, kkt, status);
+  return status < 0 ? nsdae_terms_bad_equations(terms, c->error, "", kkt->m, status) : status;
 }
 
 static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt *kkt)

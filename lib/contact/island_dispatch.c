@@ -75,7 +75,7 @@ int nsdae_island_dispatch_solve_mass(nsdae_island_dispatch *d, const nsdae_terms
   int status = NSDAE_OK;
   if (nsdae_dense_island_solve_mass(&w->dense, d->factorisation.number, r)) return NSDAE_OK;
   for (int b = 0; b < s->blocks.count && status == NSDAE_OK; b++)
-    status = nsdae_worker_solve_block(w, s, nsdae_terms_time(T), T->M, b, r + s->blocks.first[b]);
+    status = nsdae_worker_solve_block(w, T, T->M, b, r + s->blocks.first[b]);
   return status < 0 ? carry_out(d, w) : status;
 }
 

@@ -93,27 +93,21 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
 }
 
 /* pivot of block b, from 1. */
-static int bad_mass(nsdae_worker *w, const nsdae_system *system, double t, int b, int pivot)
+static int bad_mass(nsdae_worker *w, const nsdae_terms *T, int b, int pivot)
 {
-  const char *callback = nsdae_system_mass_name(system);
+  const nsdae_blocks *blocks = &T->system->blocks;
   char of[32] = "";
-  if (system->blocks.count > 1) snprintf(of, sizeof of, " of block %d", b);
-  nsdae_error_set(&w->error, NSDAE_E_MASS, "nsdae_terms", callback,
-                  "the mass matrix%s is not positive definite at t = %.17g: pivot %d of %d is not "
-                  "above rounding; check the callback %s",
-                  of, t, pivot, nsdae_blocks_size(&system->blocks, b), callback);
-  w->error.time = t;
-  nsdae_system_name_item(system, NSDAE_NAME_VELOCITY, system->blocks.first[b] + pivot - 1,
-                         &w->error);
-  return NSDAE_E_MASS;
+  if (blocks->count > 1) snprintf(of, sizeof of, " of block %d", b);
+  return nsdae_terms_bad_mass(T, &w->error, of, pivot, nsdae_blocks_size(blocks, b),
+                              blocks->first[b] + pivot - 1);
 }
 
-int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_system *system, double t, const double *M,
-                             int b, double *x)
+int nsdae_worker_solve_block(nsdae_worker *w, const nsdae_terms *T, const double *M, int b,
+                             double *x)
 {
   nsdae_block_factor factor = {.L = w->L};
-  int pivot = nsdae_blocks_factor(&system->blocks, b, M, &factor);
-  if (pivot) return bad_mass(w, system, t, b, pivot);
+  int pivot = nsdae_blocks_factor(&T->system->blocks, b, M, &factor);
+  if (pivot) return bad_mass(w, T, b, pivot);
   nsdae_blocks_solve(&factor, x);
   return NSDAE_OK;
 }
@@ -142,8 +136,7 @@ int nsdae_worker_solve_free(nsdae_worker *w, const nsdae_island_equations *whole
   int at = blocks->first[b];
   size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof(double);
   memcpy(whole->v + at, whole->r + at, bytes);
-  int status = nsdae_worker_solve_block(w, whole->system, nsdae_terms_time(whole->terms), whole->M,
-                                        b, whole->v + at);
+  int status = nsdae_worker_solve_block(w, whole->terms, whole->M, b, whole->v + at);
   memcpy(whole->size + at, whole->v + at, bytes);
   return status;
 }
@@ -202,30 +195,17 @@ static const char *where(const nsdae_island_equations *whole, int island, char t
 
 static int unsolved(nsdae_worker *w, const nsdae_island_equations *whole, int island, int status)
 {
-  double t = nsdae_terms_time(whole->terms);
   char in[48];
-  nsdae_error_set(&w->error, status, "nsdae_terms", nsdae_system_jacobian_name(whole->system),
-                  "%sthe equations of %d constraints were not solved at t = %.17g: %s",
-                  where(whole, island, in), nsdae_members_count(&whole->islands->row, island), t,
-                  nsdae_status_message(status));
-  w->error.time = t;
-  return status;
+  return nsdae_terms_bad_equations(whole->terms, &w->error, where(whole, island, in),
+                                   nsdae_members_count(&whole->islands->row, island), status);
 }
 
-/* dependent: the first row that depends on others, best first. */
 static int bad_rank(nsdae_worker *w, const nsdae_island_equations *whole, int island, int rank,
                     int dependent)
 {
-  double t = nsdae_terms_time(whole->terms);
   char in[48];
-  nsdae_error_set(&w->error, NSDAE_E_RANK, "nsdae_terms", nsdae_system_jacobian_name(whole->system),
-                  "%sPhi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
-                  "redundant = least-norm; the first redundant one",
-                  where(whole, island, in), rank, nsdae_members_count(&whole->islands->row, island),
-                  t);
-  w->error.time = t;
-  nsdae_system_name_item(whole->system, NSDAE_NAME_CONSTRAINT, dependent, &w->error);
-  return NSDAE_E_RANK;
+  return nsdae_terms_bad_rank(whole->terms, &w->error, where(whole, island, in), rank,
+                              nsdae_members_count(&whole->islands->row, island), dependent);
 }
 
 /* Pivot of the island's M, from 1, as one of a block. */
@@ -235,7 +215,7 @@ static int bad_local_mass(nsdae_worker *w, const nsdae_island_equations *whole, 
   const int *block = whole->islands->block.of + whole->islands->block.first[island];
   for (; pivot > nsdae_blocks_size(&whole->system->blocks, *block); block++)
     pivot -= nsdae_blocks_size(&whole->system->blocks, *block);
-  return bad_mass(w, whole->system, nsdae_terms_time(whole->terms), *block, pivot);
+  return bad_mass(w, whole->terms, *block, pivot);
 }
 
 /* The record of the contact problem, with the island in front of it. */
@@ -300,8 +280,7 @@ static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, i
                                .row = is->row.of + is->row.first[island]};
   int status = nsdae_sparse_kkt_analyse(k, &part);
   if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(k, whole->M);
-  if (status == NSDAE_E_MASS)
-    return bad_mass(w, whole->system, nsdae_terms_time(whole->terms), k->bad_block, k->pivot);
+  if (status == NSDAE_E_MASS) return bad_mass(w, whole->terms, k->bad_block, k->pivot);
   if (status < 0) return unsolved(w, whole, island, status);
   count_rank(&w->solved, k->rank.count, k->rank.kept, k->rank.left);
   return k->rank.count < part.row_count && !w->least_norm
@@ -338,7 +317,7 @@ static int cause_of(nsdae_worker *w, const nsdae_island_equations *whole, int is
   for (int i = members->first[island]; i < members->first[island + 1]; i++) {
     int b = members->of[i];
     int pivot = nsdae_blocks_factor(&whole->system->blocks, b, whole->M, &factor);
-    if (pivot) return bad_mass(w, whole->system, nsdae_terms_time(whole->terms), b, pivot);
+    if (pivot) return bad_mass(w, whole->terms, b, pivot);
   }
   return status;
 }

@@ -71,9 +71,10 @@ enum { NSDAE_NEXT = 1 };
 int nsdae_worker_solve(nsdae_worker *worker, const nsdae_island_equations *whole, int island,
                        int pass);
 
-/* x [size of the block] := M_b^-1 x, M of time t; v of a block that nothing touches. */
-int nsdae_worker_solve_block(nsdae_worker *worker, const nsdae_system *system, double t,
-                             const double *M, int b, double *x);
+/* x [size of the block] := M_b^-1 x, M by the blocks of the terms; v of a block that nothing
+ * touches. */
+int nsdae_worker_solve_block(nsdae_worker *worker, const nsdae_terms *terms, const double *M, int b,
+                             double *x);
 int nsdae_worker_solve_free(nsdae_worker *worker, const nsdae_island_equations *whole, int b);
 
 #endif

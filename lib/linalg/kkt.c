@@ -122,8 +122,11 @@ int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, co
 int nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
   int status = NSDAE_OK;
-  if (!kkt->is_sparse) nsdae_dense_kkt_solve(kkt, nrhs, R, ldr, C, ldc);
-  for (int j = 0; j < nrhs && kkt->is_sparse && status == NSDAE_OK; j++, R += ldr, C += ldc)
+  if (!kkt->is_sparse) {
+    nsdae_dense_kkt_solve(kkt, nrhs, R, ldr, C, ldc);
+    return NSDAE_OK;
+  }
+  for (int j = 0; j < nrhs && status == NSDAE_OK; j++, R += ldr, C += ldc)
     status = nsdae_sparse_kkt_solve(&kkt->sparse, R, R, C);
   return status;
 }

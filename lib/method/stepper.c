@@ -186,7 +186,8 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
   nsdae_stepper *s = step->tools;
   for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
   int status = solve(step, terms, M, r, 1, v, s->impulse);
-  if (status == NSDAE_OK) step->result->carried = nsdae_problem_carried(&s->problem, terms);
+  if (status == NSDAE_OK && step->result->closed.count > 0)
+    step->result->carried = nsdae_problem_carried(&s->problem, terms);
   return status;
 }
 

@@ -586,44 +586,52 @@ double nsdae_terms_touch(const nsdae_terms *terms)
   return 8 * DBL_EPSILON * size;
 }
 
-static int bad_mass(const nsdae_terms *terms, const nsdae_kkt *kkt)
+int nsdae_terms_bad_mass(const nsdae_terms *T, nsdae_error *error, const char *of, int pivot, int n,
+                         int velocity)
 {
-  const char *callback = nsdae_system_mass_name(terms->system);
-  nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", callback,
-                  "the mass matrix is not positive definite at t = %.17g: pivot %d of %d is not "
+  const char *callback = nsdae_system_mass_name(T->system);
+  nsdae_error_set(error, NSDAE_E_MASS, "nsdae_terms", callback,
+                  "the mass matrix%s is not positive definite at t = %.17g: pivot %d of %d is not "
                   "above rounding; check the callback %s",
-                  nsdae_terms_time(terms), kkt->pivot, kkt->n, callback);
-  terms->error->time = nsdae_terms_time(terms);
-  nsdae_system_name_item(terms->system, NSDAE_NAME_VELOCITY, kkt->pivot - 1, terms->error);
+                  of, nsdae_terms_time(T), pivot, n, callback);
+  error->time = nsdae_terms_time(T);
+  nsdae_system_name_item(T->system, NSDAE_NAME_VELOCITY, velocity, error);
   return NSDAE_E_MASS;
 }
 
-int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int status)
+int nsdae_terms_bad_equations(const nsdae_terms *T, nsdae_error *error, const char *in, int m,
+                              int status)
 {
-  if (status == NSDAE_E_MASS) return bad_mass(terms, kkt);
-  nsdae_error_set(terms->error, status, "nsdae_terms", nsdae_system_jacobian_name(terms->system),
-                  "the equations of %d constraints were not solved at t = %.17g: %s", kkt->m,
-                  nsdae_terms_time(terms), nsdae_status_message(status));
-  terms->error->time = nsdae_terms_time(terms);
+  nsdae_error_set(error, status, "nsdae_terms", nsdae_system_jacobian_name(T->system),
+                  "%sthe equations of %d constraints were not solved at t = %.17g: %s", in, m,
+                  nsdae_terms_time(T), nsdae_status_message(status));
+  error->time = nsdae_terms_time(T);
   return status;
 }
 
-/* The first of those that are left when the independent ones are taken, best first. */
-static int bad_rank(const nsdae_terms *terms, const nsdae_kkt *kkt)
+int nsdae_terms_bad_rank(const nsdae_terms *T, nsdae_error *error, const char *in, int rank, int m,
+                         int dependent)
 {
-  nsdae_error_set(terms->error, NSDAE_E_RANK, "nsdae_terms",
-                  nsdae_system_jacobian_name(terms->system),
-                  "Phi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
+  nsdae_error_set(error, NSDAE_E_RANK, "nsdae_terms", nsdae_system_jacobian_name(T->system),
+                  "%sPhi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
                   "redundant = least-norm; the first redundant one",
-                  kkt->rank, kkt->m, nsdae_terms_time(terms));
-  terms->error->time = nsdae_terms_time(terms);
-  nsdae_system_name_item(terms->system, NSDAE_NAME_CONSTRAINT, kkt->dependent, terms->error);
+                  in, rank, m, nsdae_terms_time(T));
+  error->time = nsdae_terms_time(T);
+  nsdae_system_name_item(T->system, NSDAE_NAME_CONSTRAINT, dependent, error);
   return NSDAE_E_RANK;
 }
 
-int nsdae_terms_factor(nsdae_terms *terms, const double *M, nsdae_kkt *kkt, int least_norm)
+int nsdae_terms_unsolved(const nsdae_terms *T, const nsdae_kkt *kkt, int status)
 {
-  int status = nsdae_kkt_factor(kkt, M, &terms->by.jacobian);
-  if (status < 0) return nsdae_terms_unsolved(terms, kkt, status);
-  return kkt->rank < kkt->m && !least_norm ? bad_rank(terms, kkt) : NSDAE_OK;
+  if (status == NSDAE_E_MASS)
+    return nsdae_terms_bad_mass(T, T->error, "", kkt->pivot, kkt->n, kkt->pivot - 1);
+  return nsdae_terms_bad_equations(T, T->error, "", kkt->m, status);
+}
+
+int nsdae_terms_factor(nsdae_terms *T, const double *M, nsdae_kkt *kkt, int least_norm)
+{
+  int status = nsdae_kkt_factor(kkt, M, &T->by.jacobian);
+  if (status < 0) return nsdae_terms_unsolved(T, kkt, status);
+  if (kkt->rank == kkt->m || least_norm) return NSDAE_OK;
+  return nsdae_terms_bad_rank(T, T->error, "", kkt->rank, kkt->m, kkt->dependent);
 }

@@ -174,6 +174,17 @@ double nsdae_terms_energy(const nsdae_terms *terms, const double *v);
  * those are all that it says, 8 eps (1 + max |q|). */
 double nsdae_terms_touch(const nsdae_terms *terms);
 
+/* Records of what failed at the point, in a part of the system that the text names, "" in all. Each
+ * returns its status: a pivot, from 1, of n velocities, which is that velocity's; the equations of
+ * m constraints; their rank, with the first of those that are left when the independent ones are
+ * taken, best first. */
+int nsdae_terms_bad_mass(const nsdae_terms *terms, nsdae_error *error, const char *of, int pivot,
+                         int n, int velocity);
+int nsdae_terms_bad_equations(const nsdae_terms *terms, nsdae_error *error, const char *in, int m,
+                              int status);
+int nsdae_terms_bad_rank(const nsdae_terms *terms, nsdae_error *error, const char *in, int rank,
+                         int m, int dependent);
+
 /* The record of a status of nsdae_kkt_factor or nsdae_kkt_solve at the point, which is returned. */
 int nsdae_terms_unsolved(const nsdae_terms *terms, const nsdae_kkt *kkt, int status);
 
