@@ -60,8 +60,10 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  *  (1 - e_N) h^2 v^2 / (2 r) in every step.
  * - SLOP (implicit and moreau): contacts that were closed in the step and are deeper than a slop
  *  are brought out to it. The change is the least in the metric of M that leaves the constraints as
- *  they are; velocities stay. The slop is h^2 a, with the largest acceleration a that the forces
- *  give to a contact of the island. projection_energy of the record is what this adds.
+ *  they are; velocities stay, except along the constraints. The slop is h^2 a / 2, with the largest
+ *  acceleration a that forces of this size may give to a contact of the island. projection_energy
+ *  of the record is what this adds.
+ * - AUTO (default): SLOP for implicit and moreau, else NONE.
  *
  * penalty and event accept NONE only: event satisfies both conditions in another way, and overlap
  * is part of the contact law of penalty. */
@@ -70,7 +72,8 @@ enum nsdae_projection {
   NSDAE_PROJECTION_CONSTRAINTS,
   NSDAE_PROJECTION_CONTACTS,
   NSDAE_PROJECTION_DEPTHS,
-  NSDAE_PROJECTION_SLOP
+  NSDAE_PROJECTION_SLOP,
+  NSDAE_PROJECTION_AUTO
 };
 
 /* Initialise with nsdae_sim_options_default; an uninitialised struct is an error. */
@@ -85,10 +88,6 @@ typedef struct nsdae_sim_options {
                                              constraint is redundant */
   double contact_tol;                     /* tolerance of the scaled natural residual of contact
                                              problems */
-  double contact_work; /* multiplications by J that the contact problem of an island may take: a
-                          tenth of it to reach contact_tol, all to reach contact_give times that.
-                          An island of fewer than 100 contacts counts as one of 100. 0 (default):
-                          1e4 if contact_tol >= 1e-6, else the budget of nsdae_friction_options */
   double contact_give; /* a step goes on with the best point if its residual is at most this times
                           contact_tol; 1: it fails */
   int polygon; /* edges of the friction polygon for nt = 2: 3 .. 32; 0: second-order Coulomb cone */

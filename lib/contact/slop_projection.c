@@ -10,17 +10,26 @@ enum { SWEEPS = 40 }; /* forwards and backwards in turn */
 /* Depth up to which a contact stays, relative to the slop. */
 static const double deep = 1.1;
 
-enum { ARRAYS = 5 };
+/* A contact that comes out by its own velocity u in this number of steps is not moved: a bounce
+ * would get height from it. After an impact at v a body is up to (1 + (1 - e) / 2) h v deep and u =
+ * e v, so that it needs (3 - e) / (2 e) steps: 4 at e = 1/3. With a smaller e, bounces lose more
+ * than the depth gives down to v = g h (3 - e) / (1 - e^2). Those of e v are then not higher than
+ * (e v)^2 / 2 g = 0.5 g h^2 at e = 1/3, which is the slop: the ball comes to rest in it. */
+static const double own_steps = 4;
+
+enum { ARRAYS = 7 };
 
 #define EACH(s)                                                                                 \
   {                                                                                             \
     NSDAE_ARRAY((s)->missing, 1), NSDAE_ARRAY((s)->weight, 1), NSDAE_ARRAY((s)->multiplier, 1), \
-        NSDAE_ARRAY((s)->gap, 1), NSDAE_ARRAY((s)->at, 1)                                       \
+        NSDAE_ARRAY((s)->gap, 1), NSDAE_ARRAY((s)->own, 1), NSDAE_ARRAY((s)->at, 1),            \
+        NSDAE_ARRAY((s)->moved, 1)                                                              \
   }
 
 void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsdae_arena *arena)
 {
   s->free = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
+  s->force = NSDAE_ARENA_DOUBLES(arena, system->blocks.count);
   s->change = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->factor.L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
 }
@@ -53,71 +62,68 @@ static void solve_block(nsdae_slop_projection *s, const nsdae_terms *T, int b, d
   nsdae_blocks_solve(&s->factor, x);
 }
 
-/* Appends a row, with M^-1 W from the value `at` on; returns where the next one begins. */
+/* Appends a row, with M^-1 W from the value `at` on. Returns where the next one begins; drive:
+ * sum_b |W_b| |F_b|, by the norms of M^-1. */
 static size_t append(nsdae_slop_projection *s, const nsdae_terms *T, const nsdae_rows *rows, int i,
-                     double missing, size_t at)
+                     size_t at, double *drive)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   int row = s->count++;
-  s->missing[row] = missing;
-  s->weight[row] = s->multiplier[row] = 0;
+  s->missing[row] = s->weight[row] = s->multiplier[row] = *drive = 0;
   s->at[row] = at;
   for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
     int b = rows->block[p], n = nsdae_blocks_size(blocks, b);
     const double *W = rows->value + rows->at[p];
-    double *inverse = s->inverse + at;
+    double *inverse = s->inverse + at, weight = 0;
     for (int j = 0; j < n; j++) inverse[j] = W[(size_t)j * rows->stride];
     solve_block(s, T, b, inverse);
-    for (int j = 0; j < n; j++) s->weight[row] += W[(size_t)j * rows->stride] * inverse[j];
+    for (int j = 0; j < n; j++) weight += W[(size_t)j * rows->stride] * inverse[j];
+    s->weight[row] += weight;
+    *drive += sqrt(weight * s->force[b]);
     at += (size_t)n;
   }
   return at;
 }
 
-/* sum_b |W_ib^T M_b^-1 F_b| */
-static double drive(const nsdae_slop_projection *s, const nsdae_terms *T, int i)
+/* F_b^T M_b^-1 F_b */
+static void measure_force(nsdae_slop_projection *s, const nsdae_terms *T, int b)
 {
-  const nsdae_rows *rows = &T->by.normal;
-  double sum = 0;
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
-    const double *W = rows->value + rows->at[p];
-    int b = rows->block[p];
-    double along = 0;
-    for (int j = T->system->blocks.first[b]; j < T->system->blocks.first[b + 1]; j++)
-      along += s->free[j] * *W, W += rows->stride;
-    sum += fabs(along);
-  }
-  return sum;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  size_t n = (size_t)nsdae_blocks_size(blocks, b);
+  const double *F = T->F + blocks->first[b];
+  memcpy(s->free, F, n * sizeof *F);
+  solve_block(s, T, b, s->free);
+  s->force[b] = 0;
+  for (size_t j = 0; j < n; j++) s->force[b] += F[j] * s->free[j];
 }
 
-/* The slop, and the rows if a contact is deeper. */
+/* The rows and the slop; whether a contact is deeper. */
 static int begin_island(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
                         const nsdae_terms *T, double h)
 {
-  const nsdae_blocks *blocks = &T->system->blocks;
-  const int *first = is->contact.first + island, *row = is->row.first + island;
-  double touch = nsdae_terms_touch(T), lowest = 0, driven = 0;
-  for (int a = first[0]; a < first[1]; a++) lowest = fmin(lowest, s->gap[is->contact.of[a]]);
-  if (!(lowest < -deep * touch)) return 0;
-  /* ---- slop */
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
-    int b = is->blocks == 1 ? 0 : is->block.of[i], at = blocks->first[b];
-    size_t bytes = (size_t)nsdae_blocks_size(blocks, b) * sizeof *s->free;
-    memcpy(s->free + at, T->F + at, bytes);
-    solve_block(s, T, b, s->free + at);
-  }
-  for (int a = first[0]; a < first[1]; a++) driven = fmax(driven, drive(s, T, is->contact.of[a]));
-  s->slop = fmax(touch, h * h * driven);
-  if (!(lowest < -deep * s->slop)) return 0;
-  /* ---- rows */
+  const int *contact = is->contact.of + is->contact.first[island];
+  int contacts = nsdae_members_count(&is->contact, island);
+  double lowest = 0, most = 0, drive;
   size_t at = 0;
+  for (int a = 0; a < contacts; a++) lowest = fmin(lowest, s->own[contact[a]]);
+  s->slop = nsdae_terms_touch(T);
+  if (!(lowest < -deep * s->slop)) return 0;
   s->count = 0;
-  for (int a = first[0]; a < first[1]; a++) {
-    int i = is->contact.of[a];
-    at = append(s, T, &T->by.normal, i, s->gap[i] + s->slop, at);
+  s->contacts = contacts;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
+    measure_force(s, T, is->block.of[i]);
+  for (int a = 0; a < contacts; a++) {
+    at = append(s, T, &T->by.normal, contact[a], at, &drive);
+    most = fmax(most, drive);
   }
-  s->contacts = s->count;
-  for (int i = row[0]; i < row[1]; i++) at = append(s, T, &T->by.jacobian, is->row.of[i], 0, at);
+  s->slop = fmax(s->slop, h * h / 2 * most);
+  if (!(lowest < -deep * s->slop)) return 0;
+  for (int a = 0; a < contacts; a++) {
+    double missing = s->gap[contact[a]] + s->slop, own = s->own[contact[a]] + s->slop;
+    s->missing[a] = missing < 0 ? fmin(own, 0) : missing;
+  }
+  for (int i = is->row.first[island]; i < is->row.first[island + 1]; i++)
+    at = append(s, T, &T->by.jacobian, is->row.of[i], at, &drive);
   return 1;
 }
 
@@ -164,7 +170,8 @@ static void solve_island(nsdae_slop_projection *s, const nsdae_contact_islands *
   }
   for (int a = is->contact.first[island]; a < is->contact.first[island + 1]; a++) {
     int i = is->contact.of[a];
-    s->gap[i] = nsdae_rows_add_dot(&T->system->blocks, &T->by.normal, i, s->change, s->gap[i]);
+    s->moved[i] = nsdae_rows_dot(&T->system->blocks, &T->by.normal, i, s->change);
+    s->gap[i] += s->moved[i];
   }
 }
 
@@ -174,10 +181,12 @@ int nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsda
   const nsdae_contact_islands *is = &p->dispatch.islands;
   int moved = 0;
   s->factored = -1;
+  for (int i = 0; i < p->system->dims.k; i++) s->moved[i] = 0;
   memset(s->change, 0, (size_t)p->system->dims.nv * sizeof *s->change);
   for (int a = 0; a < p->count; a++) {
     int i = p->number[a];
     s->gap[i] = T->gap[i] + rest * nsdae_terms_normal_rate(T, i, v);
+    s->own[i] = s->gap[i] + own_steps * h * fmax(p->results->after[i], 0);
   }
   for (int island = 0; island < is->count; island++) {
     if (!begin_island(s, is, island, T, h)) continue;

@@ -8,12 +8,14 @@
  * Catto, GDC 2006). g is the gap at the end of the step, by the rows at the point where its
  * contacts were found: g_N + (t_1 - t) (W^T v + w), with the mean velocity v from there on.
  *
- * The slop is the way that the forces F drive a contact in a step of length h, from rest:
+ * The slop is the way of a contact in a step of length h, from rest, by forces of the size of F:
  *
- *   s = h^2 max_i sum_b |W_ib^T M_b^-1 F_b|,   contacts i of the island, bodies b of each
+ *   s = h^2 / 2 max_i sum_b |W_ib| |F_b|,   norms of M_b^-1, contacts i of the island, their bodies
+ * b
  *
- * A resting contact that touches exactly moves by up to h^2 a / 2 when its neighbours change. One
- * that is s deep remains closed then. It is above the rounding of a gap (nsdae_terms_touch). */
+ * which bounds h^2 / 2 sum_b |W_ib^T M_b^-1 F_b|, for forces along any direction. A contact at rest
+ * that is s deep remains closed when its neighbours change. It is above the rounding of a gap
+ * (nsdae_terms_touch). */
 #ifndef NSDAE_SLOP_PROJECTION_H
 #define NSDAE_SLOP_PROJECTION_H
 
@@ -25,9 +27,12 @@ typedef struct nsdae_slop_projection {
   double *weight;        /* rows: W^T M^-1 W */
   double *multiplier;    /* rows: l, m */
   double *gap;           /* contacts, by number: at the end of the step */
+  double *own;           /* the same some steps later, by the velocity that it leaves with */
+  double *moved;         /* contacts, by number: W^T d */
   size_t *at;            /* rows: where their values begin */
   double *inverse;       /* values: M^-1 W, part by part */
-  double *free, *change; /* nv: M^-1 F, d */
+  double *free, *change; /* nv: M^-1 F of a block, d */
+  double *force;         /* blocks: F^T M^-1 F */
   nsdae_block_factor factor;
   int factored;        /* the block of it; -1: none */
   int contacts, count; /* of the island: contacts, rows */

@@ -13,7 +13,7 @@ int nsdae_sim_make_room(nsdae_sim *sim, const nsdae_room *contacts, const nsdae_
                    r = nsdae_room_larger(&sim->lists.rows, rows);
   int status = nsdae_problem_grow(&sim->stepper.problem, &c, &r), points = sim->aside ? 3 : 2;
   if (status == NSDAE_OK) status = nsdae_projector_grow(&sim->projection, &c, &r);
-  if (status == NSDAE_OK && sim->options.projection == NSDAE_PROJECTION_SLOP)
+  if (status == NSDAE_OK && nsdae_sim_projection(&sim->options) == NSDAE_PROJECTION_SLOP)
     status = nsdae_slop_grow(&sim->slop, &sim->model, &c, &r);
   for (int i = 0; i < points && status == NSDAE_OK; i++)
     status = nsdae_result_grow(&sim->point[i].result, &c);

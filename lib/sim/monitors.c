@@ -25,8 +25,9 @@ static double gap_of(const nsdae_terms *T, int i)
   return tracked && !(T->gap[i] < NSDAE_FAR) ? tracked->reach : T->gap[i];
 }
 
-/* Lengths: how far gaps and rows of constraints go in a step. */
-static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const nsdae_result *result)
+/* Lengths: how far gaps and rows of constraints go in a step; moved [k]: by projection = slop. */
+static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const nsdae_result *result,
+                            const double *moved)
 {
   const nsdae_terms *to = &result->end;
   const nsdae_dims *d = &to->system->dims;
@@ -35,8 +36,10 @@ static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const ns
   double speed = 0, h = to->t - from->t;
   for (int i = 0; i < d->k; i++) {
     if (tracked && !tracked->used[i]) continue; /* a free slot has no gap */
-    double gap = gap_of(to, i);
-    w->change = nsdae_larger(w->change, fabs(gap - gap_of(from, i)));
+    double gap = gap_of(to, i), change = gap - gap_of(from, i);
+    /* by a wrong normal the projection goes deeper, and that is no motion */
+    double lifted = moved && change < 0 ? nsdae_larger(0, moved[i]) : 0;
+    w->change = nsdae_larger(w->change, fabs(change) - lifted);
     if (w->apart > 0) w->apart = nsdae_larger(w->apart, gap);
   }
   for (int a = 0; a < result->closed.count; a++)
@@ -230,11 +233,13 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   nsdae_monitors *w = &point->accounts.watch;
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
-  measure_lengths(w, &before->result.end, &point->result);
+  const double *moved = point->result.counters.moved ? sim->slop.moved : NULL;
+  measure_lengths(w, &before->result.end, &point->result, moved);
   excess all[3] = {find_gain(w, before, point)};
   int status = judge_fallback(sim, before, point), found = 1;
   if (status != NSDAE_OK) return status;
-  if (r->penetration > 0) all[found++] = deepest(sim, before, point);
+  if (r->penetration > nsdae_terms_touch(&point->result.end))
+    all[found++] = deepest(sim, before, point);
   if (r->constraint_drift > 0) all[found++] = furthest(point);
   for (int i = 0; i < found; i++)
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))

@@ -15,8 +15,8 @@ static const char *const integrators[] = {"auto", "dopri5", "dop853", "ida", NUL
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
 static const char *const no_yes[] = {"no", "yes", NULL};
-static const char *const projections[] = {"none",   "constraints", "contacts",
-                                          "depths", "slop",        NULL};
+static const char *const projections[] = {"none", "constraints", "contacts", "depths",
+                                          "slop", "auto",        NULL};
 
 enum { INITIALISED = 0x6e736461 };
 
@@ -42,10 +42,6 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
     {"contact_tol", "1", "tolerance of the scaled natural residual of contact problems",
      NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
-    {"contact_work", "1",
-     "multiplications by J for the contact problem of an island; 0: 1e4 if contact_tol >= 1e-6, "
-     "else that of nsdae_friction_options",
-     NSDAE_PARAM_REAL, AT(contact_work), 0, 0, 1e12, 0, NULL},
     {"contact_give", "1",
      "multiple of contact_tol up to which implicit and moreau go on with the best point",
      NSDAE_PARAM_REAL, AT(contact_give), 100, 1, 1e12, 0, NULL},
@@ -77,7 +73,7 @@ static const nsdae_param entries[] = {
     {"events_max", "1", "maximum number of events in one dt; beyond it implicit takes the step",
      NSDAE_PARAM_INT, AT(events_max), 10000, 1, 1e9, 0, NULL},
     {"projection", "", "projection of the end of a step of a time-stepping method",
-     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_NONE, 0, 4, 0, projections},
+     NSDAE_PARAM_CHOICE, AT(projection), NSDAE_PROJECTION_AUTO, 0, 5, 0, projections},
     {"start_tol", "1", "relative tolerance of the initial conditions", NSDAE_PARAM_REAL,
      AT(start_tol), 1e-6, 0, INFINITY, 0, NULL},
     {"inner_steps_max", "1", "maximum number of internal steps of penalty and event in one dt",
@@ -116,7 +112,9 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "options",
                            "options were not initialised: call nsdae_sim_options_default first");
   int status = nsdae_params_check(&table, options, error);
-  if (status < 0 || options->projection == NSDAE_PROJECTION_NONE) return status;
+  if (status < 0 || options->projection == NSDAE_PROJECTION_NONE ||
+      options->projection == NSDAE_PROJECTION_AUTO)
+    return status;
   int slop = options->projection == NSDAE_PROJECTION_SLOP;
   if (slop && options->method == NSDAE_METHOD_IMPLICIT_PRINTED)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
@@ -128,6 +126,13 @@ int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error
       error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "projection",
       "projection = %s is for time-stepping methods, and method is %s: set projection = none",
       projections[options->projection], methods[options->method]);
+}
+
+int nsdae_sim_projection(const nsdae_sim_options *options)
+{
+  int slop = options->method == NSDAE_METHOD_IMPLICIT || options->method == NSDAE_METHOD_MOREAU;
+  if (options->projection != NSDAE_PROJECTION_AUTO) return options->projection;
+  return slop ? NSDAE_PROJECTION_SLOP : NSDAE_PROJECTION_NONE;
 }
 
 double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param)
@@ -149,7 +154,6 @@ static const struct {
     {"iteration_tol", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
     {"iteration_max", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
     {"contact_tol", ~(1u << NSDAE_METHOD_PENALTY)},
-    {"contact_work", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
     {"contact_give", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
     {"polygon", ~(1u << NSDAE_METHOD_PENALTY)},
     {"rtol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},

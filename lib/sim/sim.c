@@ -18,7 +18,7 @@ void nsdae_sim_layout(void *object, nsdae_arena *arena)
   nsdae_arena_zeros(arena);
   nsdae_stepper_layout(&sim->stepper, arena);
   nsdae_projector_layout(&sim->projection, arena);
-  if (sim->options.projection == NSDAE_PROJECTION_SLOP)
+  if (nsdae_sim_projection(&sim->options) == NSDAE_PROJECTION_SLOP)
     nsdae_slop_layout(&sim->slop, &sim->model, arena);
   size_t size = nsdae_callback_guard_size(&sim->model),
          start = nsdae_initial_size(&sim->model.dims), watch = 2 * (size_t)sim->model.dims.nv;
@@ -101,10 +101,11 @@ static void choose_projected(nsdae_sim *sim)
   nsdae_projector *p = &sim->projection;
   const nsdae_sim_options *o = &sim->options;
   int event = o->method == NSDAE_METHOD_EVENT && !sim->model.tracked;
+  int projection = nsdae_sim_projection(o);
   p->tools = &sim->stepper;
-  p->rows = event || o->projection != NSDAE_PROJECTION_NONE ? sim->system->dims.m : 0;
-  p->contacts.any = event || o->projection == NSDAE_PROJECTION_CONTACTS ||
-                    o->projection == NSDAE_PROJECTION_DEPTHS;
+  p->rows = event || projection != NSDAE_PROJECTION_NONE ? sim->system->dims.m : 0;
+  p->contacts.any =
+      event || projection == NSDAE_PROJECTION_CONTACTS || projection == NSDAE_PROJECTION_DEPTHS;
 }
 
 void nsdae_sim_measure(nsdae_sim *sim)

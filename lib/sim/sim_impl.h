@@ -263,6 +263,9 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
 /* NSDAE_OK, or NSDAE_E_ARGUMENT naming the first option outside its range. */
 int nsdae_sim_options_check(const nsdae_sim_options *options, nsdae_error *error);
 
+/* The projection, or what auto stands for. */
+int nsdae_sim_projection(const nsdae_sim_options *options);
+
 /* An option as a number. */
 double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_param *param);
 

@@ -160,8 +160,10 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
-/* projection = slop: contacts that are too deep are brought out, and velocities stay. Both methods
- * found them at home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. */
+/* projection = slop: contacts that are too deep are brought out. Velocities stay. With
+ * constraints they are projected to those of the new place, which only lowers the kinetic energy.
+ * Both methods found them at home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1)
+ * / 2. */
 static int bring_out(nsdae_sim *sim, double length)
 {
   nsdae_result *r = &sim->next->result;
@@ -170,7 +172,7 @@ static int bring_out(nsdae_sim *sim, double length)
   nsdae_terms *home = s->problem.home == start ? start : &s->middle;
   const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP |
                          NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS;
-  double before = 0, after = 0;
+  double before = 0, moved = 0, after = 0;
   if (s->problem.count == 0) return keep_lengths(sim);
   int status = nsdae_terms_need(home, terms);
   if (status < 0) return status;
@@ -182,17 +184,21 @@ static int bring_out(nsdae_sim *sim, double length)
   double potential = end->potential;
   if (status == NSDAE_OK)
     status = nsdae_project_change(&sim->projection, end, home, sim->slop.change);
+  if (status == NSDAE_OK) status = energy(end, &moved);
+  if (status == NSDAE_OK) status = nsdae_project_velocities(&sim->projection, end);
   if (status == NSDAE_OK) status = energy(end, &after);
   if (status < 0) return status;
+  r->counters.moved = 1;
+  if (sim->system->dims.m > 0) r->rate.known = 0; /* it was of the velocities before */
   r->work += after - before;
-  r->lifted += after - before;
+  r->lifted += moved - before;
   r->raised += end->potential - potential;
   return NSDAE_OK;
 }
 
 static int correct(nsdae_sim *sim, double length)
 {
-  switch (sim->options.projection) {
+  switch (nsdae_sim_projection(&sim->options)) {
   case NSDAE_PROJECTION_NONE:
     return keep_lengths(sim);
   case NSDAE_PROJECTION_SLOP:

@@ -29,6 +29,10 @@
 #include "stepper.h"
 #include "vector.h"
 
+/* Relative change at which a step with frozen contacts ends after iteration_max iterations. A step
+ * whose forces are too stiff for dt changes by more than 1. */
+static const double several = 1e-5;
+
 enum { FREEZE = 20 }; /* a contraction by a half has 6 digits then, one by a quarter 12 */
 
 enum {
@@ -208,7 +212,11 @@ static int attempt(const nsdae_step *step, int all_impacts)
     nsdae_terms_set_velocity(step->end, s->v);
     return step->result->counters.frozen ? need(step, step->end, 0) : NSDAE_OK;
   }
-  return no_convergence(step, moved, rank);
+  /* between solutions of the contact problem, which friction makes several */
+  if (!step->result->counters.frozen || !(moved <= several))
+    return no_convergence(step, moved, rank);
+  nsdae_terms_set_velocity(step->end, s->v);
+  return need(step, step->end, 0);
 }
 
 static int worth_another_attempt(const nsdae_step *step, int status)

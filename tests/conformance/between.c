@@ -783,6 +783,7 @@ static void refused_warning(nsdae_system *system, ball *b, nsdae_sim_options o)
   (void)b;
   if (o.method == NSDAE_METHOD_PENALTY || o.method == NSDAE_METHOD_EVENT) return;
   o.start_tol = 1e300;
+  o.projection = NSDAE_PROJECTION_NONE; /* it would be put right */
   for (int way = 0; way < 3; way++) {
     nsdae_sim *sim = make(system, &o, -0.5, 0);
     left = 1;

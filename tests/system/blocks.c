@@ -15,6 +15,7 @@ static nsdae_sim *make(nsdae_system *system, int method, double dt)
   nsdae_sim *sim;
   nsdae_error error;
   nsdae_sim_options_default(&options);
+  options.projection = NSDAE_PROJECTION_NONE; /* its slop is of an island: of all, with one block */
   options.method = method;
   options.dt = dt;
   options.rank_tol = 1e-12;

@@ -167,6 +167,7 @@ static void test_bounce(void **state)
       nsdae_sim_options options;
       nsdae_record r;
       nsdae_sim_options_default(&options);
+      options.projection = NSDAE_PROJECTION_NONE; /* figures of the bare step */
       options.method = method;
       options.dt = 1e-3;
       if (block_start(&b, &options, q0, v0)) {
@@ -439,6 +440,7 @@ static int judge_run(uint64_t seed, int method, double *violations)
   nsdae_system *system = random_system_make(&r);
   judge j = {.r = &r, .method = method, .potential = (int)(r.given >> RANDOM_POTENTIAL & 1)};
   nsdae_sim_options_default(&options);
+  options.projection = NSDAE_PROJECTION_NONE; /* figures of the bare step */
   options.method = method;
   options.dt = step_length;
   options.start_tol = 1e-3;
@@ -564,6 +566,7 @@ static void test_state(void **state)
     random_system_draw(&r, 17, RANDOM_PLAIN);
     nsdae_system *system = random_system_make(&r);
     nsdae_sim_options_default(&options);
+    options.projection = NSDAE_PROJECTION_NONE; /* figures of the bare step */
     options.method = method;
     options.dt = step_length;
     options.start_tol = 1e-3;

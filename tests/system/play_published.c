@@ -68,6 +68,7 @@ static series simulate(const mechanism *m, int method, double dt)
   double q[9], v[9];
   nsdae_sim_options options;
   nsdae_sim_options_default(&options);
+  options.projection = NSDAE_PROJECTION_NONE; /* the methods as published */
   options.method = method;
   options.dt = dt;
   options.rtol = 1e-10;

@@ -60,6 +60,7 @@ static void run(const scene *s, int method, int threads, double tol, trace *t)
   options.method = method;
   options.dt = 2e-3;
   options.contact_tol = tol;
+  options.contact_give = 1; /* what is not solved fails */
   options.threads = threads;
   assert_int_equal(nsdae_sim_create(s->system, &options, &sim, NULL), NSDAE_OK);
   t->status = nsdae_sim_init(sim, 0, s->q0, s->v0);

@@ -75,6 +75,7 @@ static run integrate(int method, double dt, double t_end, int published)
   double q0[3] = {0}, v0[3] = {0};
   out = (run){0};
   nsdae_sim_options_default(&options);
+  options.projection = NSDAE_PROJECTION_NONE; /* the methods as published */
   options.method = method;
   options.dt = dt;
   assert_int_equal(woodpecker_model.build(woodpecker_model.base, &system, NULL), NSDAE_OK);
