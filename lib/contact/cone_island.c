@@ -10,8 +10,9 @@
 #include "friction_solver.h"
 #include "vector.h"
 
-/* Newton steps after the solution of islands with few contacts, until rounding rules: what sticks
- * there does not creep. */
+/* Newton steps after the solution of islands with few contacts, and of those without impulses of a
+ * step before, until rounding rules: bodies that stick there, or are placed at rest, do not creep.
+ */
 enum { FEW = 16, REFINE = 4 };
 
 void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, nsdae_arena *arena)
@@ -387,40 +388,42 @@ static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->at.item[i]] = -c->at.r[row++];
 }
 
-/* Solves it, and keeps with what and from where. */
-static int solve_with(nsdae_cone_island *c, nsdae_cone_work *work,
-                      const nsdae_friction_options *options)
+/* To tol by budget multiplications by J, from at.r; keeps from where. */
+static int solve_to(nsdae_cone_island *c, nsdae_cone_work *work, double tol, double budget)
 {
-  c->options = *options;
+  const nsdae_friction_info before = work->info;
+  c->options.tol = tol;
+  c->options.budget = budget;
   memcpy(c->at.guess, c->at.r, (size_t)c->m * sizeof *c->at.guess);
-  return nsdae_friction_solver_solve(work->solver, &c->problem, options, c->at.r, c->at.u,
-                                     &work->info);
+  int status = nsdae_friction_solver_solve(work->solver, &c->problem, &c->options, c->at.r, c->at.u,
+                                           &work->info);
+  work->info.sweeps += before.sweeps;
+  work->info.iterations += before.iterations;
+  return status;
 }
 
-/* From the best point on: a solution of fewer digits, refined as far as it goes. Not above 1e-5,
- * from which refinement does not converge. */
-static int polish(nsdae_cone_island *c, nsdae_cone_work *work)
+/* A share of the work is for the tolerance; the rest for the residual that is taken instead. */
+static int solve(nsdae_cone_island *c, nsdae_cone_work *work)
 {
-  nsdae_friction_options loose = c->options;
-  loose.tol = fmin(1e4 * work->tol, 1e-5);
-  if (loose.tol <= work->tol) return NSDAE_E_LCP;
-  loose.refine = 30;
-  int status = solve_with(c, work, &loose);
-  return status == NSDAE_OK && !(work->info.residual <= work->tol) ? NSDAE_E_LCP : status;
+  const double share = NSDAE_SHARE_TO_TOL * work->budget;
+  work->info = (nsdae_friction_info){0};
+  int status = solve_to(c, work, work->tol, share);
+  if (status == NSDAE_E_LCP && work->budget > 0 && work->info.residual > work->give)
+    status = solve_to(c, work, fmax(work->give, work->tol), work->budget - share);
+  work->given = (status == NSDAE_OK && work->info.residual > work->tol) ||
+                (status == NSDAE_E_LCP && work->info.residual <= work->give);
+  return work->given ? NSDAE_OK : status;
 }
 
 int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                             nsdae_cone_work *work)
 {
-  nsdae_friction_options options;
-  nsdae_friction_options_default(&options);
-  options.tol = work->tol;
-  if (nsdae_members_count(&w->islands->contact, island) <= FEW) options.refine = REFINE;
+  const int contacts = nsdae_members_count(&w->islands->contact, island);
+  nsdae_friction_options_default(&c->options);
   gather(c, w, island);
-  int status = solve_with(c, work, &options);
-  if (status == NSDAE_E_LCP) status = polish(c, work);
-  work->given = status == NSDAE_E_LCP && work->info.residual <= work->give;
-  if (work->given) status = NSDAE_OK;
+  if (contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
+  work->budget = nsdae_contacts_budget(work->budget, contacts);
+  int status = solve(c, work);
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
   work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};

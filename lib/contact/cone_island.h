@@ -51,6 +51,7 @@ int nsdae_cone_island_reserve(nsdae_cone_island *cones, const nsdae_system *syst
 typedef struct nsdae_cone_work {
   nsdae_friction_solver *solver;
   double *L, tol, give; /* give: the best point is taken up to this residual */
+  double budget;        /* nsdae_contacts_budget */
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_natural_residual residual;

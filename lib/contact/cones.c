@@ -212,6 +212,7 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   set_values(c);
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
+  s->options.budget = nsdae_contacts_budget(c->lcp.budget, c->active_count);
   recall(c);
   int status =
       c->slides.count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c, c->lcp.options.tol);

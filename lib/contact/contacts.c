@@ -441,6 +441,13 @@ static int unsolved(nsdae_contacts *c, double t, int status)
   return status;
 }
 
+/* An island below FEW contacts may take as long as one of FEW: then all solvers have their turn. */
+double nsdae_contacts_budget(double budget, int contacts)
+{
+  enum { FEW = 100 };
+  return contacts < FEW ? budget * FEW / fmax(1, contacts) : budget;
+}
+
 int nsdae_contacts_give(nsdae_contacts *c, int status)
 {
   c->lcp.given = status == NSDAE_E_LCP && c->lcp.info.residual <= c->lcp.give;

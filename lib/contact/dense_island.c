@@ -13,6 +13,7 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
   nsdae_contacts *c = &l->contacts;
   nsdae_contacts_set(c, of->system, error, of->lcp.options.tol, of->edges);
   c->lcp.give = of->lcp.give;
+  c->lcp.budget = of->lcp.budget;
   c->rows_most = of->rows_most;
   c->part.J = &l->gathered.J;
   l->kkt.rank_tol = rank_tol;

@@ -13,6 +13,7 @@ void nsdae_worker_prepare(nsdae_worker *w, const nsdae_contacts *of, double rank
   nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
   w->tol = of->lcp.options.tol;
   w->give = of->lcp.give;
+  w->budget = of->lcp.budget;
   w->least_norm = least_norm;
   w->sparse.rank_tol = rank_tol;
 }
@@ -329,8 +330,12 @@ static int fits_dense(const nsdae_worker *w, const nsdae_island_equations *whole
 static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
-  nsdae_cone_work work = {
-      .solver = w->solver, .L = w->L, .tol = w->tol, .give = w->give, .error = &w->error};
+  nsdae_cone_work work = {.solver = w->solver,
+                          .L = w->L,
+                          .tol = w->tol,
+                          .give = w->give,
+                          .budget = w->budget,
+                          .error = &w->error};
   int rows = nsdae_members_count(&whole->islands->row, island);
   int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
   if (status < 0) return status;

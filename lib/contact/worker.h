@@ -43,7 +43,7 @@ typedef struct nsdae_worker {
   nsdae_friction_solver *solver;
   int all_dense; /* every island with constraints is */
   double *L;     /* of the largest block */
-  double tol, give;
+  double tol, give, budget;
   int least_norm;
   nsdae_solved solved; /* by this worker, in the step at hand */
 } nsdae_worker;

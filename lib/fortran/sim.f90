@@ -40,6 +40,7 @@ module nsdae_f_sim
     integer(c_int) :: redundant
     real(c_double) :: rank_tol
     real(c_double) :: contact_tol
+    real(c_double) :: contact_work                      ! multiplications by J for an island; 0: see nsdae/sim.h
     real(c_double) :: contact_give                      ! a step goes on up to this times contact_tol
     integer(c_int) :: polygon                           ! edges for nt = 2: 3 .. 32; 0: second-order cone
     real(c_double) :: impact_velocity                   ! a slower closing is no impact [m/s]

@@ -23,6 +23,15 @@ static double settled(const nsdae_system *system, double tol)
   return differs ? fmax(tol, 1e-9) : tol;
 }
 
+/* Multiplications by J for an island; 0: no limit but the solver's. A sweep of Gauss-Seidel takes
+ * two and reaches no small tolerance. A median step of heaps and walls takes 10 to 100 sweeps; a
+ * tenth of the default (NSDAE_SHARE_TO_TOL) are 500. */
+static double contact_budget(const nsdae_sim_options *o)
+{
+  if (o->contact_work > 0) return o->contact_work;
+  return o->contact_tol < 1e-6 ? 0 : 1e4;
+}
+
 void nsdae_stepper_prepare(nsdae_stepper *s)
 {
   const nsdae_sim_options *o = s->options;
@@ -38,6 +47,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
   nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
   int gives = o->method == NSDAE_METHOD_IMPLICIT || o->method == NSDAE_METHOD_MOREAU;
+  s->contacts.lcp.budget = gives ? contact_budget(o) : 0;
   s->contacts.lcp.give = gives ? o->contact_give * o->contact_tol : 0;
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
   nsdae_problem_prepare(&s->problem, &s->contacts, o->rank_tol,

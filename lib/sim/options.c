@@ -42,6 +42,10 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
     {"contact_tol", "1", "tolerance of the scaled natural residual of contact problems",
      NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
+    {"contact_work", "1",
+     "multiplications by J for the contact problem of an island; 0: 1e4 if contact_tol >= 1e-6, "
+     "else that of nsdae_friction_options",
+     NSDAE_PARAM_REAL, AT(contact_work), 0, 0, 1e12, 0, NULL},
     {"contact_give", "1",
      "multiple of contact_tol up to which implicit and moreau go on with the best point",
      NSDAE_PARAM_REAL, AT(contact_give), 100, 1, 1e12, 0, NULL},
@@ -154,6 +158,7 @@ static const struct {
     {"iteration_tol", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
     {"iteration_max", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
     {"contact_tol", ~(1u << NSDAE_METHOD_PENALTY)},
+    {"contact_work", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
     {"contact_give", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
     {"polygon", ~(1u << NSDAE_METHOD_PENALTY)},
     {"rtol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},

@@ -80,7 +80,7 @@ static const entry entries[] = {
     AT(nsdae_sim_options, dt) AT(nsdae_sim_options, baumgarte_alpha)
     AT(nsdae_sim_options, baumgarte_beta) AT(nsdae_sim_options, iteration_tol)
     AT(nsdae_sim_options, iteration_max) AT(nsdae_sim_options, redundant)
-    AT(nsdae_sim_options, rank_tol) AT(nsdae_sim_options, contact_tol) AT(nsdae_sim_options, contact_give)
+    AT(nsdae_sim_options, rank_tol) AT(nsdae_sim_options, contact_tol) AT(nsdae_sim_options, contact_work) AT(nsdae_sim_options, contact_give)
     AT(nsdae_sim_options, polygon) AT(nsdae_sim_options, impact_velocity)
     AT(nsdae_sim_options, rtol) AT(nsdae_sim_options, atol) AT(nsdae_sim_options, penalty_law)
     AT(nsdae_sim_options, penalty_stiffness) AT(nsdae_sim_options, penalty_exponent)

@@ -280,6 +280,7 @@ contains
     call same_place('nsdae_sim_options%redundant', c_loc(x), c_loc(x%redundant))
     call same_place('nsdae_sim_options%rank_tol', c_loc(x), c_loc(x%rank_tol))
     call same_place('nsdae_sim_options%contact_tol', c_loc(x), c_loc(x%contact_tol))
+    call same_place('nsdae_sim_options%contact_work', c_loc(x), c_loc(x%contact_work))
     call same_place('nsdae_sim_options%contact_give', c_loc(x), c_loc(x%contact_give))
     call same_place('nsdae_sim_options%polygon', c_loc(x), c_loc(x%polygon))
     call same_place('nsdae_sim_options%impact_velocity', c_loc(x), c_loc(x%impact_velocity))

@@ -1,0 +1,127 @@
+/* Option contact_work on a hostile family: seeded boxes of spheres that touch from the start and
+ * are shaken, with much friction. No step takes more sweeps than the bound allows, none leaves more
+ * than contact_give allows, and the bytes do not depend on the threads. */
+#include "check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <nsdae/nsdae.h>
+
+#include "random.h"
+
+enum { SIDE = 5, LAYERS = 4, BALLS = SIDE * SIDE * LAYERS, STEPS = 60, SEEDS = 2 };
+
+/* REFINE: Newton steps after the solution of a first step (cone_island.c). */
+enum { REFINE = 4 };
+
+static const double TOL = 1e-4, GIVE = 1e3, RADIUS = 0.05;
+
+static nsdae_bodies *shaken_box(uint64_t seed, double *q0, double *v0)
+{
+  const double half = SIDE * RADIUS, turn = sqrt(0.5), J = 0.4 * 0.5 * RADIUS * RADIUS;
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, (double[3]){0, 0, -9.81});
+  nsdae_bodies_set_pair(b, 0, 1, 0.8, 0, 0);
+  nsdae_bodies_set_pair(b, 1, 1, 0.8, 0, 0);
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  for (int i = 0; i < 4; i++) {
+    const double sign = i % 2 ? 1 : -1;
+    nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE};
+    wall.position[i / 2] = sign * half;
+    wall.quaternion[0] = turn;
+    wall.quaternion[i / 2 == 0 ? 2 : 1] = (i / 2 == 0 ? -sign : sign) * turn;
+    nsdae_bodies_add_solid(b, NSDAE_GROUND, &wall);
+  }
+  for (int i = 0; i < BALLS; i++) {
+    const int place[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+    nsdae_rigid_body ball = {.mass = 0.5, .inertia = {J, J, J}};
+    for (int j = 0; j < 3; j++) {
+      ball.position[j] = RADIUS * (2 * place[j] + 1) - (j < 2 ? half : 0);
+      ball.velocity[j] = random_between(&seed, -0.5, 0.5);
+      ball.spin[j] = random_between(&seed, -10, 10);
+    }
+    nsdae_bodies_add_solid(
+        b, nsdae_bodies_add(b, &ball),
+        &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = RADIUS, .material = 1});
+  }
+  assert_int_equal(nsdae_bodies_get_start(b, q0, v0), NSDAE_OK);
+  return b;
+}
+
+static nsdae_sim *begin(const nsdae_system *system, double work, int threads, const double *q0,
+                        const double *v0)
+{
+  nsdae_sim_options o;
+  nsdae_sim *sim;
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_METHOD_MOREAU;
+  o.dt = 2e-3;
+  o.contact_tol = TOL;
+  o.contact_give = GIVE;
+  o.contact_work = work;
+  o.threads = threads;
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  return sim;
+}
+
+/* Returns the steps that were left above TOL. */
+static long run(uint64_t seed, double work)
+{
+  static double q0[7 * BALLS], v0[6 * BALLS];
+  nsdae_bodies *b = shaken_box(seed, q0, v0);
+  nsdae_system *system;
+  nsdae_stats before = {0}, stats;
+  nsdae_record record, other;
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_sim *one = begin(system, work, 1, q0, v0), *two = begin(system, work, 2, q0, v0);
+  for (int i = 0; i < STEPS; i++) {
+    assert_true(nsdae_sim_step(one) >= 0 && nsdae_sim_step(two) >= 0);
+    nsdae_sim_get_stats(one, &stats);
+    nsdae_sim_get_record(one, &record);
+    nsdae_sim_get_record(two, &other);
+    assert_memory_equal(record.v, other.v, sizeof v0);
+    assert_at_most(record.lcp_residual, GIVE * TOL);
+    /* A sweep takes two multiplications, and an island below 100 contacts counts as one of 100. */
+    const double largest = fmin(100, stats.island_contacts);
+    const double pivots = (double)(stats.lcp_pivots - before.lcp_pivots);
+    if (stats.islands == 1) assert_at_most(pivots, work / 2 * 100 / largest + REFINE);
+    before = stats;
+  }
+  nsdae_sim_destroy(&one);
+  nsdae_sim_destroy(&two);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+  return stats.given_steps;
+}
+
+static void test_bound_holds(void **state)
+{
+  (void)state;
+  for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+    long little = run(seed, 2000), enough = run(seed, 1e5);
+    assert_true(little > enough);
+  }
+}
+
+static void test_option(void **state)
+{
+  nsdae_sim_options o;
+  nsdae_error error;
+  (void)state;
+  nsdae_sim_options_default(&o);
+  assert_true(o.contact_work == 0);
+  assert_int_equal(nsdae_sim_options_set(&o, "contact_work", "500", &error), NSDAE_OK);
+  assert_true(o.contact_work == 500);
+  assert_int_equal(nsdae_sim_options_set(&o, "contact_work", "-1", &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.argument, "contact_work");
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_bound_holds),
+                                     cmocka_unit_test(test_option)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
