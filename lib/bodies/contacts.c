@@ -7,6 +7,8 @@
  *   omega        n: g'';  u_1, u_2: (u . xi)', both with v' = 0
  *
  * The same functions fill entries of a contact list and the callbacks of fixed contacts. */
+#include <string.h>
+
 #include "bodies_impl.h"
 
 /* ---- one contact */
@@ -112,7 +114,7 @@ typedef struct nsdae_fixed {
 } fixed;
 
 /* Feature i, after those before it. If another is nearer (far) its gap is constant and positive,
- * and its directions are those between the origins of the solids. */
+ * and it has no directions, as a contact that a list does not name. */
 static void find(const nsdae_bodies *b, int i, const double *q, const double *v, fixed *c)
 {
   const nsdae_feature *f = nsdae_feature_at(b, i);
@@ -125,10 +127,6 @@ static void find(const nsdae_bodies *b, int i, const double *q, const double *v,
   }
   c->two = nsdae_feature_couple(f, &c->met);
   c->far = !nsdae_feature_closest(f, &c->met, &c->closest);
-  if (!c->far) return;
-  c->closest = (nsdae_closest){.kind = NSDAE_POINT_POINT, .side = 1};
-  for (int j = 0; j < 2; j++)
-    for (int k = 0; k < 3; k++) c->closest.x[j][k] = s[j]->origin[k];
 }
 
 static int gap(double t, const double *q, double *g, void *user)
@@ -152,12 +150,16 @@ static double *put_columns(const nsdae_bodies *b, const double *q, int first, in
   fixed f = {.at = nsdae_nowhere};
   for (int i = 0; i < b->feature.count; i++) {
     find(b, i, q, NULL, &f);
+    if (f.far) {
+      W += (rows - first) * ldw;
+      continue;
+    }
     const nsdae_still still = nsdae_closest_still(&f.closest, &f.two);
     nsdae_contact c;
     nsdae_bodies_contact_rows(b->dimension, &f.two, &still, rows, &c);
     for (int d = first; d < rows; d++, W += ldw)
       for (int s = 0; s < 2; s++)
-        for (int j = 0; j < nv && c.block[s] != NSDAE_GROUND && (d > 0 || !f.far); j++)
+        for (int j = 0; j < nv && c.block[s] != NSDAE_GROUND; j++)
           W[c.block[s] * nv + j] += c.direction[s][d][j];
   }
   return W;
@@ -198,9 +200,12 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
   double omega[3];
   for (int i = 0; i < k; i++) {
     find(b, i, q, v, &c);
-    const nsdae_touch touch = nsdae_closest_touch(&c.closest, &c.two);
-    nsdae_bodies_contact_omega(b->dimension, &c.two, &touch, omega);
-    omega_n[i] = c.far ? 0 : omega[0];
+    memset(omega, 0, sizeof omega);
+    if (!c.far) {
+      const nsdae_touch touch = nsdae_closest_touch(&c.closest, &c.two);
+      nsdae_bodies_contact_omega(b->dimension, &c.two, &touch, omega);
+    }
+    omega_n[i] = omega[0];
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = omega[1 + j];
   }
   for (int i = 0; i < f; i++) {

@@ -162,9 +162,11 @@ static int contradicted(const directions *c, int of, double tol)
 
 int nsdae_tangent_useless(const directions *c, int j, double tol, char why[NSDAE_TANGENT_TEXT])
 {
-  int n = c->nv, row = 0;
+  int n = c->nv, row = 0, none = 0; /* none: without a normal it is no contact here */
   const double *t = c->tangent + (size_t)j * (size_t)n;
   while (row < n && t[row] == 0) row++;
+  while (none < n && c->normal[none] == 0) none++;
+  if (row == n && none == n) return 0;
   if (row == n)
     return snprintf(why, NSDAE_TANGENT_TEXT, "is zero: it must be a tangential direction");
   if (n > 1 && near_column(n, t, c->normal, tol))
