@@ -220,6 +220,37 @@ static scene two_boxes(int form)
   return s;
 }
 
+/* Two or three boxes, drawn, that lie flush on a plane and on each other, some with a gap between
+ * them; some slide. Most of their contacts are redundant, and features of two boxes coincide. */
+static scene flush_boxes(int form)
+{
+  enum { BOX_BOX = 2 * 8 + 12 * 12 };
+  uint64_t random = drawn;
+  int boxes = random_uniform(&random) < 0.5 ? 2 : 3;
+  double height = 0, mu = random_uniform(&random) < 0.3 ? 0 : random_between(&random, 0.1, 0.8);
+  double e = random_uniform(&random) < 0.5 ? 0 : random_between(&random, 0, 0.8);
+  scene s = begin(3, form, BOX_BOX, mu, e);
+  add_solid(&s, NSDAE_GROUND, (nsdae_solid){.shape = NSDAE_SHAPE_PLANE}, 0);
+  for (int i = 0; i < boxes; i++) {
+    nsdae_solid solid = {.shape = NSDAE_SHAPE_BOX};
+    nsdae_rigid_body box = {.inertia = {0.01, 0.012, 0.015}};
+    box.mass = random_between(&random, 0.5, 2);
+    for (int j = 0; j < 3; j++) solid.length[j] = 0.1 * (1 + random_below(&random, 4));
+    for (int j = 0; j < 2; j++) box.position[j] = 0.05 * (random_below(&random, 3) - 1);
+    if (random_uniform(&random) < 0.3) height += 0.05;
+    box.position[2] = height + solid.length[2] / 2;
+    height += solid.length[2];
+    for (int j = 0; j < 2 && random_uniform(&random) < 0.3; j++)
+      box.velocity[j] = random_between(&random, -1, 1);
+    nsdae_bodies_add(s.b, &box);
+    add_solid(&s, i, solid, 1);
+  }
+  for (int i = 0; i <= boxes; i++)
+    for (int j = i + 1; j <= boxes; j++) touch(&s, i, j, i == 0 ? 8 : BOX_BOX);
+  pair(&s, 0, 1), pair(&s, 1, 1);
+  return s;
+}
+
 /* ---- runs */
 
 typedef struct run {
@@ -282,7 +313,8 @@ static int count_impacts(const nsdae_record *r)
   return count;
 }
 
-/* Events of the same contact at the same time; those of one time may come in another order. */
+/* Events of the same contact at the same time, with the same values; those of one time, which may
+ * be several of one contact, may come in another order. */
 static void compare_impacts(const run *a, const run *b)
 {
   const nsdae_record *r = &a->record, *s = &b->record;
@@ -293,11 +325,10 @@ static void compare_impacts(const run *a, const run *b)
     int number = number_of(&b->scene, given->id), found = 0;
     for (int j = 0; j < r->impacts && !found; j++) {
       const nsdae_impact *other = &r->impact[j];
-      found = other->id == number && fabs(other->time - given->time) <= near;
-      if (!found) continue;
-      assert_near(given->normal_impulse, other->normal_impulse, near);
-      assert_near(given->velocity_before, other->velocity_before, near);
-      assert_int_equal(given->accumulation, other->accumulation);
+      found = other->id == number && fabs(other->time - given->time) <= near &&
+              fabs(other->normal_impulse - given->normal_impulse) <= near &&
+              fabs(other->velocity_before - given->velocity_before) <= near &&
+              other->accumulation == given->accumulation;
     }
     assert_true(found);
   }
@@ -318,6 +349,7 @@ static void compare_changes(const run *a, const run *b)
   }
 }
 
+/* events: 1 there are some, -1 there may be, 0 they are not compared. */
 static void check_scene(scene (*make)(int), int method, int events)
 {
   const double bound = method <= NSDAE_METHOD_MOREAU ? 0 : near;
@@ -339,7 +371,7 @@ static void check_scene(scene (*make)(int), int method, int events)
     }
     end(&a), end(&b);
   }
-  assert_true(!events || impacts + changes > 0);
+  assert_true(events <= 0 || impacts + changes > 0);
 }
 
 static void check_all(int method, int events)
@@ -397,10 +429,20 @@ static void test_beyond_an_impact(void **state)
   steps = usual;
 }
 
+static void test_flush(void **state)
+{
+  const int usual = steps;
+  (void)state;
+  steps = 12;
+  for (drawn = 1; drawn <= 20; drawn++) check_scene(flush_boxes, NSDAE_METHOD_EVENT, -1);
+  steps = usual;
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_time_stepping),
                                      cmocka_unit_test(test_event), cmocka_unit_test(test_penalty),
+                                     cmocka_unit_test(test_flush),
                                      cmocka_unit_test(test_beyond_an_impact)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

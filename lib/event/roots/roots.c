@@ -91,7 +91,8 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   if (root->kind == NSDAE_ROOT_TANGENT)
     return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
                                              : along_direction(p, T, i, T->w_T, T->v);
-  if (root->kind == NSDAE_ROOT_HELD) return root->size - fabs(T->gap[i]);
+  /* a feature that is lost may have any gap: then as far below zero as it began above */
+  if (root->kind == NSDAE_ROOT_HELD) return fmax(root->size - fabs(T->gap[i]), -root->size);
   if (root->kind == NSDAE_ROOT_JAM) return jam_value(p, root);
   double normal = m->normal_sense[i] * y[at->lambda + s->frictional_joint[i].constraint];
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
