@@ -403,6 +403,25 @@ static void test_not_in_time(void **state)
   end(&r);
 }
 
+/* A run that is started again while a contact is deep is as the first one. */
+static void test_again(void **state)
+{
+  const double q0 = 0.01, v0 = -1;
+  (void)state;
+  run a, b;
+  begin_ball(&a, NSDAE_PENALTY_HERTZ, 1);
+  begin_ball(&b, NSDAE_PENALTY_HERTZ, 1);
+  step_to(&a, -1e-5);
+  assert_true(a.record.q[0] < -1e-5);
+  assert_int_equal(nsdae_sim_init(a.sim, 0, &q0, &v0), NSDAE_OK);
+  for (int i = 0; i < 40; i++) {
+    step(&a), step(&b);
+    assert_int_equal(a.status, b.status);
+    expect_same_state(a.sim, b.sim);
+  }
+  end(&a), end(&b);
+}
+
 /* The warning comes with the impact, once. */
 static void test_restitution(void **state)
 {
@@ -553,6 +572,7 @@ int main(void)
       cmocka_unit_test(test_go_on),       cmocka_unit_test(test_twins),
       cmocka_unit_test(test_not_in_time), cmocka_unit_test(test_restitution),
       cmocka_unit_test(test_flores),      cmocka_unit_test(test_features),
+      cmocka_unit_test(test_again),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
