@@ -14,6 +14,11 @@
  * 20, 40 and 80 40, 39 and 40 of 40 seeded problems are solved to 1e-8. */
 enum { BETWEEN = 40 };
 
+/* Sweeps whose changes may stagnate: those of sliding heaps do until contacts change their state.
+ * Of 1600 steps of two heaps of spheres with 500 sweeps at most 173 are unsolved, 348 without it.
+ */
+enum { PLATEAU = 500 };
+
 /* Sweeps that the budget still allows. */
 static double left(const nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
@@ -26,8 +31,8 @@ static double evaluate(nsdae_fc_island *s, nsdae_fc_iterate *it)
   return nsdae_fc_offer(s, it);
 }
 
-/* Ends if the changes of sweeps are zero, or stagnate: one that has not been halved for since
- * sweeps does not reach tol, at that rate, in the sweeps that the budget still allows. */
+/* Ends if the changes of sweeps are zero, or stagnate: one that has not been halved for since >
+ * PLATEAU sweeps does not reach tol, at that rate, in the sweeps that the budget still allows. */
 static int accelerated(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget *b)
 {
   double mark = INFINITY;
@@ -41,7 +46,7 @@ static int accelerated(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_
     }
     if (change <= 0.5 * mark) mark = change, since = 0;
     if (!(change > 0) || left(it, b) < 1) break;
-    if (since * log2(fmax(2, mark / b->tol)) > left(it, b)) break;
+    if (since > PLATEAU && since * log2(fmax(2, mark / b->tol)) > left(it, b)) break;
     nsdae_fc_anderson_extrapolate(&s->anderson, &s->fc);
     nsdae_fc_ratio_step(&s->anderson, &s->fc);
   }
