@@ -111,7 +111,7 @@ void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, ns
                         double contact_tol, int polygon_edges);
 
 /* Share of the budget of an island to reach the tolerance; all of it is to reach give. 500 sweeps
- * of heaps and walls leave 1e-4 to 2e-3, once in some thousand steps 1e-2 and more. */
+ * of heaps leave 1e-4 to 2e-3, of walls that begin to move up to 9e-2. */
 #define NSDAE_SHARE_TO_TOL 0.1
 
 /* The budget of an island of this number of contacts. */
