@@ -178,7 +178,8 @@ static int bring_out(nsdae_sim *sim, double length)
   if (status < 0) return status;
   for (int j = 0; j < sim->system->dims.nv; j++)
     s->v_other[j] = home == start ? (start->v[j] + end->v[j]) / 2 : end->v[j];
-  if (nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t, length) == 0)
+  if (nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t,
+                      fmax(length, sim->options.dt)) == 0) /* a short step has the slop of dt */
     return keep_lengths(sim);
   status = energy(end, &before);
   double potential = end->potential;
