@@ -450,8 +450,9 @@ double nsdae_contacts_budget(double budget, int contacts)
 
 int nsdae_contacts_give(nsdae_contacts *c, int status)
 {
-  c->lcp.given = status == NSDAE_E_LCP && c->lcp.info.residual <= c->lcp.give;
-  return c->lcp.given ? NSDAE_OK : status;
+  if (status != NSDAE_E_LCP || !(c->lcp.info.residual <= c->lcp.give)) return status;
+  if (c->lcp.info.residual > c->lcp.options.tol) c->lcp.given = 1;
+  return NSDAE_OK;
 }
 
 int nsdae_contacts_solve_lcp(nsdae_contacts *c)
@@ -518,6 +519,7 @@ static void add_velocity(const nsdae_contacts *c, int n, double *restrict size, 
 static int solve_impulses(nsdae_contacts *c, const double *lambda)
 {
   int status = NSDAE_OK, cones = nsdae_cones_any(c);
+  c->lcp.given = 0;
   if (cones)
     status = nsdae_cones_solve(c, lambda);
   else if (c->slides.count > 0)

@@ -474,15 +474,17 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
                       nsdae_natural_residual *residual)
 {
   nsdae_contacts *c = &l->contacts;
-  double *tol = &c->lcp.options.tol, asked = *tol;
+  double *tol = &c->lcp.options.tol, asked = *tol, give = c->lcp.give;
   memcpy(l->asked, l->at.lambda, (size_t)l->kkt.m * sizeof *l->asked);
   copy_bases(l, 0);
   int status = solve(l, w, residual);
   if (status < 0 || c->lcp.given || nsdae_natural_residual_scaled(residual) <= asked) return status;
   for (int a = 0; a < c->active_count; a++) l->was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
+  c->lcp.give = 0;
   status = solve_again(l, w, residual);
   *tol = asked;
+  c->lcp.give = give;
   if (status == NSDAE_OK && same_impulses(l, l->was)) return status;
   copy_bases(l, 1);
   return solve_again(l, w, residual);

@@ -54,12 +54,14 @@ void nsdae_slop_release(nsdae_slop_projection *s)
 
 /* ---- rows of an island */
 
-/* x := M_b^-1 x; M was factored in the step. */
+/* x := M_b^-1 x; 0 if M_b is not positive definite: the step factored M at another point. */
 static void solve_block(nsdae_slop_projection *s, const nsdae_terms *T, int b, double *x)
 {
-  if (s->factored != b) nsdae_blocks_factor(&T->system->blocks, b, T->M, &s->factor);
-  s->factored = b;
-  nsdae_blocks_solve(&s->factor, x);
+  const nsdae_blocks *blocks = &T->system->blocks;
+  int failed = s->factored != b ? nsdae_blocks_factor(blocks, b, T->M, &s->factor) : 0;
+  s->factored = failed ? -1 : b;
+  if (failed) memset(x, 0, (size_t)nsdae_blocks_size(blocks, b) * sizeof *x);
+  if (!failed) nsdae_blocks_solve(&s->factor, x);
 }
 
 /* Appends a row, with M^-1 W from the value `at` on. Returns where the next one begins; drive:
@@ -159,20 +161,23 @@ static double relax(nsdae_slop_projection *s, const nsdae_contact_islands *is, i
   return contact ? -residual : 0;
 }
 
+/* A sweep backwards relaxes the rows of Phi_q first and sees what they do to the contacts. */
 static void solve_island(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
                          const nsdae_terms *T)
 {
-  double beyond = INFINITY;
-  for (int sweep = 0; sweep < SWEEPS && beyond > (deep - 1) * s->slop; sweep++) {
-    beyond = 0;
-    for (int n = 0; n < s->count; n++)
-      beyond = fmax(beyond, relax(s, is, island, T, sweep % 2 ? s->count - 1 - n : n));
+  for (int pair = 0; pair < SWEEPS / 2; pair++) {
+    double beyond = 0;
+    for (int row = 0; row < s->count; row++) relax(s, is, island, T, row);
+    for (int row = s->count - 1; row >= 0; row--)
+      beyond = fmax(beyond, relax(s, is, island, T, row));
+    if (beyond <= (deep - 1) * s->slop) return;
   }
-  for (int a = is->contact.first[island]; a < is->contact.first[island + 1]; a++) {
-    int i = is->contact.of[a];
-    s->moved[i] = nsdae_rows_dot(&T->system->blocks, &T->by.normal, i, s->change);
-    s->gap[i] += s->moved[i];
-  }
+}
+
+static void keep_gaps(const nsdae_slop_projection *s, const nsdae_problem *p)
+{
+  size_t listed = (size_t)p->closed->count;
+  if (listed > 0) memcpy(p->closed->gap, s->gap, listed * sizeof *s->gap);
 }
 
 int nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,
@@ -193,7 +198,17 @@ int nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsda
     moved++;
     solve_island(s, is, island, T);
   }
-  if (p->closed->count > 0)
-    memcpy(p->closed->gap, s->gap, (size_t)p->closed->count * sizeof *s->gap);
+  keep_gaps(s, p);
   return moved;
+}
+
+void nsdae_slop_moved(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,
+                      const double *change)
+{
+  for (int a = 0; a < p->count; a++) {
+    int i = p->number[a];
+    s->moved[i] = nsdae_rows_dot(&T->system->blocks, &T->by.normal, i, change);
+    s->gap[i] += s->moved[i];
+  }
+  keep_gaps(s, p);
 }

@@ -51,4 +51,8 @@ void nsdae_slop_release(nsdae_slop_projection *slop);
 int nsdae_slop_find(nsdae_slop_projection *slop, const nsdae_problem *problem,
                     const nsdae_terms *terms, const double *v, double rest, double h);
 
+/* The gaps after the change [nv] that was made, by the rows of the terms. */
+void nsdae_slop_moved(nsdae_slop_projection *slop, const nsdae_problem *problem,
+                      const nsdae_terms *terms, const double *change);
+
 #endif

@@ -214,13 +214,11 @@ static int judge_law(const nsdae_sim *sim, nsdae_point *point)
   return status;
 }
 
-/* What the solver left of the contact problem of the step. */
-static int judge_residual(const nsdae_sim *sim, nsdae_point *point)
+/* What the solver left of the contact problem of the step; new: warnings not yet given. */
+static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
   const nsdae_terms *end = &point->result.end;
-  int *warnings = &point->accounts.stats.warnings;
-  if (!point->result.counters.given || (*warnings & NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
-  *warnings |= NSDAE_MONITORS_CONTACT;
+  if (!point->result.counters.given || !(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
   nsdae_error_set(end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
                   "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g: "
                   "make contact_tol larger or dt smaller, or set contact_give = 1 to stop there",
@@ -234,6 +232,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
   const double *moved = point->result.counters.moved ? sim->slop.moved : NULL;
+  if (point->result.counters.given) point->accounts.stats.warnings |= NSDAE_MONITORS_CONTACT;
   measure_lengths(w, &before->result.end, &point->result, moved);
   excess all[3] = {find_gain(w, before, point)};
   int status = judge_fallback(sim, before, point), found = 1;
@@ -245,7 +244,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
       return report(point, &all[i], rules[all[i].rule].status);
   status = judge_law(sim, point);
-  if (status == NSDAE_OK) status = judge_residual(sim, point);
+  if (status == NSDAE_OK) status = judge_residual(sim, point, new);
   if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;
   const nsdae_terms *end = &point->result.end;

@@ -18,8 +18,8 @@
  * iterate before goes to the right-hand side. The iteration ends when q_1 and v_1 are stationary.
  *
  * Contacts of a list may come and go between iterates, or their normals jump, as from face to edge.
- * Then no fixed point may exist. After FREEZE iterations W_1 and w_1 remain those of the last
- * iterate, and W_h = W_1: the map is continuous in q_1 and v_1 again.
+ * Then no fixed point may exist. If the change of q_1 and v_1 has not been halved for STAGNATION
+ * iterations, W_1 and w_1 remain those of the last iterate: the map is continuous again.
  */
 #include <math.h>
 #include <stdio.h>
@@ -33,7 +33,22 @@
  * whose forces are too stiff for dt changes by more than 1. */
 static const double several = 1e-5;
 
-enum { FREEZE = 20 }; /* a contraction by a half has 6 digits then, one by a quarter 12 */
+enum { STAGNATION = 10 }; /* a contraction by 0.93 and less is halved in fewer */
+
+/* How the iteration goes. */
+typedef struct progress {
+  double moved, mark; /* relative change of q_1 and v_1; that at the last halving */
+  int since;          /* iterations since then */
+  int frozen;         /* W_1 and w_1 are those of an iterate before */
+  int rank[2];        /* least and largest of the constraints */
+} progress;
+
+static void follow(progress *p, double moved)
+{
+  p->moved = moved;
+  p->since++;
+  if (moved <= p->mark / 2) p->mark = moved, p->since = 0;
+}
 
 enum {
   STEP_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T,
@@ -78,7 +93,7 @@ static int impact_velocities(const nsdae_step *step)
 
 /* r = M_h v_0 + h/2 (F_0 + F_1) + (J_1 - J_0)^T Lambda / 2 - (W_1 - W_0) Lambda_c / 2, the last two
  * for what persists, with the impulses of the iterate before. */
-static void right_hand_side(const nsdae_step *step, int impact, int frozen)
+static void right_hand_side(const nsdae_step *step, int impact)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_problem *p = &s->problem;
@@ -89,7 +104,7 @@ static void right_hand_side(const nsdae_step *step, int impact, int frozen)
     nsdae_problem_add_constraints(p, end, 0.5, impact, s->impulse, s->r);
     nsdae_problem_add_constraints(p, start, -0.5, impact, s->impulse, s->r);
   }
-  if (!nsdae_problem_any(p) || frozen) return;
+  if (!nsdae_problem_any(p)) return;
   nsdae_problem_add_impulse(p, end, -0.5, 1, s->r);
   nsdae_problem_add_impulse(p, start, 0.5, 1, s->r);
 }
@@ -113,10 +128,9 @@ static int positions(const nsdae_step *step)
 }
 
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */
-static int iterate(const nsdae_step *step, int number, int all_impacts, int *impact)
+static int iterate(const nsdae_step *step, int first, int frozen, int all_impacts, int *impact)
 {
   nsdae_stepper *s = step->tools;
-  int first = number == 0, frozen = number >= FREEZE && s->problem.count > 0;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end, frozen);
   /* of redundant constraints the same are left out in all iterates: which these are is decided by
@@ -126,19 +140,18 @@ static int iterate(const nsdae_step *step, int number, int all_impacts, int *imp
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
   if (status < 0) return status;
-  right_hand_side(step, *impact, frozen);
-  step->result->counters.frozen = frozen;
+  right_hand_side(step, *impact);
   status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->v);
   return status < 0 ? status : positions(step);
 }
 
-/* The relative change below which the iteration ends. With frozen contacts it is never less than
- * the error that contact_tol leaves in velocities, 1e2 contact_tol as in worker.c: the problem of
- * an iterate may have several solutions. */
-static double settled(const nsdae_step *step)
+/* The relative change below which the iteration ends. With frozen contacts that still stagnate it
+ * is never less than the error that contact_tol leaves in velocities, 1e2 contact_tol as in
+ * worker.c: the problem of an iterate may have several solutions. */
+static double settled(const nsdae_step *step, const progress *p)
 {
-  double least = step->result->counters.frozen ? 1e2 * step->tools->options->contact_tol : 0;
-  return fmax(nsdae_step_settled(step), least);
+  int loose = p->frozen && p->since >= STAGNATION;
+  return fmax(nsdae_step_settled(step), loose ? 1e2 * step->tools->options->contact_tol : 0);
 }
 
 /* The constraint with the largest |Phi| at the end of the step; -1: none. */
@@ -152,11 +165,12 @@ static int most_violated(const nsdae_step *step)
   return worst;
 }
 
-/* rank: the least and largest of the constraints in the iterates; redundant ones that drift apart
- * by about rank_tol count in one iterate and not in the next. */
-static int no_convergence(const nsdae_step *step, double moved, const int rank[2])
+/* Redundant constraints that drift apart by about rank_tol count in one iterate and not in the
+ * next. */
+static int no_convergence(const nsdae_step *step, const progress *p)
 {
   const nsdae_stepper *s = step->tools;
+  const int *rank = p->rank;
   int violated = rank[0] < rank[1] ? -1 : most_violated(step);
   char text[48] = "";
   if (violated >= 0)
@@ -167,14 +181,14 @@ static int no_convergence(const nsdae_step *step, double moved, const int rank[2
                     "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
                     "rank of Phi_q is %d in one and %d in another, as redundant constraints drift "
                     "by about rank_tol = %g: make it larger than the drift, or dt smaller",
-                    nsdae_terms_time(step->start), s->options->iteration_max, moved, rank[0],
+                    nsdae_terms_time(step->start), s->options->iteration_max, p->moved, rank[0],
                     rank[1], s->options->rank_tol);
   else
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
         "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
         "%.3g): make dt smaller%s",
-        nsdae_terms_time(step->start), s->options->iteration_max, moved, s->iteration_tol, text);
+        nsdae_terms_time(step->start), s->options->iteration_max, p->moved, settled(step, p), text);
   if (violated >= 0) nsdae_system_name_item(s->system, NSDAE_NAME_CONSTRAINT, violated, s->error);
   s->error->time = nsdae_terms_time(step->start);
   return NSDAE_E_CONVERGENCE;
@@ -189,34 +203,39 @@ static void first_guess(const nsdae_step *step)
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
 }
 
+static int end_iteration(const nsdae_step *step, const progress *p)
+{
+  nsdae_terms_set_velocity(step->end, step->tools->v);
+  step->result->counters.frozen = p->frozen;
+  return p->frozen ? need(step, step->end, 0) : NSDAE_OK;
+}
+
 /* On return end is where the matrices of the solution were taken, with the velocity v_1. */
 static int attempt(const nsdae_step *step, int all_impacts)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  int impact = 0, rank[2] = {dims->m, 0};
-  double moved = INFINITY;
+  progress p = {.moved = INFINITY, .mark = INFINITY, .rank = {dims->m, 0}};
+  int impact = 0;
   int status;
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   first_guess(step);
   for (int i = 0; i < s->options->iteration_max; i++) {
-    status = iterate(step, i, all_impacts, &impact);
+    status = iterate(step, i == 0, p.frozen, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
     int now = s->problem.dispatch.solved->rank;
-    if (now < rank[0]) rank[0] = now;
-    if (now > rank[1]) rank[1] = now;
-    moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
-            nsdae_relative_change(dims->nv, s->v, step->end->v);
-    if (!(moved <= settled(step))) continue; /* NaN goes on, to be reported */
-    nsdae_terms_set_velocity(step->end, s->v);
-    return step->result->counters.frozen ? need(step, step->end, 0) : NSDAE_OK;
+    if (now < p.rank[0]) p.rank[0] = now;
+    if (now > p.rank[1]) p.rank[1] = now;
+    follow(&p, nsdae_relative_change(dims->nq, s->q, step->end->q) +
+                   nsdae_relative_change(dims->nv, s->v, step->end->v));
+    if (p.moved <= settled(step, &p)) return end_iteration(step, &p); /* NaN goes on */
+    if (p.frozen || p.since < STAGNATION || s->problem.count == 0) continue;
+    p = (progress){p.moved, p.moved, 0, 1, {p.rank[0], p.rank[1]}};
   }
   /* between solutions of the contact problem, which friction makes several */
-  if (!step->result->counters.frozen || !(moved <= several))
-    return no_convergence(step, moved, rank);
-  nsdae_terms_set_velocity(step->end, s->v);
-  return need(step, step->end, 0);
+  if (p.frozen && p.since >= STAGNATION && p.moved <= several) return end_iteration(step, &p);
+  return no_convergence(step, &p);
 }
 
 static int worth_another_attempt(const nsdae_step *step, int status)

@@ -323,6 +323,58 @@ static void the_same_at_rest(void **state)
   }
 }
 
+/* A step that is shorter than dt has the slop of dt: what is at rest is not lifted. */
+static void short_steps(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+    nsdae_system *system;
+    nsdae_record r;
+    double t = 0;
+    for (int i = 0; i < 3; i++)
+      add_box(b, (double[3]){0.2, 0.1, 0.08},
+              &(nsdae_rigid_body){.position = {0, 0, (i + 0.5) * 0.08 - (i + 1) * 2e-5}});
+    nsdae_sim_options o = options_of(methods[m], 1e-10);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 100; i++) {
+      t += DT * (i % 2 ? 1.001 : 2.999);
+      assert_true(nsdae_sim_run(sim, t) >= 0);
+      nsdae_sim_get_record(sim, &r);
+      for (int j = 0; j < 18; j++) assert_near(r.v[j], 0, 0);
+    }
+    assert_near(r.projection_energy, 0, 0);
+    end(b, system, sim);
+  }
+}
+
+/* A ball in the floor on a heavy body: the gap of the record is that of the point, z - r, though
+ * the sweeps have not brought it out. */
+static void heavy(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    const double r = 0.1, depth = 0.01;
+    nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+    nsdae_system *system;
+    nsdae_record record;
+    int ball = add_ball(b, 1, r, 0, r - depth);
+    int load = nsdae_bodies_add(
+        b, &(nsdae_rigid_body){.mass = 1000, .inertia = {40, 40, 40}, .position = {0, 0, 1}});
+    nsdae_bodies_add_joint(
+        b, &(nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {ball, load}, .point = {0, 0, 0.5}});
+    nsdae_sim_options o = options_of(methods[m], 1e-10);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 200; i++) {
+      assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &record);
+      assert_near(record.penetration, r - record.q[2], 1e-12);
+    }
+    assert_at_most(record.penetration, 0.05 * depth);
+    end(b, system, sim);
+  }
+}
+
 /* The sum goes with the state. */
 static void restart(void **state)
 {
@@ -355,6 +407,86 @@ static void restart(void **state)
   free(block);
   nsdae_sim_destroy(&other);
   end(b, system, sim);
+}
+
+/* A bead without friction in the parabola z = x^2 / 2, and an oscillator beside it whose stiffness
+ * K makes the iteration a contraction by slow = h^2 K / 4. */
+static double stiffness;
+
+static int unit_mass(double t, const double *q, double *M, int ld, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < 3; i++) M[i * (ld + 1)] = 1;
+  return 0;
+}
+
+static int weight_and_spring(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)v, (void)user;
+  F[0] = 0;
+  F[1] = -gravity;
+  F[2] = -stiffness * q[2];
+  return 0;
+}
+
+static int above_parabola(double t, const double *q, double *gap, void *user)
+{
+  (void)t, (void)user;
+  gap[0] = q[1] - q[0] * q[0] / 2;
+  return 0;
+}
+
+static int parabola_normal(double t, const double *q, double *W, int ld, void *user)
+{
+  (void)t, (void)ld, (void)user;
+  W[0] = -q[0];
+  W[1] = 1;
+  W[2] = 0;
+  return 0;
+}
+
+/* Errors of the energies of bead and oscillator after two seconds. */
+static void run_bead(double slow, double dt, double contact_tol, double error[2])
+{
+  const nsdae_dims dims = {.nq = 3, .nv = 3, .k = 1, .nt = 1};
+  const double q0[3] = {1, 0.5, 1e-3}, v0[3] = {0};
+  nsdae_system *system;
+  nsdae_sim_options o = options_of(NSDAE_METHOD_IMPLICIT, contact_tol);
+  nsdae_sim *sim;
+  nsdae_record r;
+  stiffness = 4 * slow / (dt * dt);
+  o.dt = dt;
+  o.iteration_max = 1000;
+  o.projection = NSDAE_PROJECTION_NONE;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, unit_mass);
+  nsdae_system_set_force(system, weight_and_spring);
+  nsdae_system_set_gap(system, above_parabola);
+  nsdae_system_set_gap_normal(system, parabola_normal);
+  nsdae_system_set_contact(system, 0, 0, 0, 0);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, 2) >= 0);
+  nsdae_sim_get_record(sim, &r);
+  error[0] = (r.v[0] * r.v[0] + r.v[1] * r.v[1]) / 2 + gravity * (r.q[1] - q0[1]);
+  error[1] = (r.v[2] * r.v[2] + stiffness * r.q[2] * r.q[2]) / (stiffness * q0[2] * q0[2]) - 1;
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+/* A slow iteration is no reason to freeze: the order is 2 as without the oscillator, whose energy
+ * the trapezoidal rule keeps. contact_tol is no tolerance of what has no contact. */
+static void slow_iteration(void **state)
+{
+  static const double slow[] = {0, 0.5, 0.9};
+  (void)state;
+  for (int i = 0; i < 3; i++) {
+    double coarse[2], fine[2];
+    run_bead(slow[i], 4e-3, 1e-4, coarse);
+    run_bead(slow[i], 2e-3, 1e-4, fine);
+    assert_true(coarse[0] / fine[0] > 3 && coarse[0] / fine[0] < 5);
+    if (slow[i] > 0) assert_at_most(fmax(fabs(coarse[1]), fabs(fine[1])), 1e-6);
+  }
 }
 
 /* ---- contact_give */
@@ -435,6 +567,9 @@ int main(void)
                                      cmocka_unit_test(the_same_at_rest),
                                      cmocka_unit_test(restart),
                                      cmocka_unit_test(drops_end),
+                                     cmocka_unit_test(slow_iteration),
+                                     cmocka_unit_test(short_steps),
+                                     cmocka_unit_test(heavy),
                                      cmocka_unit_test(give),
                                      cmocka_unit_test(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
