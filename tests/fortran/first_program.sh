@@ -20,7 +20,7 @@ awk '/^## / {on = /A first program/} on && /^    / {print substr($0, 5)}' docs/f
 [ "$(wc -l <commands)" -eq 3 ]
 . ./commands >out
 tail -n 1 out
-[ "$(tail -n 1 out | tr E e)" = "t 3 s, height -5.7e-04 m, velocity 0.0e+00 m/s" ]
+[ "$(tail -n 1 out | tr E e)" = "t 3 s, height -1.2e-04 m, velocity 0.0e+00 m/s" ]
 
 [ "$(wc -l <docs/examples/ball.f90)" -le 60 ]
 
