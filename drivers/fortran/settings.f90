@@ -50,6 +50,7 @@ contains
   integer(c_int) function settings_default(s) result(status)
     type(settings), target, intent(inout) :: s
     call nsdae_sim_options_default(s%options)
+    s%options%projection = NSDAE_PROJECTION_NONE ! as the program in C, whose figures are those of the method alone
     s%library = nsdae_sim_options_table(s%options)
     status = pendulum_parameters(s%model, s%parameters)
     if (status == NSDAE_OK) &

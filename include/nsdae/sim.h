@@ -61,7 +61,7 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  * - SLOP (implicit and moreau): contacts that were closed in the step and are deeper than a slop
  *  are brought out to it. The change is the least in the metric of M that leaves the constraints as
  *  they are; velocities stay, except along the constraints. The slop is h^2 a / 2, with the largest
- *  acceleration a that forces of this size may give to a contact of the island. projection_energy
+ *  acceleration a that the forces can give to the contact. projection_energy
  *  of the record is what this adds.
  * - AUTO (default): SLOP for implicit and moreau, else NONE.
  *

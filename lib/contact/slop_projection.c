@@ -17,19 +17,18 @@ static const double deep = 1.1;
  * (e v)^2 / 2 g = 0.5 g h^2 at e = 1/3, which is the slop: the ball comes to rest in it. */
 static const double own_steps = 4;
 
-enum { ARRAYS = 7 };
+enum { ARRAYS = 8 };
 
-#define EACH(s)                                                                                 \
-  {                                                                                             \
-    NSDAE_ARRAY((s)->missing, 1), NSDAE_ARRAY((s)->weight, 1), NSDAE_ARRAY((s)->multiplier, 1), \
-        NSDAE_ARRAY((s)->gap, 1), NSDAE_ARRAY((s)->own, 1), NSDAE_ARRAY((s)->at, 1),            \
-        NSDAE_ARRAY((s)->moved, 1)                                                              \
+#define EACH(s)                                                                              \
+  {                                                                                          \
+    NSDAE_ARRAY((s)->missing, 1), NSDAE_ARRAY((s)->slop, 1), NSDAE_ARRAY((s)->weight, 1),    \
+        NSDAE_ARRAY((s)->multiplier, 1), NSDAE_ARRAY((s)->gap, 1), NSDAE_ARRAY((s)->own, 1), \
+        NSDAE_ARRAY((s)->at, 1), NSDAE_ARRAY((s)->moved, 1)                                  \
   }
 
 void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsdae_arena *arena)
 {
   s->free = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
-  s->force = NSDAE_ARENA_DOUBLES(arena, system->blocks.count);
   s->change = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->factor.L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
 }
@@ -64,68 +63,70 @@ static void solve_block(nsdae_slop_projection *s, const nsdae_terms *T, int b, d
   if (!failed) nsdae_blocks_solve(&s->factor, x);
 }
 
-/* Appends a row, with M^-1 W from the value `at` on. Returns where the next one begins; drive:
- * sum_b |W_b| |F_b|, by the norms of M^-1. */
+/* Appends a row, with M^-1 W from the value `at` on. Returns where the next one begins. */
 static size_t append(nsdae_slop_projection *s, const nsdae_terms *T, const nsdae_rows *rows, int i,
-                     size_t at, double *drive)
+                     size_t at)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   int row = s->count++;
-  s->missing[row] = s->weight[row] = s->multiplier[row] = *drive = 0;
+  s->weight[row] = s->multiplier[row] = 0;
   s->at[row] = at;
   for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
     int b = rows->block[p], n = nsdae_blocks_size(blocks, b);
     const double *W = rows->value + rows->at[p];
-    double *inverse = s->inverse + at, weight = 0;
+    double *inverse = s->inverse + at;
     for (int j = 0; j < n; j++) inverse[j] = W[(size_t)j * rows->stride];
     solve_block(s, T, b, inverse);
-    for (int j = 0; j < n; j++) weight += W[(size_t)j * rows->stride] * inverse[j];
-    s->weight[row] += weight;
-    *drive += sqrt(weight * s->force[b]);
+    for (int j = 0; j < n; j++) s->weight[row] += W[(size_t)j * rows->stride] * inverse[j];
     at += (size_t)n;
   }
   return at;
 }
 
-/* F_b^T M_b^-1 F_b */
-static void measure_force(nsdae_slop_projection *s, const nsdae_terms *T, int b)
+/* a of contact i. */
+static double acceleration(const nsdae_slop_projection *s, const nsdae_terms *T, int i)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
-  size_t n = (size_t)nsdae_blocks_size(blocks, b);
-  const double *F = T->F + blocks->first[b];
-  memcpy(s->free, F, n * sizeof *F);
-  solve_block(s, T, b, s->free);
-  s->force[b] = 0;
-  for (size_t j = 0; j < n; j++) s->force[b] += F[j] * s->free[j];
+  int nt = T->system->dims.nt;
+  double along = nsdae_rows_dot_sizes(blocks, &T->by.normal, i, s->free), square = along * along;
+  for (int j = i * nt; j < (i + 1) * nt; j++) {
+    along = nsdae_rows_dot_sizes(blocks, &T->by.tangent, j, s->free);
+    square += along * along;
+  }
+  return sqrt(square);
 }
 
-/* The rows and the slop; whether a contact is deeper. */
+/* What each contact misses, and the rows, if one of them is too deep. */
 static int begin_island(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
                         const nsdae_terms *T, double h)
 {
+  const nsdae_blocks *blocks = &T->system->blocks;
   const int *contact = is->contact.of + is->contact.first[island];
-  int contacts = nsdae_members_count(&is->contact, island);
-  double lowest = 0, most = 0, drive;
+  int contacts = nsdae_members_count(&is->contact, island), too_deep = 0;
+  double lowest = 0, touch = nsdae_terms_touch(T);
   size_t at = 0;
   for (int a = 0; a < contacts; a++) lowest = fmin(lowest, s->own[contact[a]]);
-  s->slop = nsdae_terms_touch(T);
-  if (!(lowest < -deep * s->slop)) return 0;
+  if (!(lowest < -deep * touch)) return 0;
+  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
+    int b = is->block.of[i], first = blocks->first[b];
+    memcpy(s->free + first, T->F + first, (size_t)nsdae_blocks_size(blocks, b) * sizeof *s->free);
+    solve_block(s, T, b, s->free + first);
+  }
+  for (int a = 0; a < contacts; a++) {
+    double slop = fmax(touch, h * h / 2 * acceleration(s, T, contact[a]));
+    double gap = s->gap[contact[a]], own = s->own[contact[a]];
+    s->slop[a] = slop;
+    s->missing[a] = gap + slop < 0 ? 0 : gap + slop;
+    if (own < -deep * slop) s->missing[a] = own + slop, too_deep = 1;
+  }
+  if (!too_deep) return 0;
   s->count = 0;
   s->contacts = contacts;
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
-    measure_force(s, T, is->block.of[i]);
-  for (int a = 0; a < contacts; a++) {
-    at = append(s, T, &T->by.normal, contact[a], at, &drive);
-    most = fmax(most, drive);
+  for (int a = 0; a < contacts; a++) at = append(s, T, &T->by.normal, contact[a], at);
+  for (int i = is->row.first[island]; i < is->row.first[island + 1]; i++) {
+    s->missing[s->count] = 0;
+    at = append(s, T, &T->by.jacobian, is->row.of[i], at);
   }
-  s->slop = fmax(s->slop, h * h / 2 * most);
-  if (!(lowest < -deep * s->slop)) return 0;
-  for (int a = 0; a < contacts; a++) {
-    double missing = s->gap[contact[a]] + s->slop, own = s->own[contact[a]] + s->slop;
-    s->missing[a] = missing < 0 ? fmin(own, 0) : missing;
-  }
-  for (int i = is->row.first[island]; i < is->row.first[island + 1]; i++)
-    at = append(s, T, &T->by.jacobian, is->row.of[i], at, &drive);
   return 1;
 }
 
@@ -142,7 +143,7 @@ static void add(const nsdae_slop_projection *s, const nsdae_blocks *blocks, cons
   }
 }
 
-/* One row; returns how far its contact is beyond the slop. */
+/* One row; returns how far its contact is beyond the slop, relative to it. */
 static double relax(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
                     const nsdae_terms *T, int row)
 {
@@ -158,7 +159,7 @@ static double relax(nsdae_slop_projection *s, const nsdae_contact_islands *is, i
   if (contact && !(next > 0)) next = 0;
   s->multiplier[row] = next;
   if (next != was) add(s, blocks, rows, i, row, next - was, s->change);
-  return contact ? -residual : 0;
+  return contact ? -residual / s->slop[row] : 0;
 }
 
 /* A sweep backwards relaxes the rows of Phi_q first and sees what they do to the contacts. */
@@ -170,7 +171,7 @@ static void solve_island(nsdae_slop_projection *s, const nsdae_contact_islands *
     for (int row = 0; row < s->count; row++) relax(s, is, island, T, row);
     for (int row = s->count - 1; row >= 0; row--)
       beyond = fmax(beyond, relax(s, is, island, T, row));
-    if (beyond <= (deep - 1) * s->slop) return;
+    if (beyond <= deep - 1) return;
   }
 }
 

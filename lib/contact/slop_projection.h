@@ -1,20 +1,22 @@
-/* Contacts that are deeper than a slop are brought out to it, after a step:
+/* Contacts that are deeper than a slop are moved to it, after a step:
  *
- *   min d^T M d / 2,   g_i + W_i^T d >= -s,   Phi_q d = 0
+ *   min d^T M d / 2,   g_i + W_i^T d >= -s_i,   Phi_q d = 0
  *
- * over the islands with a contact deeper than 1.1 s, by projected Gauss-Seidel on the multipliers
+ * over the islands with a contact deeper than 1.1 s_i, by projected Gauss-Seidel on the multipliers
  * (Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31), d = M^-1 (W l + Phi_q^T
- * m). q moves by H d and v stays, so that it gives no kinetic energy (as the split impulses of
- * Catto, GDC 2006). g is the gap at the end of the step, by the rows at the point where its
- * contacts were found: g_N + (t_1 - t) (W^T v + w), with the mean velocity v from there on.
+ * m). Contacts between s_i and 1.1 s_i stay as they are. q moves by H d and v stays, so that it
+ * gives no kinetic energy (as the split impulses of Catto, GDC 2006). g is the gap at the end of
+ * the step, by the rows at the point where its contacts were found: g_N + (t_1 - t) (W^T v + w),
+ * with the mean velocity v from there on.
  *
- * The slop is the way of a contact in a step of length h, from rest, by forces of the size of F:
+ * The slop is the way of a contact in a step of length h, from rest, at the largest acceleration
+ * that the forces can give it:
  *
- *   s = h^2 / 2 max_i sum_b |W_ib| |F_b|,   norms of M_b^-1, contacts i of the island, their bodies
- * b
+ *   s_i = h^2 / 2 a_i,   a_i = |(|W_i|^T |M^-1 F|, |T_i|^T |M^-1 F|)|,   T_i its tangents
  *
- * which bounds h^2 / 2 sum_b |W_ib^T M_b^-1 F_b|, for forces along any direction. A contact at rest
- * that is s deep remains closed when its neighbours change. It is above the rounding of a gap
+ * with the sizes of all entries: the forces of two bodies add up, and they may have any sign when
+ * the neighbours change. It does not depend on how the coordinates are divided into blocks. A
+ * contact at rest that is s_i deep remains closed. It is above the rounding of a gap
  * (nsdae_terms_touch). */
 #ifndef NSDAE_SLOP_PROJECTION_H
 #define NSDAE_SLOP_PROJECTION_H
@@ -24,6 +26,7 @@
 /* A row is a contact of an island or, after these, a row of Phi_q. */
 typedef struct nsdae_slop_projection {
   double *missing;       /* rows: g + s, 0 of Phi_q */
+  double *slop;          /* contacts of the island: s */
   double *weight;        /* rows: W^T M^-1 W */
   double *multiplier;    /* rows: l, m */
   double *gap;           /* contacts, by number: at the end of the step */
@@ -31,12 +34,10 @@ typedef struct nsdae_slop_projection {
   double *moved;         /* contacts, by number: W^T d */
   size_t *at;            /* rows: where their values begin */
   double *inverse;       /* values: M^-1 W, part by part */
-  double *free, *change; /* nv: M^-1 F of a block, d */
-  double *force;         /* blocks: F^T M^-1 F */
+  double *free, *change; /* nv: M^-1 F, d */
   nsdae_block_factor factor;
   int factored;        /* the block of it; -1: none */
   int contacts, count; /* of the island: contacts, rows */
-  double slop;         /* of the island */
 } nsdae_slop_projection;
 
 void nsdae_slop_layout(nsdae_slop_projection *slop, const nsdae_system *system, nsdae_arena *arena);

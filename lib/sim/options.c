@@ -44,7 +44,7 @@ static const nsdae_param entries[] = {
      NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
     {"contact_work", "1",
      "multiplications by J for the contact problem of an island; 0: 1e4 if contact_tol >= 1e-6, "
-     "else that of nsdae_friction_options",
+     "else the budget of friction problems",
      NSDAE_PARAM_REAL, AT(contact_work), 0, 0, 1e12, 0, NULL},
     {"contact_give", "1",
      "multiple of contact_tol up to which implicit and moreau go on with the best point",

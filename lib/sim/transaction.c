@@ -171,7 +171,7 @@ static int bring_out(nsdae_sim *sim, double length)
   nsdae_terms *end = &r->end, *start = &sim->now->result.end;
   nsdae_terms *home = s->problem.home == start ? start : &s->middle;
   const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP |
-                         NSDAE_TERM_NORMAL | NSDAE_TERM_BIAS;
+                         NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
   double before = 0, moved = 0, after = 0;
   if (s->problem.count == 0) return keep_lengths(sim);
   int status = nsdae_terms_need(home, terms);

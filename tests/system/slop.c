@@ -504,7 +504,7 @@ static void give(void **state)
       nsdae_record r;
       nsdae_sim_options o = options_of(methods[m], DBL_EPSILON);
       o.contact_give = give ? 1e10 : 1;
-      for (int i = 0; i < 4; i++)
+      for (int i = 0; i < 3; i++)
         add_box(
             b, (double[3]){0.2, 0.1, 0.08},
             &(nsdae_rigid_body){.position = {0.03 * i, 0, (i + 0.5) * 0.0805}, .spin = {1, 2, 3}});
@@ -519,7 +519,7 @@ static void give(void **state)
       }
       nsdae_sim_get_stats(sim, &stats);
       if (give) {
-        assert_true(status >= 0);
+        if (status < 0) fail_msg("step %d: %s", steps, nsdae_sim_error(sim)->text);
         assert_int_equal(warned, 1);
         assert_true(stats.given_steps > 0 && stats.given_steps < 30);
         assert_true(stats.warnings & 64);
