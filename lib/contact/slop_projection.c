@@ -177,8 +177,8 @@ static void solve_island(nsdae_slop_projection *s, const nsdae_contact_islands *
 
 static void keep_gaps(const nsdae_slop_projection *s, const nsdae_problem *p)
 {
-  size_t listed = (size_t)p->closed->count;
-  if (listed > 0) memcpy(p->closed->gap, s->gap, listed * sizeof *s->gap);
+  size_t count = (size_t)p->closed->count;
+  if (count > 0) memcpy(p->closed->gap, s->gap, count * sizeof *s->gap);
 }
 
 int nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,

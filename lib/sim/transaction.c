@@ -187,6 +187,8 @@ static int bring_out(nsdae_sim *sim, double length)
     status = nsdae_project_change(&sim->projection, end, home, sim->slop.change);
   if (status == NSDAE_OK)
     nsdae_slop_moved(&sim->slop, &s->problem, home, sim->projection.least.change);
+  if (status == NSDAE_OK && sim->system->dims.m > 0) /* they change by the second order */
+    status = nsdae_project_positions(&sim->projection, end, 0);
   if (status == NSDAE_OK) status = energy(end, &moved);
   if (status == NSDAE_OK) status = nsdae_project_velocities(&sim->projection, end);
   if (status == NSDAE_OK) status = energy(end, &after);

@@ -183,6 +183,7 @@ static void test_moreau(void **state)
   (void)state;
   for (int i = 0; i < 2; i++) {
     nsdae_sim_options options = options_of(NSDAE_METHOD_MOREAU, 2e-5 / (1 << 2 * i));
+    options.projection = NSDAE_PROJECTION_NONE; /* the scheme alone */
     top p = usual();
     spin_top(&p, &options, 0.1);
     worst[i] = p.worst_lambda;
