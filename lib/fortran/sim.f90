@@ -163,7 +163,7 @@ module nsdae_f_sim
     integer(c_long) :: events, accumulations  ! method event: events; closed accumulations
     integer(c_long) :: fallback_steps    ! method event: dt taken by implicit instead
     integer(c_long) :: given_steps       ! went on with a residual above contact_tol
-    integer(c_long) :: frozen_steps      ! implicit: contacts frozen after 20 iterations
+    integer(c_long) :: frozen_steps      ! implicit: contacts frozen in the step
     integer(c_long) :: accumulations_early  ! closed before accumulation_time
     real(c_double) :: rank_retained, rank_discarded  ! sines: smallest of retained, largest of discarded rows
     integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q
