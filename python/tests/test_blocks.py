@@ -499,6 +499,7 @@ def test_random_columns(seed):
     listed = nsdae.System(blocks=size, mass_blocks=mass_blocks, force=force, contacts=contacts)
     dense = nsdae.System(nq=len(q0), k=n, e_n=e_n, mass=dense_mass, force=force, gap=gap, gap_normal=gap_normal)
     assert listed.check(q0).error < 1e-6
-    a, b = (nsdae.solve(s, 0.3, q0, v0, method="moreau", dt=2e-3) for s in (listed, dense))
+    # projection = slop ends when an island is within a tenth of the slop, and dense is one island
+    a, b = (nsdae.solve(s, 0.3, q0, v0, method="moreau", dt=2e-3, projection="none") for s in (listed, dense))
     assert np.allclose(a.q, b.q, atol=1e-8) and np.allclose(a.v, b.v, atol=1e-6)
     assert len(a.impacts) == len(b.impacts) and (a.contacts["mode"] > 0).sum() == (b.mode > 0).sum()
