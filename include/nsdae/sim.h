@@ -58,11 +58,11 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  * - DEPTHS: as CONSTRAINTS; a contact that overlapped at the start of the step and remained closed
  *  keeps its depth at most. On curved surfaces its depth otherwise grows by
  *  (1 - e_N) h^2 v^2 / (2 r) in every step.
- * - SLOP (implicit and moreau): contacts that were closed in the step and are deeper than a slop
- *  are brought out to it. The change is the least in the metric of M that leaves the constraints as
- *  they are; velocities stay, except along the constraints. The slop is h^2 a / 2, with the largest
- *  acceleration a that the forces can give to the contact. projection_energy
- *  of the record is what this adds.
+ * - SLOP (implicit and moreau): closed contacts that are deeper than a slop are moved to it. The
+ *  change is the least in the metric of M; then the constraints are projected.
+ *  The slop is h^2 a / 2, with the largest acceleration a that the forces can give to the contact.
+ *  Velocities stay, except along the constraints. projection_energy of the record is the potential
+ *  energy that this adds.
  * - AUTO (default): SLOP for implicit and moreau, else NONE.
  *
  * penalty and event accept NONE only: event satisfies both conditions in another way, and overlap

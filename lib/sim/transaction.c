@@ -160,11 +160,11 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
-/* projection = slop: contacts that are too deep are brought out. Velocities stay. With
+/* projection = slop: contacts that are too deep are moved to the slop. Velocities stay. With
  * constraints they are projected to those of the new place, which only lowers the kinetic energy.
  * Both methods found them at home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1)
  * / 2. */
-static int bring_out(nsdae_sim *sim, double length)
+static int move_to_slop(nsdae_sim *sim, double length)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_stepper *s = &sim->stepper;
@@ -207,7 +207,7 @@ static int correct(nsdae_sim *sim, double length)
   case NSDAE_PROJECTION_NONE:
     return keep_lengths(sim);
   case NSDAE_PROJECTION_SLOP:
-    return bring_out(sim, length);
+    return move_to_slop(sim, length);
   default:
     return project(sim, length);
   }

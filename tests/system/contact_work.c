@@ -9,6 +9,7 @@
 #include <nsdae/nsdae.h>
 
 #include "random.h"
+#include "walls.h"
 
 enum { SIDE = 5, LAYERS = 4, BALLS = SIDE * SIDE * LAYERS, STEPS = 60, SEEDS = 2 };
 
@@ -19,21 +20,8 @@ static const double TOL = 1e-4, GIVE = 1e3, RADIUS = 0.05;
 
 static nsdae_bodies *shaken_box(uint64_t seed, double *q0, double *v0)
 {
-  const double half = SIDE * RADIUS, turn = sqrt(0.5), J = 0.4 * 0.5 * RADIUS * RADIUS;
-  nsdae_bodies *b;
-  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
-  nsdae_bodies_set_gravity(b, (double[3]){0, 0, -9.81});
-  nsdae_bodies_set_pair(b, 0, 1, 0.8, 0, 0);
-  nsdae_bodies_set_pair(b, 1, 1, 0.8, 0, 0);
-  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
-  for (int i = 0; i < 4; i++) {
-    const double sign = i % 2 ? 1 : -1;
-    nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE};
-    wall.position[i / 2] = sign * half;
-    wall.quaternion[0] = turn;
-    wall.quaternion[i / 2 == 0 ? 2 : 1] = (i / 2 == 0 ? -sign : sign) * turn;
-    nsdae_bodies_add_solid(b, NSDAE_GROUND, &wall);
-  }
+  const double half = SIDE * RADIUS, J = 0.4 * 0.5 * RADIUS * RADIUS;
+  nsdae_bodies *b = floor_and_walls(0.8, 4, half, 9.81);
   for (int i = 0; i < BALLS; i++) {
     const int place[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
     nsdae_rigid_body ball = {.mass = 0.5, .inertia = {J, J, J}};

@@ -10,32 +10,13 @@
 #include <nsdae/nsdae.h>
 
 #include "random.h"
+#include "walls.h"
 
 static const double gravity = 9.81, DT = 2e-3;
 
 static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
 
 enum { METHODS = 2 };
-
-static nsdae_bodies *begin(double mu, int walls, double half, double g)
-{
-  const double turn = sqrt(0.5);
-  nsdae_bodies *b;
-  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
-  nsdae_bodies_set_gravity(b, (double[3]){0, 0, -g});
-  nsdae_bodies_set_pair(b, 0, 1, mu, 0, 0);
-  nsdae_bodies_set_pair(b, 1, 1, mu, 0, 0);
-  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
-  for (int i = 0; i < walls; i++) {
-    const double sign = i % 2 ? 1 : -1;
-    nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE};
-    wall.position[i / 2] = sign * half;
-    wall.quaternion[0] = turn;
-    wall.quaternion[i / 2 == 0 ? 2 : 1] = (i / 2 == 0 ? -sign : sign) * turn;
-    nsdae_bodies_add_solid(b, NSDAE_GROUND, &wall);
-  }
-  return b;
-}
 
 static int add_ball(nsdae_bodies *b, double m, double r, double x, double z)
 {
@@ -104,7 +85,7 @@ static void one_ball(void **state)
     for (int deep = 0; deep < 2; deep++) {
       const double mass = 3, r = 0.1, slop = gravity * DT * DT / 2,
                    depth = deep ? 0.01 : 1.05 * slop;
-      nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+      nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
       nsdae_system *system;
       nsdae_record record;
       add_ball(b, mass, r, 0, r - depth);
@@ -129,7 +110,7 @@ static void two_balls(void **state)
   (void)state;
   for (int m = 0; m < METHODS; m++) {
     const double m1 = 1, m2 = 5, r = 0.1, depth = 0.02;
-    nsdae_bodies *b = begin(0.5, 0, 0, 0);
+    nsdae_bodies *b = floor_and_walls(0.5, 0, 0, 0);
     nsdae_system *system;
     nsdae_record record;
     add_ball(b, m1, r, 0, 1);
@@ -153,7 +134,7 @@ static void on_a_joint(void **state)
   (void)state;
   for (int m = 0; m < METHODS; m++) {
     const double r = 0.05, L = 1, depth = 2e-3;
-    nsdae_bodies *b = begin(0.2, 0, 0, gravity);
+    nsdae_bodies *b = floor_and_walls(0.2, 0, 0, gravity);
     nsdae_system *system;
     nsdae_record record;
     int ball = add_ball(b, 1, r, L, r - depth);
@@ -179,7 +160,7 @@ static void jammed(void **state)
   (void)state;
   for (int m = 0; m < METHODS; m++) {
     const double r = 0.1;
-    nsdae_bodies *b = begin(0.5, 2, 0.9 * r, gravity);
+    nsdae_bodies *b = floor_and_walls(0.5, 2, 0.9 * r, gravity);
     nsdae_system *system;
     nsdae_record record;
     add_ball(b, 1, r, 0.01 * r, r);
@@ -199,7 +180,7 @@ static void jammed(void **state)
 static nsdae_bodies *drop_boxes(uint64_t seed, int n)
 {
   const double cell = 0.14;
-  nsdae_bodies *b = begin(0.5, 4, n * cell / 2, gravity);
+  nsdae_bodies *b = floor_and_walls(0.5, 4, n * cell / 2, gravity);
   for (int i = 0; i < n * n * n; i++) {
     const int place[3] = {i % n, i / n % n, i / (n * n)};
     double r = random_between(&seed, 0.042, 0.052);
@@ -280,7 +261,7 @@ static void drops_end(void **state)
     double mu = random_uniform(&seed);
     double e = random_uniform(&seed) < 0.5 ? 0 : random_between(&seed, 0, 0.8);
     int bodies = 1 + random_below(&seed, 8);
-    nsdae_bodies *b = begin(mu, 0, 0, gravity);
+    nsdae_bodies *b = floor_and_walls(mu, 0, 0, gravity);
     nsdae_system *system;
     nsdae_record r;
     for (int material = 0; material < 2; material++)
@@ -303,7 +284,7 @@ static void the_same_at_rest(void **state)
   for (int m = 0; m < METHODS; m++) {
     double q[2][3 * 7];
     for (int slop = 0; slop < 2; slop++) {
-      nsdae_bodies *b = begin(0.6, 0, 0, gravity);
+      nsdae_bodies *b = floor_and_walls(0.6, 0, 0, gravity);
       nsdae_system *system;
       nsdae_record r;
       for (int i = 0; i < 3; i++)
@@ -328,7 +309,7 @@ static void short_steps(void **state)
 {
   (void)state;
   for (int m = 0; m < METHODS; m++) {
-    nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+    nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
     nsdae_system *system;
     nsdae_record r;
     double t = 0;
@@ -355,7 +336,7 @@ static void heavy(void **state)
   (void)state;
   for (int m = 0; m < METHODS; m++) {
     const double r = 0.1, depth = 0.01;
-    nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+    nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
     nsdae_system *system;
     nsdae_record record;
     int ball = add_ball(b, 1, r, 0, r - depth);
@@ -498,7 +479,7 @@ static void give(void **state)
   (void)state;
   for (int m = 0; m < METHODS; m++)
     for (int give = 0; give < 2; give++) {
-      nsdae_bodies *b = begin(0.6, 0, 0, gravity);
+      nsdae_bodies *b = floor_and_walls(0.6, 0, 0, gravity);
       nsdae_system *system;
       nsdae_stats stats;
       nsdae_record r;
@@ -536,7 +517,7 @@ static void give(void **state)
 static void refused(void **state)
 {
   (void)state;
-  nsdae_bodies *b = begin(0.5, 0, 0, gravity);
+  nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
   nsdae_system *system;
   nsdae_error error;
   nsdae_sim *sim;
