@@ -84,6 +84,21 @@ static double rounding_of_contacts(const nsdae_problem *p, const nsdae_point *po
   return 4 * DBL_EPSILON * sum * sum;
 }
 
+/* Energy that impulses within contact_tol may give. With x = d L, y = u + mu |u_T| e_N and the
+ * natural map f = x - P_K(x - y) the projection is x - f in K, (x - f) (y - f) = 0, and
+ *
+ *   L y = (L - f / d) f + y f / d <= |f| (|L| + |y| / d),
+ *
+ * where |f| <= sqrt(3) rho by entries. One of x and y is f alone: of a contact that presses |y| / d
+ * is the smaller one. */
+static double tolerance_of_contacts(const nsdae_problem *p, const nsdae_point *point)
+{
+  double sum = 0, residual = p->dispatch.solved->residual.left;
+  for (int a = 0; a < p->count; a++)
+    sum += (1 + p->law[p->number[a]].mu) * fabs(point->result.impulses.normal[p->number[a]]);
+  return 2 * sqrt(3) * residual * sum;
+}
+
 /* By the method's quadrature. The terms at the end are those that the next step begins with. */
 static int work_of_step(const nsdae_problem *p, int integrates, nsdae_point *before,
                         nsdae_point *point)
@@ -114,7 +129,9 @@ static int work_of_step(const nsdae_problem *p, int integrates, nsdae_point *bef
   /* what the contacts of the step did: more than rounding of their impulses, they gave */
   w->spent += fabs(r->work - r->raised);
   double given = r->work - r->raised;
-  if (given > 0) w->gained += nsdae_larger(0, given - rounding_of_contacts(p, point));
+  if (given > 0)
+    w->gained +=
+        nsdae_larger(0, given - rounding_of_contacts(p, point) - tolerance_of_contacts(p, point));
   return NSDAE_OK;
 }
 
