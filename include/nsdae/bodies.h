@@ -72,6 +72,8 @@ typedef struct nsdae_solid {
   double angle;         /* planar: of its frame in the body's frame [rad] */
   double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */
   int material;         /* 0 .. NSDAE_MATERIALS - 1, for nsdae_bodies_set_pair */
+  int group;            /* bits of the groups of the solid; 0: none */
+  int exclude;          /* bits of the groups that it does not touch by nsdae_bodies_set_pair */
 } nsdae_solid;
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
@@ -105,17 +107,18 @@ typedef int (*nsdae_drive_fn)(double t, double drive[3], void *user);
  * - DISTANCE: the distance [m]
  * - GEAR: angle of body 1 in addition to the gear's [rad] */
 typedef struct nsdae_joint {
-  int kind;             /* enum nsdae_joint_kind */
-  int body[2];          /* NSDAE_GROUND or a body's number; two different ones */
-  double point[3];      /* [m] */
-  double end[3];        /* DISTANCE: point of body 1 [m] */
-  double axis[3];       /* PRISMATIC, SLOT, CYLINDRICAL, UNIVERSAL, spatial REVOLUTE: of any
-                           length > 0 */
-  double cross[3];      /* UNIVERSAL: perpendicular to axis */
-  double ratio;         /* GEAR: not 0 */
-  nsdae_drive_fn drive; /* NULL: free; other kinds cannot be driven */
-  void *user;           /* last argument of drive */
-  double mu;            /* SLOT: coefficient of friction, >= 0; else 0 */
+  int kind;              /* enum nsdae_joint_kind */
+  int body[2];           /* NSDAE_GROUND or a body's number; two different ones */
+  double point[3];       /* [m] */
+  double end[3];         /* DISTANCE: point of body 1 [m] */
+  double axis[3];        /* PRISMATIC, SLOT, CYLINDRICAL, UNIVERSAL, spatial REVOLUTE: of any
+                            length > 0 */
+  double cross[3];       /* UNIVERSAL: perpendicular to axis */
+  double ratio;          /* GEAR: not 0 */
+  nsdae_drive_fn drive;  /* NULL: free; other kinds cannot be driven */
+  void *user;            /* last argument of drive */
+  double mu;             /* SLOT: coefficient of friction, >= 0; else 0 */
+  int collide_connected; /* not 0: its bodies touch by nsdae_bodies_set_pair */
 } nsdae_joint;
 
 /* A spring and damper between a point of body 0 and a point of body 1, in space at the start. The
@@ -225,8 +228,14 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
                                        double e_n, double e_t);
 
 /* Enables contact between all solids of two materials that belong to different bodies. The last
- * call for a pair of materials applies; two solids of nsdae_bodies_add_contact keep the contacts
- * and coefficients of that call. The system then has a contact list:
+ * call for a pair of materials applies. Excluded are:
+ *
+ * - two bodies that a joint connects, unless all of their joints have collide_connected. A body
+ *  touches the ground that it is joined to: the ground has all floors and walls
+ * - solids of which one is in a group that the other excludes
+ *
+ * Two solids of nsdae_bodies_add_contact always keep the contacts and coefficients of that call.
+ * The system then has a contact list:
  *
  * - A broad phase finds the close pairs in every step. Its time is proportional to the number of
  *  solids if they are of similar size.

@@ -69,7 +69,7 @@ static int list_pair(void *to, nsdae_broad *p, int i, int j)
 {
   listing *l = to;
   const nsdae_solid_of *s = p->b->solid.at;
-  if (p->names > 0 && nsdae_broad_is_named(p, i, j)) return 0;
+  if (p->excludes > 0 && nsdae_broad_is_excluded(p, i, j)) return 0;
   l->law = *p->pair[s[i].material][s[j].material];
   l->id = p->b->feature.count + nsdae_broad_pair(p->b, i, j) * p->features;
   return list_features(l, i, j);

@@ -33,9 +33,9 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
   for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
-  nsdae_list *lists[] = {&b->body,    &b->element, &b->frictional_joint,
-                         &b->solid,   &b->feature, &b->spring,
-                         &b->torsion, &b->load,    &b->pair};
+  nsdae_list *lists[] = {&b->body,    &b->element, &b->frictional_joint, &b->solid,
+                         &b->feature, &b->spring,  &b->torsion,          &b->load,
+                         &b->pair,    &b->joint};
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);

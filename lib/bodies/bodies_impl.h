@@ -43,6 +43,10 @@ typedef struct nsdae_bodies_torsion {
   double stiffness, damping, rest, offset;
 } nsdae_bodies_torsion;
 
+typedef struct nsdae_bodies_joint {
+  int body[2], collide_connected;
+} nsdae_bodies_joint;
+
 typedef struct nsdae_bodies_pair {
   int material[2];
   double mu, e_n, e_t;
@@ -67,7 +71,7 @@ struct nsdae_bodies {
   nsdae_list load;                            /* nsdae_load */
   nsdae_list pair;                            /* nsdae_bodies_pair */
   _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
-  int joints;                                 /* added so far */
+  nsdae_list joint;                           /* nsdae_bodies_joint */
   nsdae_user_rows own;                        /* beside the bodies; nv filled in */
 };
 
@@ -100,6 +104,11 @@ static inline const nsdae_feature *nsdae_feature_at(const nsdae_bodies *b, int i
 static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, int i)
 {
   return (const nsdae_bodies_spring *)b->spring.at + i;
+}
+
+static inline const nsdae_bodies_joint *nsdae_joint_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_bodies_joint *)b->joint.at + i;
 }
 
 /* Whether the system has a contact list, which then has all contacts; else they are fixed. */

@@ -40,7 +40,7 @@ static void lay_out_broad(void *object, nsdae_arena *arena)
   p->cell = NSDAE_ARENA_INTS(arena, 3 * solids);
   p->next = NSDAE_ARENA_INTS(arena, solids);
   p->large = NSDAE_ARENA_INTS(arena, solids);
-  p->named = NSDAE_ARENA_DOUBLES(arena, p->names);
+  p->excluded = NSDAE_ARENA_DOUBLES(arena, p->excludes);
   p->head = NSDAE_ARENA_INTS(arena, p->buckets);
 }
 
@@ -64,14 +64,33 @@ static void measure(nsdae_broad *p)
   }
 }
 
-static void name_pairs(nsdae_broad *p)
+/* Two bodies in nsdae_broad.excluded: below 0, other than pairs of solids. */
+static double joined_pair(const nsdae_bodies *b, int i, int j)
+{
+  return -1 - ((i < j ? i : j) + 1.0) * (b->body.count + 1.0) - (i < j ? j : i);
+}
+
+/* Whether a joint excludes the contacts of its bodies. The ground is every floor and wall: a body
+ * that is joined to it touches it. */
+static int excludes(const nsdae_bodies_joint *joint)
+{
+  return !joint->collide_connected && joint->body[0] != NSDAE_GROUND &&
+         joint->body[1] != NSDAE_GROUND;
+}
+
+static void exclude_pairs(nsdae_broad *p)
 {
   const nsdae_feature *f = p->b->feature.at;
-  p->names = 0;
+  p->excludes = 0;
   for (int i = 0; i < p->b->feature.count; i++)
     if (f[i].number == 0)
-      p->named[p->names++] = (double)nsdae_broad_pair(p->b, f[i].solid[0], f[i].solid[1]);
-  qsort(p->named, (size_t)p->names, sizeof *p->named, by_value);
+      p->excluded[p->excludes++] = (double)nsdae_broad_pair(p->b, f[i].solid[0], f[i].solid[1]);
+  for (int i = 0; i < p->b->joint.count; i++) {
+    const nsdae_bodies_joint *joint = nsdae_joint_at(p->b, i);
+    if (excludes(joint))
+      p->excluded[p->excludes++] = joined_pair(p->b, joint->body[0], joint->body[1]);
+  }
+  qsort(p->excluded, (size_t)p->excludes, sizeof *p->excluded, by_value);
 }
 
 static nsdae_broad *make(const nsdae_bodies *b)
@@ -79,7 +98,8 @@ static nsdae_broad *make(const nsdae_bodies *b)
   nsdae_broad *p = calloc(1, sizeof *p);
   if (!p) return NULL;
   p->b = b;
-  for (int i = 0; i < b->feature.count; i++) p->names += nsdae_feature_at(b, i)->number == 0;
+  for (int i = 0; i < b->feature.count; i++) p->excludes += nsdae_feature_at(b, i)->number == 0;
+  for (int i = 0; i < b->joint.count; i++) p->excludes += excludes(nsdae_joint_at(b, i));
   for (p->buckets = 1; p->buckets < 2 * b->solid.count;) p->buckets *= 2;
   if (nsdae_arena_build(&p->arena, lay_out_broad, p) < 0) {
     free(p);
@@ -88,7 +108,7 @@ static nsdae_broad *make(const nsdae_bodies *b)
   p->pose[b->body.count] = nsdae_pose_ground();
   p->features = nsdae_broad_features(b);
   measure(p);
-  name_pairs(p);
+  exclude_pairs(p);
   for (int i = 0; i < b->pair.count; i++) {
     const nsdae_bodies_pair *pair = (const nsdae_bodies_pair *)b->pair.at + i;
     p->pair[pair->material[0]][pair->material[1]] = pair;
@@ -127,7 +147,8 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
 
 static inline int may_touch(const nsdae_broad *p, const nsdae_solid_of *s, int i, int j)
 {
-  return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL;
+  return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL &&
+         !((s[i].group & s[j].exclude) | (s[j].group & s[i].exclude));
 }
 
 static int are_near(const nsdae_broad *p, int i, int j, double reach)
@@ -148,10 +169,16 @@ static int is_near_base(const nsdae_broad *p, const nsdae_solid_of *base, int nu
   return nsdae_dot3(n, d) <= p->radius[other] + reach;
 }
 
-int nsdae_broad_is_named(const nsdae_broad *p, int i, int j)
+static int contains(const nsdae_broad *p, double pair)
 {
-  const double pair = (double)nsdae_broad_pair(p->b, i, j);
-  return bsearch(&pair, p->named, (size_t)p->names, sizeof *p->named, by_value) != NULL;
+  return bsearch(&pair, p->excluded, (size_t)p->excludes, sizeof *p->excluded, by_value) != NULL;
+}
+
+int nsdae_broad_is_excluded(const nsdae_broad *p, int i, int j)
+{
+  const nsdae_solid_of *s = p->b->solid.at;
+  return contains(p, (double)nsdae_broad_pair(p->b, i, j)) ||
+         contains(p, joined_pair(p->b, s[i].body, s[j].body));
 }
 
 int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)

@@ -19,9 +19,10 @@ struct nsdae_broad {
   double usual;     /* largest radius of ordinary size */
   int *large;       /* those above it, and what is endless */
   int larges;
-  long features; /* of any pair of solids at most */
-  double *named; /* pairs of solids of nsdae_bodies_add_contact, by nsdae_broad_pair, in order */
-  int names;
+  long features;    /* of any pair of solids at most */
+  double *excluded; /* in order: pairs of solids of nsdae_bodies_add_contact, by nsdae_broad_pair;
+                       two bodies with a joint, by negative numbers */
+  int excludes;
   const nsdae_bodies_pair *pair[NSDAE_MATERIALS][NSDAE_MATERIALS];
 };
 
@@ -36,8 +37,9 @@ void nsdae_broad_place(nsdae_broad *broad, const double *q, const double *v);
 /* Whether the gap of two solids, placed, may be at most reach. */
 int nsdae_broad_near(const nsdae_broad *broad, int i, int j, double reach);
 
-/* Whether nsdae_bodies_add_contact named two solids. */
-int nsdae_broad_is_named(const nsdae_broad *broad, int i, int j);
+/* Whether two solids have no contacts by their materials: nsdae_bodies_add_contact has them, or a
+ * joint connects their bodies. */
+int nsdae_broad_is_excluded(const nsdae_broad *broad, int i, int j);
 
 /* Every pair of solids, placed, of materials that touch whose gap may be at most reach, handed to
  * visit until it returns < 0, with i < j. */

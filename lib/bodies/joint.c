@@ -20,7 +20,7 @@ static nsdae_primitive *add_element(const assembly *s, nsdae_primitive_kind kind
   nsdae_primitive *e = nsdae_list_add(b, &b->element, sizeof *e);
   if (!e) return NULL;
   e->kind = kind;
-  e->joint = b->joints;
+  e->joint = b->joint.count;
   e->joint_kind = s->joint->kind;
   for (int i = 0; i < 2; i++) {
     e->body[i] = s->joint->body[i];
@@ -270,13 +270,15 @@ int nsdae_bodies_add_joint(nsdae_bodies *b, const nsdae_joint *joint)
 {
   int status = nsdae_bodies_open(b, joint, "joint");
   if (status < 0) return status;
-  int index = b->joints;
+  int index = b->joint.count;
   assembly s = {.bodies = b, .joint = joint};
   status = check_joint(b, index, joint);
   if (status == NSDAE_OK) status = set_frame(&s, index);
   if (status < 0) return status;
   kinds[joint->kind].assemble(&s);
-  b->joints++;
+  nsdae_bodies_joint *added = nsdae_list_add(b, &b->joint, sizeof *added);
+  if (added)
+    *added = (nsdae_bodies_joint){{joint->body[0], joint->body[1]}, joint->collide_connected};
   return b->error.status < 0 ? b->error.status : index;
 }
 

@@ -171,6 +171,8 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                            .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
                            .points = points,
                            .material = s->material,
+                           .group = s->group,
+                           .exclude = s->exclude,
                            .radius = s->radius,
                            .point = corners,
                            .edge = corners + 3 * points};

@@ -38,6 +38,7 @@ module nsdae_f_bodies
     real(c_double) :: position(3) = 0, angle = 0   ! in the body's frame
     real(c_double) :: quaternion(4) = 0
     integer(c_int) :: material = 0                 ! for nsdae_bodies_set_pair
+    integer(c_int) :: group = 0, exclude = 0       ! bits: its groups, groups that it does not touch
   end type
 
   ! The struct of the C header.
@@ -55,6 +56,7 @@ module nsdae_f_bodies
     type(c_funptr) :: drive = c_null_funptr  ! a nsdae_drive_fn; null: free
     type(c_ptr) :: user = c_null_ptr
     real(c_double) :: mu = 0        ! SLOT
+    integer(c_int) :: collide_connected = 0  ! not 0: its bodies touch by nsdae_bodies_set_pair
   end type
 
   ! A spring and damper between two points.
@@ -185,8 +187,8 @@ contains
   ! contact list the numbers are ids of the list.
   ! headers: wrappers nsdae_bodies_ add_contact
 
-  ! Lets every two solids of these materials touch that belong to different bodies: the system has a
-  ! contact list, and there can be many contacts.
+  ! Lets every two solids of these materials touch that belong to different bodies without a joint:
+  ! the system has a contact list, and there can be many contacts.
   ! headers: wrappers nsdae_bodies_ set_pair
 
   integer(c_int) function nsdae_bodies_set_gravity(bodies, gravity) result(status)
@@ -277,6 +279,8 @@ contains
     to%angle = solid%angle
     to%quaternion = solid%quaternion
     to%material = solid%material
+    to%group = solid%group
+    to%exclude = solid%exclude
   end function
 
 end module

@@ -53,6 +53,8 @@ class Solid(NamedTuple):
         Spatial: orientation w, x, y, z in the frame of the body.
     material : int
         0 to 63, for `Bodies.set_pair`.
+    group, exclude : int
+        Bits of the groups of the solid, and of the groups that it does not touch by `Bodies.set_pair`.
     """
 
     shape: str
@@ -64,13 +66,16 @@ class Solid(NamedTuple):
     angle: float = 0
     quaternion: Any = ()
     material: int = 0
+    group: int = 0
+    exclude: int = 0
 
     def _given(self) -> dict[str, Any]:
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
             length = [0, 0, length] if self.shape == "capsule" else [length]
         return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
-                "angle": float(self.angle), "material": int(self.material), "length": _numbers("length", length, 3),
+                "angle": float(self.angle), "material": int(self.material), "group": int(self.group),
+                "exclude": int(self.exclude), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
                 "quaternion": _numbers("quaternion", self.quaternion, 4),
                 "points": np.ascontiguousarray(self.points, dtype=float).reshape(-1)}
@@ -170,8 +175,8 @@ class Bodies:
                               turning("spin", spin))
 
     def add_joint(self, kind: str, body0: int, body1: int, *, point: Any = (), end: Any = (), axis: Any = (),
-                  cross: Any = (), ratio: float = 0, mu: float = 0, drive: Callable[..., Any] | None = None,
-                  user: Any = None) -> int:
+                  cross: Any = (), ratio: float = 0, mu: float = 0, collide_connected: bool = False,
+                  drive: Callable[..., Any] | None = None, user: Any = None) -> int:
         """Adds a joint between two bodies.
 
         Parameters
@@ -190,6 +195,8 @@ class Bodies:
             Joint "gear": theta of body1 per theta of body0.
         mu : float
             Joint "slot": coefficient of friction (a frictional joint).
+        collide_connected : bool
+            The two bodies touch by `set_pair`. The default is that they do not.
         drive : callable, optional
             ``drive(t, f)`` writes the prescribed motion and its two rates to f, shape (3,). Also a compiled function of
             ``signature("drive")``.
@@ -204,7 +211,7 @@ class Bodies:
         function, pointer = self._callback("drive", drive, user)
         return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, _numbers("point", point, 3),
                                     _numbers("end", end, 3), _numbers("axis", axis, 3), _numbers("cross", cross, 3),
-                                    float(ratio), float(mu), function, *pointer)
+                                    float(ratio), float(mu), bool(collide_connected), function, *pointer)
 
     def _callback(self, name: str, function: Any, user: Any) -> tuple[Any, tuple[int, int]]:
         if function is None:
@@ -329,7 +336,8 @@ class Bodies:
         """Adds contacts between all solids of two materials on different bodies.
 
         The contacts are detected in every step and form a contact list (`Record.contacts`). Two solids of `add_contact`
-        keep the coefficients of that call.
+        keep the coefficients of that call. Two bodies with a joint do not touch unless it has `collide_connected`; a
+        body touches the ground that it is joined to. A solid does not touch those in a group that it excludes.
 
         Parameters
         ----------

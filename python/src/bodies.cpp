@@ -48,6 +48,8 @@ nsdae_solid solid_of(nb::dict d, vector &points)
   s.radius = nb::cast<double>(d["radius"]);
   s.hollow = nb::cast<bool>(d["hollow"]) ? 1 : 0;
   s.material = nb::cast<int>(d["material"]);
+  s.group = nb::cast<int>(d["group"]);
+  s.exclude = nb::cast<int>(d["exclude"]);
   s.angle = nb::cast<double>(d["angle"]);
   fill(s.length, nb::cast<triple>(d["length"]));
   fill(s.position, nb::cast<triple>(d["position"]));
@@ -92,8 +94,8 @@ int bodies::add(double mass, triple inertia, triple position, double angle, quad
 }
 
 int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, triple axis,
-                      triple cross, double ratio, double mu, nb::object drive,
-                      std::uintptr_t address, std::uintptr_t user)
+                      triple cross, double ratio, double mu, bool collide_connected,
+                      nb::object drive, std::uintptr_t address, std::uintptr_t user)
 {
   nsdae_joint j = {};
   j.kind = kind;
@@ -101,6 +103,7 @@ int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, 
   j.body[1] = body1;
   j.ratio = ratio;
   j.mu = mu;
+  j.collide_connected = collide_connected ? 1 : 0;
   fill(j.point, point);
   fill(j.end, end);
   fill(j.axis, axis);
@@ -250,7 +253,8 @@ void bind_bodies(nb::module_ &m)
       .def(nb::init<int>())
       .def("add", &bodies::add)
       .def("add_joint", &bodies::add_joint, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg())
+           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),
+           nb::arg())
       .def("add_spring", &bodies::add_spring)
       .def("add_torsion", &bodies::add_torsion)
       .def("add_load", &bodies::add_load, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),

@@ -29,8 +29,8 @@ public:
   int add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
           triple velocity, triple spin);
   int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
-                double ratio, double mu, nb::object drive, std::uintptr_t address,
-                std::uintptr_t user);
+                double ratio, double mu, bool collide_connected, nb::object drive,
+                std::uintptr_t address, std::uintptr_t user);
   int add_spring(int body0, int body1, triple point, triple end, double stiffness, double damping,
                  double rest);
   int add_torsion(int body0, int body1, triple axis, double stiffness, double damping, double rest);

@@ -394,6 +394,22 @@ def test_bodies_by_their_materials():
     assert run.penetration.max() < 0.02 and np.allclose(run.q[-1][1::3], [0.1, 0.3, 0.5], atol=0.02)
 
 
+@pytest.mark.parametrize("joint, solid, touch", [
+    (None, {}, True), ({}, {}, False), ({"collide_connected": True}, {}, True),
+    (None, {"group": 6, "exclude": 4}, False), (None, {"group": 3, "exclude": 4}, True)])
+def test_neighbours_and_groups(joint, solid, touch):
+    """Two discs that move towards each other stop, or pass through each other."""
+    world = nsdae.Bodies(2)
+    for i in range(2):
+        disc = world.add(mass=1, inertia=1, position=(i - 0.5, 0), velocity=(1 - 2 * i, 0))
+        world.add_solid(disc, nsdae.Solid("disc", radius=0.25, **solid))
+    if joint is not None:
+        world.add_joint("prismatic", 0, 1, axis=(1, 0), **joint)
+    world.set_pair(0, 0)
+    run = nsdae.solve(world, 1, method="moreau", dt=0.01)
+    assert np.isclose(run.v[-1][0], 0 if touch else 1, atol=1e-12)
+
+
 def test_compiled_lists(library):
     """The column in C, which gets the address of nsdae_contact_add, in two threads at once."""
     import ctypes

@@ -777,6 +777,33 @@ static void test_solids(bool by_material)
   EXPECT(throws_status(NSDAE_E_STATE, [&] { world.pair(0, 1, 0, 0); }));
 }
 
+/* Two discs that a prismatic joint guides towards each other: they touch if the joint lets them. */
+static void test_neighbours(bool collide)
+{
+  nsdae::bodies world(2);
+  nsdae_solid disc = nsdae_solid();
+  disc.shape = NSDAE_SHAPE_DISC;
+  disc.radius = 0.25;
+  nsdae_joint guide = nsdae_joint();
+  guide.kind = NSDAE_JOINT_PRISMATIC;
+  guide.axis[0] = 1;
+  guide.collide_connected = collide;
+  for (int i = 0; i < 2; i++) {
+    nsdae_rigid_body body = nsdae_rigid_body();
+    body.mass = body.inertia[2] = 1;
+    body.position[0] = i ? 0.5 : -0.5;
+    body.velocity[0] = i ? -1 : 1;
+    guide.body[i] = world.add(body);
+    world.solid(guide.body[i], disc);
+  }
+  EXPECT(world.pair(0, 0, 0, 0).joint(guide) == 0);
+  nsdae::system made = world.system();
+  nsdae::sim sim(made);
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(1);
+  EXPECT(std::fabs(sim.record().v[0] - (collide ? 0 : 1)) < 1e-12);
+}
+
 /* A rod on a free pin swings with the rate of a physical pendulum of small angle; where its end is.
  */
 static void test_joint()
@@ -826,6 +853,8 @@ int main(int argc, char **argv)
   test_check();
   test_bodies();
   test_springs();
+  test_neighbours(false);
+  test_neighbours(true);
   test_solids(false);
   test_solids(true);
   test_joint();

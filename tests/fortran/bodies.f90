@@ -70,6 +70,9 @@ program mechanism
   call box_on_floor
   call spring_and_torsion
   call discs_by_material
+  call neighbours(0_c_int)
+  call neighbours(1_c_int)
+  call groups
   call rope_on_drum
   call refused
   call check_done
@@ -236,6 +239,66 @@ contains
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! Two discs that move towards each other, and after 1 s the velocity of the first.
+  subroutine meeting_discs(bodies, group, exclude)
+    type(nsdae_bodies), intent(inout) :: bodies
+    integer(c_int), intent(in) :: group, exclude
+    type(nsdae_rigid_body) :: body
+    type(nsdae_solid) :: disc
+    integer(c_int) :: i
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    disc%shape = NSDAE_SHAPE_DISC
+    disc%radius = 0.25d0
+    body%mass = 1
+    body%inertia = 1
+    do i = 0, 1
+      body%position(1) = i - 0.5d0
+      body%velocity(1) = 1 - 2 * i
+      if (i == 0) disc%group = group
+      if (i == 1) disc%exclude = exclude
+      call is_int(nsdae_bodies_add(bodies, body), i, 'body')
+      call is_int(nsdae_bodies_add_solid(bodies, i, disc), i, 'disc')
+    end do
+    call is_int(nsdae_bodies_set_pair(bodies, 0_c_int, 0_c_int, 0d0, 0d0, 0d0), NSDAE_OK, 'pair')
+  end subroutine
+
+  subroutine met(bodies, velocity, what)
+    type(nsdae_bodies), intent(inout) :: bodies
+    real(c_double), intent(in) :: velocity
+    character(*), intent(in) :: what
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(abs(record%v(1) - velocity) < 1d-12, what)
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  subroutine neighbours(collide)
+    integer(c_int), intent(in) :: collide
+    type(nsdae_bodies) :: bodies
+    type(nsdae_joint) :: guide
+    call meeting_discs(bodies, 0_c_int, 0_c_int)
+    guide%kind = NSDAE_JOINT_PRISMATIC
+    guide%body = [0, 1]
+    guide%axis(1) = 1
+    guide%collide_connected = collide
+    call is_int(nsdae_bodies_add_joint(bodies, guide), 0_c_int, 'joint')
+    call met(bodies, 1d0 - collide, 'bodies of a joint touch if it lets them')
+  end subroutine
+
+  subroutine groups()
+    type(nsdae_bodies) :: bodies
+    call meeting_discs(bodies, 5_c_int, 4_c_int)
+    call met(bodies, 1d0, 'a solid does not touch a group that it excludes')
+    call meeting_discs(bodies, 5_c_int, 2_c_int)
+    call met(bodies, 0d0, 'a solid touches other groups')
   end subroutine
 
   ! 2 kg on a drum of 0.5 kg m^2 and 1 m fall with 2 g / 2.5.

@@ -467,6 +467,8 @@ contains
     call same_place('nsdae_solid%angle', c_loc(x), c_loc(x%angle))
     call same_place('nsdae_solid%quaternion', c_loc(x), c_loc(x%quaternion))
     call same_place('nsdae_solid%material', c_loc(x), c_loc(x%material))
+    call same_place('nsdae_solid%group', c_loc(x), c_loc(x%group))
+    call same_place('nsdae_solid%exclude', c_loc(x), c_loc(x%exclude))
   end subroutine
 
   subroutine joint_fields()
@@ -481,6 +483,7 @@ contains
     call same_place('nsdae_joint%drive', c_loc(x), c_loc(x%drive))
     call same_place('nsdae_joint%user', c_loc(x), c_loc(x%user))
     call same_place('nsdae_joint%mu', c_loc(x), c_loc(x%mu))
+    call same_place('nsdae_joint%collide_connected', c_loc(x), c_loc(x%collide_connected))
   end subroutine
 
   subroutine spring_fields()

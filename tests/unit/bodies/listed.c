@@ -37,6 +37,8 @@ static nsdae_solid random_solid(int d)
                    .point = corners,
                    .material = (int)uniform(0, 3)};
   if (shape == 0 || shape == 3) s.radius = 0;
+  if (uniform(0, 1) < 0.5) s.group = 1 << (int)uniform(0, 3);
+  if (uniform(0, 1) < 0.3) s.exclude = 1 << (int)uniform(0, 3);
   for (int i = 0; i < d; i++) s.position[i] = uniform(-0.5, 0.5);
   for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
   return s;
@@ -118,7 +120,8 @@ static void check_scene(int d, int bodies)
   for (int i = 0; i < b->solid.count; i++)
     for (int j = i + 1; j < b->solid.count; j++) {
       int m = s[i].material * 3 + s[j].material;
-      int may = s[i].body != s[j].body && (m == 0 || m == 2 || m == 6 || m == 5 || m == 7);
+      int may = s[i].body != s[j].body && (m == 0 || m == 2 || m == 6 || m == 5 || m == 7) &&
+                (s[i].group & s[j].exclude) == 0 && (s[j].group & s[i].exclude) == 0;
       int endless = (s[i].shape == NSDAE_SHAPE_PLANE || s[i].hollow) &&
                     (s[j].shape == NSDAE_SHAPE_PLANE || s[j].hollow);
       nearest_gap near = {b, q, INFINITY};
@@ -138,6 +141,125 @@ static void test_broad(void **state)
   (void)state;
   seed = 5;
   for (int i = 0; i < 200; i++) check_scene(2 + i % 2, 1 + i % 40);
+}
+
+/* Two discs of equal masses that a prismatic joint guides towards each other with 1 m/s. Without
+ * restitution a contact brings them to rest; without a contact they pass through each other. */
+typedef struct guided {
+  int body[2];           /* of the joint; the second disc is body 1 or the ground */
+  int collide_connected; /* of the joint; 2: of a slot, but not of a gear beside it */
+  int named;             /* a contact of nsdae_bodies_add_contact */
+  int group[2], exclude[2];
+  int touch;
+} guided;
+
+static void add_guide(nsdae_bodies *b, const guided *g, int kind, int collide_connected)
+{
+  const nsdae_joint guide = {.kind = kind,
+                             .body = {g->body[0], g->body[1]},
+                             .axis = {1, 0, 0},
+                             .ratio = 1,
+                             .collide_connected = collide_connected};
+  assert_true(nsdae_bodies_add_joint(b, &guide) >= 0);
+}
+
+static void check_guided(const guided *g)
+{
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_record r;
+  nsdae_sim_options options;
+  double q[6], v[6];
+  assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+  for (int i = 0; i < 2; i++) {
+    int body = i == 0 ? 0 : g->body[1];
+    if (body != NSDAE_GROUND)
+      nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
+                                              .inertia = {0, 0, 1},
+                                              .position = {i ? 0.5 : -0.5},
+                                              .velocity = {i ? -1 : 1}});
+    nsdae_bodies_add_solid(b, body,
+                           &(nsdae_solid){.shape = NSDAE_SHAPE_DISC,
+                                          .radius = 0.25,
+                                          .position = {body == NSDAE_GROUND ? 0.5 : 0},
+                                          .group = g->group[i],
+                                          .exclude = g->exclude[i]});
+  }
+  if (g->collide_connected == 2) {
+    add_guide(b, g, NSDAE_JOINT_SLOT, 1);
+    add_guide(b, g, NSDAE_JOINT_GEAR, 0);
+  } else {
+    add_guide(b, g, NSDAE_JOINT_PRISMATIC, g->collide_connected);
+  }
+  if (g->named) nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
+  nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0);
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_bodies_get_start(b, q, v);
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_MOREAU;
+  options.dt = 0.01;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, 1) >= 0);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.v[0], g->touch ? 0 : 1, 1e-12);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_neighbours(void **state)
+{
+  (void)state;
+  const guided cases[] = {
+      {.body = {0, 1}},
+      {.body = {1, 0}},
+      {.body = {0, 1}, .collide_connected = 1, .touch = 1},
+      {.body = {0, 1}, .collide_connected = 2},
+      {.body = {0, 1}, .named = 1, .touch = 1},
+      {.body = {0, NSDAE_GROUND}, .touch = 1},
+      {.body = {0, NSDAE_GROUND}, .group = {1, 4}, .exclude = {6, 2}},
+      {.body = {0, NSDAE_GROUND}, .group = {1, 4}, .exclude = {2, 1}},
+      {.body = {0, NSDAE_GROUND}, .group = {1, 4}, .exclude = {2, 8}, .touch = 1},
+      {.body = {0, NSDAE_GROUND}, .named = 1, .group = {1, 4}, .exclude = {6, 2}, .touch = 1},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) check_guided(&cases[i]);
+}
+
+/* Pairs of bodies with joints, at random: excluded are their solids, and no others. */
+static void check_joined(int d, int bodies)
+{
+  nsdae_bodies *b = scene(d, bodies);
+  const nsdae_solid_of *s = b->solid.at;
+  int joined[NQ_MAX][NQ_MAX] = {{0}};
+  for (int i = 0; i < bodies; i++) {
+    int body[2] = {(int)uniform(0, bodies), (int)uniform(0, bodies + 1) - 1};
+    if (body[0] == body[1]) continue;
+    int collide = uniform(0, 1) < 0.3;
+    nsdae_joint j = {.kind = NSDAE_JOINT_WELD, .collide_connected = collide};
+    for (int l = 0; l < 2; l++) j.body[l] = body[i % 2 ? 1 - l : l];
+    assert_true(nsdae_bodies_add_joint(b, &j) >= 0);
+    if (!collide && body[1] >= 0) joined[body[0]][body[1]] = joined[body[1]][body[0]] = 1;
+  }
+  nsdae_broad *broad = nsdae_broad_take(b);
+  assert_non_null(broad);
+  for (int i = 0; i < b->solid.count; i++)
+    for (int j = 0; j < b->solid.count; j++) {
+      int both = s[i].body >= 0 && s[j].body >= 0;
+      if (i != j && s[i].body != s[j].body)
+        assert_int_equal(nsdae_broad_is_excluded(broad, i, j),
+                         both && joined[s[i].body][s[j].body]);
+    }
+  nsdae_broad_give_back(b, broad);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_joined(void **state)
+{
+  (void)state;
+  seed = 6;
+  for (int i = 0; i < 100; i++) check_joined(2 + i % 2, 2 + i % 40);
 }
 
 /* Balls (or discs) that fall into a corner of planes: with their contacts numbered, or by list. */
@@ -518,6 +640,8 @@ static void test_standing_heap_begins_well(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_broad),
+                                     cmocka_unit_test(test_neighbours),
+                                     cmocka_unit_test(test_joined),
                                      cmocka_unit_test(test_same_as_numbered),
                                      cmocka_unit_test(test_own_by_blocks),
                                      cmocka_unit_test(test_spin_stays),
