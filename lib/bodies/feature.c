@@ -129,24 +129,38 @@ static int edge_of(const nsdae_solid_of *s, int i, double *middle)
   return axis;
 }
 
-/* The edges of a box along an axis, or of a capsule, that a direction n (in the solid's frame)
- * leaves between their two faces, or along one of them up to rounding: bit i for edge i. A
- * capsule's line is round. */
-static const double leaving_rounding = 1e-4;
-static unsigned leaving(const nsdae_solid_of *s, int axis, const double *n)
+/* Of the edges of a box along an axis, or of a capsule, and a direction n in the solid's frame:
+ * whether n is between the normals of the two faces of each edge, up to rounding; and how far each
+ * lies behind the foremost corner, INFINITY if n is more than 45 degrees beyond its faces, which is
+ * nearer to another face. A capsule's line is round. */
+static const double facing_rounding = 1e-4;
+typedef struct facing {
+  int count, between[4];
+  double behind[4];
+} facing;
+
+static facing face_along(const nsdae_solid_of *s, int axis, const double *n)
 {
-  double across[2] = {n[(axis + 1) % 3], n[(axis + 2) % 3]};
-  unsigned mask = 0;
-  if (s->shape != NSDAE_SHAPE_BOX) return 1;
-  for (int i = 0; i < 4; i++) /* see edge_of for the sides */
-    if ((i % 2 ? across[0] : -across[0]) >= -leaving_rounding &&
-        (i / 2 ? across[1] : -across[1]) >= -leaving_rounding)
-      mask |= 1u << (4 * axis + i);
-  return mask;
+  facing f = {.count = s->shape == NSDAE_SHAPE_BOX ? 4 : 1};
+  f.between[0] = 1;
+  for (int i = 0; i < f.count && f.count == 4; i++) { /* see edge_of for the sides */
+    f.between[i] = 1;
+    for (int j = 0; j < 2; j++) {
+      int across = (axis + 1 + j) % 3;
+      double along = (i >> j & 1) ? n[across] : -n[across];
+      if (along < 0) f.behind[i] -= 2 * s->half[across] * along;
+      f.between[i] &= along >= -facing_rounding;
+      if (along < -sqrt(0.5)) f.behind[i] = INFINITY;
+    }
+  }
+  return f;
 }
 
-/* Edges along axis i of solid 0 and j of solid 1 that the unit vector n at right angles to both
- * leaves, from 0 to 1. */
+/* Edges along axis i of solid 0 and j of solid 1 that face each other along the unit vector n at
+ * right angles to both, from 0 to 1: n is between the faces of both; or they are behind the nearest
+ * features, and a small turn of the bodies brings them there, as corners over a face: they are
+ * apart, or n is an axis of no more than twice the least depth. Solids that do not overlap touch
+ * with n between the faces alone. */
 static void add_facing(nsdae_meeting *met, int i, int j)
 {
   const nsdae_separating_axis *o = &met->axis;
@@ -156,9 +170,17 @@ static void add_facing(nsdae_meeting *met, int i, int j)
   n[(i + 1) % 3] = -scale * w[(i + 2) % 3];
   n[(i + 2) % 3] = scale * w[(i + 1) % 3];
   for (int l = 0; l < 3; l++) back[l] = -nsdae_dot3(n, o->cosine + 3 * l);
-  unsigned first = leaving(met->two.solid[0], i, n), second = leaving(met->two.solid[1], j, back);
-  for (int k = 0; k < NSDAE_EDGES_MAX; k++)
-    if (first >> k & 1) met->edges[k] |= second;
+  const facing first = face_along(met->two.solid[0], i, n);
+  const facing second = face_along(met->two.solid[1], j, back);
+  int shallow = o->edges[3 * i + j] >= 2 * o->most - o->slack;
+  int from[2] = {first.count == 4 ? 4 * i : 0, second.count == 4 ? 4 * j : 0};
+  for (int k = 0; k < first.count; k++)
+    for (int l = 0; l < second.count; l++) {
+      double apart = o->edges[3 * i + j] + first.behind[k] + second.behind[l];
+      if ((first.between[k] && second.between[l]) ||
+          ((apart > 0 || shallow) && apart <= met->enough && apart < INFINITY))
+        met->edges[from[0] + k] |= 1u << (from[1] + l);
+    }
 }
 
 /* Corners of the other solid that may be within enough of a box: none that is beyond a face by
@@ -194,15 +216,10 @@ static void find_candidates(nsdae_meeting *met)
   const nsdae_separating_axis *o = &met->axis;
   for (int i = 0; i < 2; i++)
     if (s[i]->shape == NSDAE_SHAPE_BOX) met->corners[i] = near_corners(met, i);
-  /* Edges that a direction leaves lie behind the foremost corner of their box by at most the
-   * rounding of two edges, 2 (h_p + h_q) < 3 size: those below that are too deep. */
-  double low = o->most - o->slack - 3 * leaving_rounding * (s[0]->size + s[1]->size);
   for (int i = 0; i < NSDAE_EDGES_MAX; i++) met->edges[i] = 0;
   for (int i = s[0]->shape == NSDAE_SHAPE_BOX ? 0 : 2; i < 3; i++)
-    for (int j = s[1]->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++) {
-      int too_deep = o->edges[3 * i + j] < 0 && o->edges[3 * i + j] < low;
-      if (!too_deep && o->scale[3 * i + j] != 0) add_facing(met, i, j);
-    }
+    for (int j = s[1]->shape == NSDAE_SHAPE_BOX ? 0 : 2; j < 3; j++)
+      if (o->scale[3 * i + j] != 0) add_facing(met, i, j);
 }
 
 /* Of solids that overlap only the edges of the axis of least depth touch; see separating_axis.h.

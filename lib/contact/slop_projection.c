@@ -17,13 +17,14 @@ static const double deep = 1.1;
  * (e v)^2 / 2 g = 0.5 g h^2 at e = 1/3, which is the slop: the ball comes to rest in it. */
 static const double own_steps = 4;
 
-enum { ARRAYS = 8 };
+enum { ARRAYS = 10 };
 
 #define EACH(s)                                                                              \
   {                                                                                          \
     NSDAE_ARRAY((s)->missing, 1), NSDAE_ARRAY((s)->slop, 1), NSDAE_ARRAY((s)->weight, 1),    \
-        NSDAE_ARRAY((s)->multiplier, 1), NSDAE_ARRAY((s)->gap, 1), NSDAE_ARRAY((s)->own, 1), \
-        NSDAE_ARRAY((s)->at, 1), NSDAE_ARRAY((s)->moved, 1)                                  \
+        NSDAE_ARRAY((s)->multiplier, 1), NSDAE_ARRAY((s)->gap, 1),                           \
+        NSDAE_ARRAY((s)->end.closed, 1), NSDAE_ARRAY((s)->end.islands.contact.of, 1),        \
+        NSDAE_ARRAY((s)->at, 1), NSDAE_ARRAY((s)->moved, 1), NSDAE_ARRAY((s)->end.number, 1) \
   }
 
 void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsdae_arena *arena)
@@ -31,6 +32,7 @@ void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsd
   s->free = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->change = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->factor.L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
+  nsdae_contact_islands_layout(&s->end.islands, system, arena);
 }
 
 int nsdae_slop_grow(nsdae_slop_projection *s, const nsdae_system *system,
@@ -96,28 +98,33 @@ static double acceleration(const nsdae_slop_projection *s, const nsdae_terms *T,
   return sqrt(square);
 }
 
-/* What each contact misses, and the rows, if one of them is too deep. */
-static int begin_island(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
-                        const nsdae_terms *T, double h)
+/* s of contact i. */
+static double slop_of(const nsdae_slop_projection *s, const nsdae_terms *T, int i, double h)
 {
-  const nsdae_blocks *blocks = &T->system->blocks;
+  return fmax(nsdae_terms_touch(T), h * h / 2 * acceleration(s, T, i));
+}
+
+/* The gap some steps later, by the velocity u that it leaves with. */
+static double gap_by_itself(double gap, double u, double h)
+{
+  return gap + own_steps * h * fmax(u, 0);
+}
+
+/* What each contact misses, and the rows, if one of them is too deep. */
+static int begin_island(nsdae_slop_projection *s, int island, const nsdae_terms *T, double h)
+{
+  const nsdae_contact_islands *is = &s->end.islands;
   const int *contact = is->contact.of + is->contact.first[island];
   int contacts = nsdae_members_count(&is->contact, island), too_deep = 0;
-  double lowest = 0, touch = nsdae_terms_touch(T);
   size_t at = 0;
-  for (int a = 0; a < contacts; a++) lowest = fmin(lowest, s->own[contact[a]]);
-  if (!(lowest < -deep * touch)) return 0;
-  for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++) {
-    int b = is->block.of[i], first = blocks->first[b];
-    memcpy(s->free + first, T->F + first, (size_t)nsdae_blocks_size(blocks, b) * sizeof *s->free);
-    solve_block(s, T, b, s->free + first);
-  }
   for (int a = 0; a < contacts; a++) {
-    double slop = fmax(touch, h * h / 2 * acceleration(s, T, contact[a]));
-    double gap = s->gap[contact[a]], own = s->own[contact[a]];
+    int i = contact[a];
+    double slop = slop_of(s, T, i, h), gap = T->gap[i];
     s->slop[a] = slop;
     s->missing[a] = gap + slop < 0 ? 0 : gap + slop;
-    if (own < -deep * slop) s->missing[a] = own + slop, too_deep = 1;
+    if (!s->end.closed[i] || !(gap < -deep * slop)) continue;
+    gap = gap_by_itself(gap, nsdae_terms_normal_rate(T, i, T->v), h);
+    if (gap < -deep * slop) s->missing[a] = gap + slop, too_deep = 1;
   }
   if (!too_deep) return 0;
   s->count = 0;
@@ -144,9 +151,9 @@ static void add(const nsdae_slop_projection *s, const nsdae_blocks *blocks, cons
 }
 
 /* One row; returns how far its contact is beyond the slop, relative to it. */
-static double relax(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
-                    const nsdae_terms *T, int row)
+static double relax(nsdae_slop_projection *s, int island, const nsdae_terms *T, int row)
 {
+  const nsdae_contact_islands *is = &s->end.islands;
   int contact = row < s->contacts;
   const nsdae_rows *rows = contact ? &T->by.normal : &T->by.jacobian;
   int i = contact ? is->contact.of[is->contact.first[island] + row]
@@ -163,14 +170,12 @@ static double relax(nsdae_slop_projection *s, const nsdae_contact_islands *is, i
 }
 
 /* A sweep backwards relaxes the rows of Phi_q first and sees what they do to the contacts. */
-static void solve_island(nsdae_slop_projection *s, const nsdae_contact_islands *is, int island,
-                         const nsdae_terms *T)
+static void solve_island(nsdae_slop_projection *s, int island, const nsdae_terms *T)
 {
   for (int pair = 0; pair < SWEEPS / 2; pair++) {
     double beyond = 0;
-    for (int row = 0; row < s->count; row++) relax(s, is, island, T, row);
-    for (int row = s->count - 1; row >= 0; row--)
-      beyond = fmax(beyond, relax(s, is, island, T, row));
+    for (int row = 0; row < s->count; row++) relax(s, island, T, row);
+    for (int row = s->count - 1; row >= 0; row--) beyond = fmax(beyond, relax(s, island, T, row));
     if (beyond <= deep - 1) return;
   }
 }
@@ -181,35 +186,77 @@ static void keep_gaps(const nsdae_slop_projection *s, const nsdae_problem *p)
   if (count > 0) memcpy(p->closed->gap, s->gap, count * sizeof *s->gap);
 }
 
-int nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,
-                    const double *v, double rest, double h)
+double nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,
+                       const double *v, double rest, double h)
 {
-  const nsdae_contact_islands *is = &p->dispatch.islands;
-  int moved = 0;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double most = 0;
   s->factored = -1;
-  for (int i = 0; i < p->system->dims.k; i++) s->moved[i] = 0;
-  memset(s->change, 0, (size_t)p->system->dims.nv * sizeof *s->change);
+  memcpy(s->free, T->F, (size_t)T->system->dims.nv * sizeof *s->free);
+  for (int b = 0; b < blocks->count; b++) solve_block(s, T, b, s->free + blocks->first[b]);
   for (int a = 0; a < p->count; a++) {
     int i = p->number[a];
-    s->gap[i] = T->gap[i] + rest * nsdae_terms_normal_rate(T, i, v);
-    s->own[i] = s->gap[i] + own_steps * h * fmax(p->results->after[i], 0);
-  }
-  for (int island = 0; island < is->count; island++) {
-    if (!begin_island(s, is, island, T, h)) continue;
-    moved++;
-    solve_island(s, is, island, T);
+    double gap = T->gap[i] + rest * nsdae_terms_normal_rate(T, i, v);
+    s->gap[i] = gap;
+    if (!(gap < -deep * nsdae_terms_touch(T))) continue;
+    double slop = slop_of(s, T, i, h);
+    gap = gap_by_itself(gap, p->results->after[i], h);
+    if (gap < -deep * slop) most = fmax(most, -gap - slop);
   }
   keep_gaps(s, p);
+  return most;
+}
+
+/* ---- the contacts at the end */
+
+/* Number at the end of closed contact a. */
+static int number_at_end(const nsdae_problem *p, int a)
+{
+  return p->system->by_list ? p->picked.place[a] : p->number[a];
+}
+
+/* Those within reach, and their islands. */
+static int find_contacts(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms *end, double reach)
+{
+  int near = 0, count = p->system->dims.k;
+  if (p->system->by_list) {
+    int status = nsdae_problem_update(p, end, reach);
+    if (status < 0) return status;
+    count = end->by.list.count;
+    nsdae_terms_select(end, count, NULL);
+  }
+  for (int i = 0; i < count; i++) {
+    s->end.closed[i] = 0;
+    if (end->gap[i] <= reach) s->end.number[near++] = i;
+  }
+  for (int a = 0; a < p->count; a++) s->end.closed[number_at_end(p, a)] = 1;
+  nsdae_contact_islands_find(&s->end.islands, end, near, s->end.number);
+  return NSDAE_OK;
+}
+
+int nsdae_slop_solve(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms *end, double reach,
+                     double h)
+{
+  int moved = 0, status = find_contacts(s, p, end, reach);
+  if (status < 0) return status;
+  s->factored = -1;
+  memset(s->change, 0, (size_t)p->system->dims.nv * sizeof *s->change);
+  for (int island = 0; island < s->end.islands.count; island++) {
+    if (!begin_island(s, island, end, h)) continue;
+    moved++;
+    solve_island(s, island, end);
+  }
   return moved;
 }
 
-void nsdae_slop_moved(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,
+void nsdae_slop_moved(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *end,
                       const double *change)
 {
+  for (int i = 0; i < p->system->dims.k; i++) s->moved[i] = 0;
   for (int a = 0; a < p->count; a++) {
-    int i = p->number[a];
-    s->moved[i] = nsdae_rows_dot(&T->system->blocks, &T->by.normal, i, change);
-    s->gap[i] += s->moved[i];
+    int i = p->number[a], j = number_at_end(p, a);
+    s->moved[i] = nsdae_rows_dot(&p->system->blocks, &end->by.normal, j, change);
+    s->gap[i] = end->gap[j] + s->moved[i];
   }
   keep_gaps(s, p);
 }

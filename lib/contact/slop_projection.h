@@ -4,10 +4,15 @@
  *
  * over the islands with a contact deeper than 1.1 s_i, by projected Gauss-Seidel on the multipliers
  * (Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31), d = M^-1 (W l + Phi_q^T
- * m). Contacts between s_i and 1.1 s_i stay as they are. q moves by H d and v stays, so that it
- * gives no kinetic energy (as the split impulses of Catto, GDC 2006). g is the gap at the end of
- * the step, by the rows at the point where its contacts were found: g_N + (t_1 - t) (W^T v + w),
- * with the mean velocity v from there on.
+ * m). q moves by H d and v stays, so that it gives no kinetic energy (as the split impulses of
+ * Catto, GDC 2006).
+ *
+ * Whether one is deeper follows from the gap at the end of the step by the rows at the point where
+ * its contacts were closed: g_N + (t_1 - t) (W^T v + w), with the mean velocity v from there on.
+ * Then g and W are those at the end, of every contact near: d turns a body about the contact that
+ * it moves, and another corner of the body goes down. A contact that the step did not close, or
+ * that is between s_i and 1.1 s_i deep, gets no deeper, W_i^T d >= 0; with a velocity of approach
+ * the next step closes it.
  *
  * The slop is the way of a contact in a step of length h, from rest, at the largest acceleration
  * that the forces can give it:
@@ -23,18 +28,25 @@
 
 #include "contact_problem.h"
 
+/* Contacts at the end of the step. */
+typedef struct nsdae_slop_contacts {
+  int *number; /* of those within reach */
+  int *closed; /* by number: 1 if the step closed it */
+  nsdae_contact_islands islands;
+} nsdae_slop_contacts;
+
 /* A row is a contact of an island or, after these, a row of Phi_q. */
 typedef struct nsdae_slop_projection {
   double *missing;       /* rows: g + s, 0 of Phi_q */
   double *slop;          /* contacts of the island: s */
   double *weight;        /* rows: W^T M^-1 W */
   double *multiplier;    /* rows: l, m */
-  double *gap;           /* contacts, by number: at the end of the step */
-  double *own;           /* the same some steps later, by the velocity that it leaves with */
-  double *moved;         /* contacts, by number: W^T d */
+  double *gap;           /* closed contacts, by number: at the end of the step */
+  double *moved;         /* the same: W^T d */
   size_t *at;            /* rows: where their values begin */
   double *inverse;       /* values: M^-1 W, part by part */
   double *free, *change; /* nv: M^-1 F, d */
+  nsdae_slop_contacts end;
   nsdae_block_factor factor;
   int factored;        /* the block of it; -1: none */
   int contacts, count; /* of the island: contacts, rows */
@@ -46,14 +58,21 @@ int nsdae_slop_grow(nsdae_slop_projection *slop, const nsdae_system *system,
                     const nsdae_room *contacts, const nsdae_room *rows);
 void nsdae_slop_release(nsdae_slop_projection *slop);
 
-/* change of the closed contacts of a step of length h. They were found at the terms' point, a time
- * rest before its end, with the mean velocity v until then. The terms have M, F and all rows. The
- * gaps of a list become those of the end. Returns the number of islands that move. */
-int nsdae_slop_find(nsdae_slop_projection *slop, const nsdae_problem *problem,
-                    const nsdae_terms *terms, const double *v, double rest, double h);
+/* Gaps of the closed contacts at the end of a step of length h. They were closed at the terms'
+ * point, a time rest before the end, with the mean velocity v until then. The terms have M, F and
+ * all rows. The gaps of a list become those of the end. Returns the way by which the deepest is
+ * too deep; 0: none is. */
+double nsdae_slop_find(nsdae_slop_projection *slop, const nsdae_problem *problem,
+                       const nsdae_terms *terms, const double *v, double rest, double h);
 
-/* The gaps after the change [nv] that was made, by the rows of the terms. */
+/* change, at the end of the step: the terms have M, Phi_q and contacts, those of a list within a
+ * reach. Returns the number of islands that move. NSDAE_ARRAYS_GROW and other statuses of the list
+ * of contacts. */
+int nsdae_slop_solve(nsdae_slop_projection *slop, nsdae_problem *problem, nsdae_terms *end,
+                     double reach, double h);
+
+/* The gaps after the change [nv] that was made, by the rows at the end. */
 void nsdae_slop_moved(nsdae_slop_projection *slop, const nsdae_problem *problem,
-                      const nsdae_terms *terms, const double *change);
+                      const nsdae_terms *end, const double *change);
 
 #endif

@@ -160,34 +160,37 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
-/* projection = slop: contacts that are too deep are moved to the slop. Velocities stay. With
- * constraints they are projected to those of the new place, which only lowers the kinetic energy.
- * Both methods found them at home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1)
- * / 2. */
-static int move_to_slop(nsdae_sim *sim, double length)
+/* What projection = slop needs at the end of the step. */
+static int need_end(nsdae_terms *end)
+{
+  unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN;
+  if (!end->system->by_list)
+    terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+  return nsdae_terms_need(end, terms);
+}
+
+/* Moves the end of the step to the slop, and to its constraints, which changed by the second order.
+ * Velocities stay; with constraints they are projected to those of the new place, which only lowers
+ * the kinetic energy. A contact that is not closed may be twice as far as the deepest: a rod that
+ * is pushed at one end goes half as far back at the other, and its neighbour may do the same. */
+static int move_by(nsdae_sim *sim, double deepest, double h)
 {
   nsdae_result *r = &sim->next->result;
-  nsdae_stepper *s = &sim->stepper;
-  nsdae_terms *end = &r->end, *start = &sim->now->result.end;
-  nsdae_terms *home = s->problem.home == start ? start : &s->middle;
-  const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP |
-                         NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+  nsdae_terms *end = &r->end;
   double before = 0, moved = 0, after = 0;
-  if (s->problem.count == 0) return keep_lengths(sim);
-  int status = nsdae_terms_need(home, terms);
+  int status = need_end(end);
+  if (status == NSDAE_OK)
+    status = nsdae_slop_solve(&sim->slop, &sim->stepper.problem, end,
+                              nsdae_terms_touch(end) + 2 * deepest, h);
   if (status < 0) return status;
-  for (int j = 0; j < sim->system->dims.nv; j++)
-    s->v_other[j] = home == start ? (start->v[j] + end->v[j]) / 2 : end->v[j];
-  if (nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t,
-                      fmax(length, sim->options.dt)) == 0) /* a short step has the slop of dt */
-    return keep_lengths(sim);
+  if (status == 0) return keep_lengths(sim);
   status = energy(end, &before);
   double potential = end->potential;
   if (status == NSDAE_OK)
-    status = nsdae_project_change(&sim->projection, end, home, sim->slop.change);
+    status = nsdae_project_change(&sim->projection, end, end, sim->slop.change);
   if (status == NSDAE_OK)
-    nsdae_slop_moved(&sim->slop, &s->problem, home, sim->projection.least.change);
-  if (status == NSDAE_OK && sim->system->dims.m > 0) /* they change by the second order */
+    nsdae_slop_moved(&sim->slop, &sim->stepper.problem, end, sim->projection.least.change);
+  if (status == NSDAE_OK && sim->system->dims.m > 0)
     status = nsdae_project_positions(&sim->projection, end, 0);
   if (status == NSDAE_OK) status = energy(end, &moved);
   if (status == NSDAE_OK) status = nsdae_project_velocities(&sim->projection, end);
@@ -199,6 +202,25 @@ static int move_to_slop(nsdae_sim *sim, double length)
   r->lifted += moved - before;
   r->raised += end->potential - potential;
   return NSDAE_OK;
+}
+
+/* projection = slop: contacts that are too deep are moved to the slop. Both methods closed them at
+ * home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. */
+static int move_to_slop(nsdae_sim *sim, double length)
+{
+  nsdae_stepper *s = &sim->stepper;
+  nsdae_terms *end = &sim->next->result.end, *start = &sim->now->result.end;
+  nsdae_terms *home = s->problem.home == start ? start : &s->middle;
+  const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
+                         NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+  double h = fmax(length, sim->options.dt); /* a short step has the slop of dt */
+  if (s->problem.count == 0) return keep_lengths(sim);
+  int status = nsdae_terms_need(home, terms);
+  if (status < 0) return status;
+  for (int j = 0; j < sim->system->dims.nv; j++)
+    s->v_other[j] = home == start ? (start->v[j] + end->v[j]) / 2 : end->v[j];
+  double deepest = nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t, h);
+  return deepest > 0 ? move_by(sim, deepest, h) : keep_lengths(sim);
 }
 
 static int correct(nsdae_sim *sim, double length)
