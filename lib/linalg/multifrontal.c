@@ -437,7 +437,7 @@ static void forward(const nsdae_multifrontal *f, int s)
     cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasUnit, p, P, p, x, 1);
   }
   if (r == 0) return;
-  if (p + r < SMALL) {
+  if (p + r < SMALL && f->symmetric) {
     memset(f->work.gather, 0, (size_t)r * sizeof *x);
     for (int j = 0; j < p; j++, R += r) nsdae_add(r, -x[j], R, f->work.gather);
   } else
