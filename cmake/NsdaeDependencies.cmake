@@ -90,25 +90,6 @@ if(NSDAE_AMD_LIBRARY MATCHES "\\.a$")
 endif()
 nsdae_static_library(${NSDAE_AMD_LIBRARY})
 
-# LDL: the factors of chains and trees of joints. Its licence is the LGPL; without it the fronts do
-# its work.
-set(NSDAE_LDL_VERSION none)
-add_library(nsdae_ldl INTERFACE)
-if(NSDAE_LDL)
-  find_path(NSDAE_LDL_INCLUDE ldl.h PATH_SUFFIXES suitesparse)
-  find_library(NSDAE_LDL_LIBRARY ldl)
-  if(NOT NSDAE_LDL_INCLUDE OR NOT NSDAE_LDL_LIBRARY)
-    message(FATAL_ERROR "nsdae needs SuiteSparse's LDL (libsuitesparse-dev); "
-                        "-DNSDAE_LDL=OFF builds without")
-  endif()
-  file(STRINGS ${NSDAE_LDL_INCLUDE}/ldl.h numbers REGEX "define LDL_[A-Z]+_VERSION +[0-9]+")
-  string(REGEX REPLACE "[^;]*_VERSION +([0-9]+)" "\\1" numbers "${numbers}")
-  list(JOIN numbers . NSDAE_LDL_VERSION)
-  target_include_directories(nsdae_ldl SYSTEM INTERFACE ${NSDAE_LDL_INCLUDE})
-  target_link_libraries(nsdae_ldl INTERFACE ${NSDAE_LDL_LIBRARY})
-  nsdae_static_library(${NSDAE_LDL_LIBRARY})
-endif()
-
 set(NSDAE_HDF5_VERSION none)
 if(NSDAE_HDF5)
   set(HDF5_PREFER_PARALLEL FALSE) # the serial build: Debian's parallel one wants MPI's headers

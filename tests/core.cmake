@@ -12,7 +12,6 @@ endforeach()
 
 target_link_libraries(test_unit_linalg_multifrontal PRIVATE test_allocator)
 target_link_libraries(test_unit_linalg_sparse_kkt PRIVATE test_allocator)
-target_compile_definitions(test_unit_linalg_sparse_kkt PRIVATE HAS_LDL=$<BOOL:${NSDAE_LDL}>)
 
 foreach(name callback_guard check differences moment_arms moment_arm_check setters system)
   nsdae_unit_test(system ${name})

@@ -18,12 +18,9 @@ enum { FEW = 16, REFINE = 4 };
 void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, nsdae_arena *arena)
 {
   const nsdae_blocks *blocks = &system->blocks;
-  c->number = NSDAE_ARENA_INTS(arena, blocks->count);
-  c->at.member = NSDAE_ARENA_INTS(arena, blocks->count);
-  c->at.size = NSDAE_ARENA_INTS(arena, blocks->count);
+  nsdae_arena_ints(arena, blocks->count, (int **[]){&c->number, &c->at.member, &c->at.size, NULL});
   c->at.M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
-  c->at.f = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
-  c->lever = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
+  nsdae_arena_doubles(arena, system->dims.nv, (double **[]){&c->at.f, &c->lever, NULL});
 }
 
 /* By item, of which there is room for one more; the last two are by entry and by value. */

@@ -23,13 +23,9 @@ void nsdae_cones_layout(nsdae_cones *s, long contacts, long columns, long m, nsd
   s->first = NSDAE_ARENA_INTS(arena, n + 1);
   s->block = NSDAE_ARENA_INTS(arena, n * n);
   s->mu = NSDAE_ARENA_DOUBLES(arena, n);
-  s->q = NSDAE_ARENA_DOUBLES(arena, columns);
+  nsdae_arena_doubles(arena, columns, (double **[]){&s->q, &s->r, &s->u, &s->guess, NULL});
   s->W = NSDAE_ARENA_DOUBLES(arena, columns * columns);
-  s->r = NSDAE_ARENA_DOUBLES(arena, columns);
-  s->u = NSDAE_ARENA_DOUBLES(arena, columns);
-  s->guess = NSDAE_ARENA_DOUBLES(arena, columns);
-  s->free = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? columns : 0);
-  s->held = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? columns : 0);
+  nsdae_arena_doubles(arena, s->most > 0 ? columns : 0, (double **[]){&s->free, &s->held, NULL});
   s->lambda = NSDAE_ARENA_DOUBLES(arena, s->most > 0 ? m : 0);
 }
 

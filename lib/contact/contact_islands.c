@@ -13,16 +13,12 @@ void nsdae_contact_islands_layout(nsdae_contact_islands *is, const nsdae_system 
   is->rows = system->dims.m;
   is->joints = 0;
   for (int j = 0; j < system->dims.f; j++) is->joints += system->frictional_joint[j].mu > 0;
-  is->of = NSDAE_ARENA_INTS(arena, blocks);
-  is->parent = NSDAE_ARENA_INTS(arena, blocks);
-  is->block.first = NSDAE_ARENA_INTS(arena, blocks + 2);
-  is->block.of = NSDAE_ARENA_INTS(arena, blocks);
-  is->contact.first = NSDAE_ARENA_INTS(arena, blocks + 2);
-  is->row.first = NSDAE_ARENA_INTS(arena, blocks + 2);
+  nsdae_arena_ints(arena, blocks, (int **[]){&is->of, &is->parent, &is->block.of, NULL});
+  nsdae_arena_ints(
+      arena, blocks + 2,
+      (int **[]){&is->block.first, &is->contact.first, &is->row.first, &is->joint.first, NULL});
   is->row.of = NSDAE_ARENA_INTS(arena, is->rows);
-  is->joint.first = NSDAE_ARENA_INTS(arena, blocks + 2);
-  is->joint.of = NSDAE_ARENA_INTS(arena, is->joints);
-  is->joint_number = NSDAE_ARENA_INTS(arena, is->joints);
+  nsdae_arena_ints(arena, is->joints, (int **[]){&is->joint.of, &is->joint_number, NULL});
   if (!is->of) return; /* measuring */
   is->block.first[1] = 1;
   is->row.first[1] = is->rows;

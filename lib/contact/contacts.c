@@ -82,27 +82,22 @@ void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_aren
   c->active = NSDAE_ARENA_INTS(arena, k);
   c->law = nsdae_arena_take(arena, k, sizeof *c->law);
   c->part.reaction = NSDAE_ARENA_DOUBLES(arena, n);
-  c->first_column = NSDAE_ARENA_INTS(arena, k + 1);
-  c->first_row = NSDAE_ARENA_INTS(arena, k + 1);
-  c->delassus.W = NSDAE_ARENA_DOUBLES(arena, n * columns);
-  c->delassus.U = NSDAE_ARENA_DOUBLES(arena, n * columns);
+  nsdae_arena_ints(arena, k + 1, (int **[]){&c->first_column, &c->first_row, NULL});
+  nsdae_arena_doubles(arena, n * columns, (double **[]){&c->delassus.W, &c->delassus.U, NULL});
   c->delassus.D = NSDAE_ARENA_DOUBLES(arena, dims->m * columns);
   c->delassus.G = NSDAE_ARENA_DOUBLES(arena, columns * columns);
   c->lcp.A = NSDAE_ARENA_DOUBLES(arena, rows * rows);
-  c->lcp.b = NSDAE_ARENA_DOUBLES(arena, rows);
-  c->lcp.x = NSDAE_ARENA_DOUBLES(arena, rows);
-  c->lcp.y = NSDAE_ARENA_DOUBLES(arena, rows);
+  nsdae_arena_doubles(arena, rows, (double **[]){&c->lcp.b, &c->lcp.x, &c->lcp.y, NULL});
   c->lcp.basis = NSDAE_ARENA_INTS(arena, rows);
-  c->delassus.impulse = NSDAE_ARENA_DOUBLES(arena, columns);
-  c->delassus.impulse_size = NSDAE_ARENA_DOUBLES(arena, columns);
-  c->delassus.offset = NSDAE_ARENA_DOUBLES(arena, columns);
+  nsdae_arena_doubles(
+      arena, columns,
+      (double **[]){&c->delassus.impulse, &c->delassus.impulse_size, &c->delassus.offset, NULL});
   c->lcp.work = NSDAE_ARENA_DOUBLES(arena, c->lcp.lwork);
   c->lcp.other = NSDAE_ARENA_DOUBLES(arena, 4 * rows);
   c->lcp.iwork = NSDAE_ARENA_INTS(arena, c->lcp.liwork);
   nsdae_arena_ints(arena, f,
                    (int **[]){&c->slides.number, &c->slides.constraint, &c->slides.place, NULL});
-  c->map.Z = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
-  c->map.GZ = NSDAE_ARENA_DOUBLES(arena, f ? columns * rows : 0);
+  nsdae_arena_doubles(arena, f ? columns * rows : 0, (double **[]){&c->map.Z, &c->map.GZ, NULL});
   c->map.z0 = NSDAE_ARENA_DOUBLES(arena, columns);
   c->map.K = NSDAE_ARENA_DOUBLES(arena, f * rows);
   c->map.k0 = NSDAE_ARENA_DOUBLES(arena, f);

@@ -74,7 +74,7 @@ static void layout(void *object, nsdae_arena *arena)
   l->kkt.n = most->n;
   l->kkt.m = most->m;
   l->kkt.blocks = &s->blocks;
-  nsdae_kkt_layout_most(&l->kkt, arena);
+  nsdae_kkt_layout_most(&l->kkt, s->dims.m, arena);
   c->rows_in_all = most->rows;
   c->cones.most = joints > 0 && s->dims.nt == 2 && c->edges == 0 ? most->contacts : 0;
   nsdae_contacts_layout(c, &dims, arena);

@@ -109,9 +109,7 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
   nsdae_dip_layout(&e->dip, arena);
   if (s->system->tracked) nsdae_tracking_layout(&e->tracking, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
-  e->z = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
-  e->later = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
-  e->end = NSDAE_ARENA_DOUBLES(arena, s->at.n + 2L);
+  nsdae_arena_doubles(arena, s->at.n + 2L, (double **[]){&e->z, &e->later, &e->end, NULL});
   e->fallen = NSDAE_ARENA_INTS(arena, e->roots->count);
 }
 

@@ -8,8 +8,9 @@
 
 #include "vector.h"
 
-/* A body in the plane: loops of known length vanish, and with them most of the instructions. */
-enum { BODY = 3 };
+/* A body in the plane or in space: loops of known length vanish, and with them most of the
+ * instructions. */
+enum { BODY = 3, SPACE = 6 };
 
 #define AT(A, lda, i, j) (A)[(size_t)(j) * (size_t)(lda) + (size_t)(i)]
 
@@ -37,6 +38,7 @@ static inline int cholesky_small(int n, double *A, size_t lda)
 int nsdae_la_cholesky(int n, double *A, int lda)
 {
   if (n == BODY && lda == BODY) return cholesky_small(BODY, A, BODY);
+  if (n == SPACE && lda == SPACE) return cholesky_small(SPACE, A, SPACE);
   if (n < NSDAE_SMALL) return cholesky_small(n, A, (size_t)lda);
   int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, A, lda);
   /* The diagonal of A is gone after the factorisation, but row i of L holds its root as a norm. */
@@ -77,6 +79,8 @@ void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, 
   for (int j = 0; j < nrhs; j++, B += ldb)
     if (n == BODY && ldl == BODY)
       solve_lower_small(BODY, L, BODY, B);
+    else if (n == SPACE && ldl == SPACE)
+      solve_lower_small(SPACE, L, SPACE, B);
     else
       solve_lower_small(n, L, (size_t)ldl, B);
 }
@@ -91,6 +95,8 @@ void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, 
   for (int j = 0; j < nrhs; j++, B += ldb)
     if (n == BODY && ldl == BODY)
       solve_lower_transposed_small(BODY, L, BODY, B);
+    else if (n == SPACE && ldl == SPACE)
+      solve_lower_transposed_small(SPACE, L, SPACE, B);
     else
       solve_lower_transposed_small(n, L, (size_t)ldl, B);
 }

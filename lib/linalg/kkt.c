@@ -18,9 +18,9 @@ static int prefers_sparse(const nsdae_kkt *kkt)
   return kkt->blocks->count > 1 && kkt->n + rows >= SPARSE_FROM;
 }
 
-static void lay_out_sparse(nsdae_kkt *kkt, nsdae_arena *arena)
+static void lay_out_sparse(nsdae_kkt *kkt, int rows, nsdae_arena *arena)
 {
-  int most = kkt->m > kkt->blocks->count ? kkt->m : kkt->blocks->count;
+  int most = rows > kkt->blocks->count ? rows : kkt->blocks->count;
   kkt->each = NSDAE_ARENA_INTS(arena, most);
   for (int i = 0; kkt->each && i < most; i++) kkt->each[i] = i;
 }
@@ -29,16 +29,16 @@ void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena)
 {
   kkt->is_sparse = prefers_sparse(kkt);
   if (kkt->is_sparse)
-    lay_out_sparse(kkt, arena);
+    lay_out_sparse(kkt, kkt->m, arena);
   else
     nsdae_dense_kkt_layout(kkt, arena);
 }
 
-void nsdae_kkt_layout_most(nsdae_kkt *kkt, nsdae_arena *arena)
+void nsdae_kkt_layout_most(nsdae_kkt *kkt, int rows, nsdae_arena *arena)
 {
   int n = kkt->n, m = kkt->m;
   if (prefers_sparse(kkt)) {
-    lay_out_sparse(kkt, arena);
+    lay_out_sparse(kkt, rows, arena);
     if (n > SPARSE_FROM) kkt->n = SPARSE_FROM;
     if (m > SPARSE_FROM) kkt->m = SPARSE_FROM;
   }
@@ -70,11 +70,7 @@ static nsdae_kkt_part whole(const nsdae_kkt *kkt, const nsdae_rows *J)
 int nsdae_kkt_reserve(nsdae_kkt *kkt, const nsdae_rows *J)
 {
   const nsdae_kkt_part all = whole(kkt, J);
-  if (!kkt->is_sparse) return NSDAE_OK;
-  int status = nsdae_sparse_kkt_analyse(&kkt->sparse, &all);
-  /* a part may be factored by the other method, if there is one */
-  if (status == NSDAE_OK) status = nsdae_sparse_ldl_analyse(&kkt->sparse.ldl, &kkt->sparse.schur);
-  return status == NSDAE_E_UNSUPPORTED ? NSDAE_OK : status;
+  return kkt->is_sparse ? nsdae_sparse_kkt_analyse(&kkt->sparse, &all) : NSDAE_OK;
 }
 
 static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_coupling *coupling,

@@ -17,8 +17,9 @@
 /* Takes the arrays; n, m, blocks and rank_tol are set before. The sparse factors have memory
  * of their own, to be released. */
 void nsdae_kkt_layout(nsdae_kkt *kkt, nsdae_arena *arena);
-/* The same for problems of different sizes; then one of them, of these blocks. */
-void nsdae_kkt_layout_most(nsdae_kkt *kkt, nsdae_arena *arena);
+/* The same for problems of different sizes, of a system of this number of rows, of which
+ * nsdae_kkt_reserve may be asked for all; then one of them, of these blocks. */
+void nsdae_kkt_layout_most(nsdae_kkt *kkt, int rows, nsdae_arena *arena);
 void nsdae_kkt_turn_to(nsdae_kkt *kkt, const nsdae_blocks *blocks, int n, int m);
 void nsdae_kkt_release(nsdae_kkt *kkt);
 

@@ -6,6 +6,9 @@
 #include <nsdae/status.h>
 #include <string.h>
 
+#include "dense.h"
+#include "vector.h"
+
 /* A supernode takes a further column while the zeros that it brings are fewer than this part. */
 static const double RELAXED = 0.15;
 
@@ -301,6 +304,19 @@ static int is_negative(const nsdae_multifrontal *f, int number)
   return f->negative > 0 && f->tree.node[number] >= f->negative;
 }
 
+/* R := R L^-T and S := S + sign R R^T below P, L in it, in plain loops. */
+static void eliminate_small(int p, int r, double sign, double *P, int lda)
+{
+  for (int j = 0; j < p; j++) {
+    double *column = P + (size_t)j * (size_t)lda, *to = column + lda;
+    for (int i = p; i < p + r; i++) column[i] /= column[j];
+    for (int c = j + 1; c < p; c++, to += lda)
+      for (int i = p; i < p + r; i++) to[i] -= column[c] * column[i];
+    for (int c = p; c < p + r; c++, to += lda)
+      for (int i = c; i < p + r; i++) to[i] += sign * column[c] * column[i];
+  }
+}
+
 /* The front of n rows in runs of columns of one sign s, one run if the matrix is definite: with
  * P = s L L^T, R := s R L^-T, S := S - s R R^T. */
 static int factor_symmetric(nsdae_multifrontal *f, int s, int n, double *F)
@@ -314,6 +330,10 @@ static int factor_symmetric(nsdae_multifrontal *f, int s, int n, double *F)
     for (int c = 0; c < p && negative; c++) cblas_dscal(n - from, -1, P + (size_t)c * (size_t)n, 1);
     info = factor_pivots(f, s, p, P, n);
     if (info != 0 || r == 0) continue;
+    if (p + r < SMALL) {
+      eliminate_small(p, r, negative ? 1 : -1, P, n);
+      continue;
+    }
     cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, P, n, R,
                 n);
     cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, negative ? 1 : -1, R, n, 1, S, n);
@@ -410,11 +430,18 @@ static void forward(const nsdae_multifrontal *f, int s)
   int p = f->super.pivots[s], r = f->super.rest[s], at = f->place[f->super.begin[s]];
   const double *P = f->F + f->super.factor[s], *R = P + (size_t)p * (size_t)p;
   double *x = f->work.vector + at;
-  if (!f->symmetric) LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->work.exchange + at, 1);
-  cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, f->symmetric ? CblasNonUnit : CblasUnit, p,
-              P, p, x, 1);
+  if (f->symmetric) {
+    nsdae_la_solve_lower(p, 1, P, p, x, p);
+  } else {
+    LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->work.exchange + at, 1);
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasUnit, p, P, p, x, 1);
+  }
   if (r == 0) return;
-  cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->work.gather, 1);
+  if (p + r < SMALL && f->symmetric) {
+    memset(f->work.gather, 0, (size_t)r * sizeof *x);
+    for (int j = 0; j < p; j++, R += r) nsdae_add(r, -x[j], R, f->work.gather);
+  } else
+    cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->work.gather, 1);
   gather_rest(f, s, 1);
 }
 
@@ -425,33 +452,36 @@ static void backward(const nsdae_multifrontal *f, int s)
                *U = R + (size_t)p * (size_t)r;
   double *x = f->work.vector + f->place[f->super.begin[s]];
   if (r > 0) gather_rest(f, s, 0);
-  if (r > 0 && f->symmetric)
+  if (p + r < SMALL && f->symmetric)
+    nsdae_add_transposed(r, p, -1, R, f->work.gather, x);
+  else if (r > 0 && f->symmetric)
     cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->work.gather, 1, 1, x, 1);
   else if (r > 0)
     cblas_dgemv(CblasColMajor, CblasNoTrans, p, r, -1, U, p, f->work.gather, 1, 1, x, 1);
   if (f->symmetric)
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, p, P, p, x, 1);
+    nsdae_la_solve_lower_transposed(p, 1, P, p, x, p);
   else
     cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, p, P, p, x, 1);
 }
 
-void nsdae_multifrontal_permute(const nsdae_multifrontal *f, double *x, double *y, int in)
+/* x in the order of the blocks into the vector in that of the elimination (in), or back. */
+static void permute(const nsdae_multifrontal *f, double *x, int in)
 {
   for (int i = 0; i < f->graph.n; x += f->graph.size[i++]) {
-    double *part = y + f->place[f->tree.number[i]];
+    double *part = f->work.vector + f->place[f->tree.number[i]];
     memcpy(in ? part : x, in ? x : part, (size_t)f->graph.size[i] * sizeof *x);
   }
 }
 
 void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x)
 {
-  nsdae_multifrontal_permute(f, x, f->work.vector, 1);
+  permute(f, x, 1);
   for (int s = 0; s < f->super.count; s++) forward(f, s);
   for (int k = 0; k < f->graph.n && f->negative > 0; k++) /* S^-1 */
     for (int r = f->place[k]; is_negative(f, k) && r < f->place[k + 1]; r++)
       f->work.vector[r] = -f->work.vector[r];
   for (int s = f->super.count - 1; s >= 0; s--) backward(f, s);
-  nsdae_multifrontal_permute(f, x, f->work.vector, 0);
+  permute(f, x, 0);
 }
 
 void nsdae_multifrontal_release(nsdae_multifrontal *f)

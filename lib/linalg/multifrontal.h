@@ -91,9 +91,6 @@ static inline int nsdae_multifrontal_place(const nsdae_multifrontal *f, int i, i
   return f->place[f->tree.number[i]] + r;
 }
 
-/* x in the order of the blocks into y in that of the elimination (in), or back. */
-void nsdae_multifrontal_permute(const nsdae_multifrontal *f, double *x, double *y, int in);
-
 /* x [order] := A^-1 x; the rows of the blocks in the order of the blocks. */
 void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x);
 

@@ -142,7 +142,7 @@ static void correct(const nsdae_sparse_kkt *k)
     solve_masses(k, 0, a->z);
     nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
     nsdae_add(m, -1, a->d, a->h);
-    nsdae_sparse_kkt_solve_schur(k, a->h);
+    nsdae_multifrontal_solve(&k->schur, a->h);
     nsdae_sparse_kkt_add_transposed(k, a->Y, -1, a->h, a->z, NULL);
     solve_masses(k, 1, a->z);
   }

@@ -5,13 +5,13 @@
  *     [ J   0   ] [ l ] = [ c ]      S l = Y^T z - c,  x = L^-T (z - Y l),  z = L^-1 r
  *
  * S has an entry for every two rows that share a block. It is ordered by AMD (symbolic.h) and
- * factored by SuiteSparse's LDL (sparse_ldl.h) or by the multifrontal method (multifrontal.h),
- * by predicted operations. All rows follow their blocks in this elimination, so that the pivots of
- * M are positive and no regularisation is needed. Iterative refinement against M and J.
+ * factored by the multifrontal method (multifrontal.h). All rows follow their blocks in this
+ * elimination, so that the pivots of M are positive and no regularisation is needed. Iterative
+ * refinement against M and J.
  *
  * Rank: the pivot of a row, divided by S_ii, is the squared sine of the angle between the row and
  * those eliminated before it. A row with a sine of at most max(rank_tol, 1e-6) is redundant; it is
- * dropped, by the multifrontal method. l is then of least norm. */
+ * dropped. l is then of least norm. */
 #ifndef NSDAE_LINALG_SPARSE_KKT_H
 #define NSDAE_LINALG_SPARSE_KKT_H
 

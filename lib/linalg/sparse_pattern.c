@@ -1,5 +1,4 @@
-/* The analysis of sparse_kkt.h: the graph of S, its order of elimination, the backend. */
-#include <math.h>
+/* The analysis of sparse_kkt.h: the graph of S, its order of elimination. */
 #include <string.h>
 
 #include <nsdae/status.h>
@@ -63,26 +62,6 @@ static void find_nodes(nsdae_sparse_kkt *k)
   }
 }
 
-/* Fronts of two signs are factored in runs of a few columns: twice the time (chains, trees). */
-static const double SIGNED = 2;
-
-/* Predicted time of the fronts, in multiplications of LDL: 600 for each front, and an eighth for
- * each of LAPACK's. Half or twice of either number makes no member of bench_chains slower by more
- * than 15 %. */
-int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *k, const nsdae_multifrontal *f,
-                            nsdae_sparse_ldl *ldl, int *by_ldl)
-{
-  double entries = k->backend == NSDAE_KKT_SCHUR ? HUGE_VAL : nsdae_sparse_ldl_work(f);
-  double fronts = k->backend == NSDAE_KKT_LDL ? HUGE_VAL : 0;
-  for (int i = 0; i < f->super.count; i++) {
-    double p = f->super.pivots[i], r = f->super.rest[i];
-    fronts += 600 + p * (p * p / 6 + p * r / 2 + r * r / 2) / 8;
-  }
-  if (f->negative > 0) fronts *= SIGNED;
-  *by_ldl = entries < fronts;
-  return *by_ldl ? nsdae_sparse_ldl_analyse(ldl, f) : NSDAE_OK;
-}
-
 static int analyse(nsdae_sparse_kkt *k)
 {
   nsdae_kkt_nodes *n = &k->nodes;
@@ -106,10 +85,9 @@ static int analyse(nsdae_sparse_kkt *k)
   find_nodes(k);
   const nsdae_joined touched = {n->count, n->part, n->block};
   int status = nsdae_adjacency_build(&k->graph, &touched, k->part.block_count, 1);
-  if (status == NSDAE_OK)
-    status =
-        nsdae_multifrontal_analyse(&k->schur, n->count, n->size, k->graph.first, k->graph.index);
-  return status < 0 ? status : nsdae_sparse_kkt_choose(k, &k->schur, &k->ldl, &k->ldl_first);
+  return status < 0 ? status
+                    : nsdae_multifrontal_analyse(&k->schur, n->count, n->size, k->graph.first,
+                                                 k->graph.index);
 }
 
 int nsdae_sparse_kkt_analyse(nsdae_sparse_kkt *k, const nsdae_kkt_part *part)
@@ -150,9 +128,7 @@ void nsdae_sparse_kkt_release(nsdae_sparse_kkt *k)
   nsdae_arena_release(&k->pattern.memory);
   nsdae_adjacency_release(&k->graph);
   nsdae_multifrontal_release(&k->schur);
-  nsdae_sparse_ldl_release(&k->ldl);
   nsdae_multifrontal_release(&k->whole.fronts);
-  nsdae_sparse_ldl_release(&k->whole.ldl);
   nsdae_adjacency_release(&k->whole.graph);
   nsdae_arena_release(&k->whole.arena);
 }

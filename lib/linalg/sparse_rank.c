@@ -38,7 +38,7 @@ static double own(const nsdae_sparse_kkt *k, int row)
 int nsdae_sparse_kkt_is_dropped(const nsdae_sparse_kkt *k, int row)
 {
   if (k->coupled) return k->whole.left_out[row];
-  return !k->by_ldl && k->schur.rank.is_dropped[place(k, row)];
+  return k->schur.rank.is_dropped[place(k, row)];
 }
 
 /* ---- redundant rows: J^T N = 0 for N = [-S_RR^-1 S_RD; 1], with the rows R that count and those D
@@ -51,7 +51,7 @@ static void combine(const nsdae_sparse_kkt *k, const double *p, double *Np)
   memset(a->z, 0, (size_t)a->blocks.first[a->blocks.count] * sizeof *a->z);
   nsdae_sparse_kkt_add_transposed(k, a->Y, 1, p, a->z, NULL);
   nsdae_sparse_kkt_times(k, a->Y, a->z, Np);
-  nsdae_sparse_kkt_solve_schur(k, Np);
+  nsdae_multifrontal_solve(&k->schur, Np);
   for (int i = 0; i < k->part.row_count; i++) Np[i] = p[i] - Np[i];
 }
 
@@ -60,7 +60,7 @@ static void project(const nsdae_sparse_kkt *k, const double *u, double *out)
 {
   const nsdae_kkt_values *a = &k->at;
   memcpy(out, u, (size_t)k->part.row_count * sizeof *out);
-  nsdae_sparse_kkt_solve_schur(k, out);
+  nsdae_multifrontal_solve(&k->schur, out);
   memset(a->z, 0, (size_t)a->blocks.first[a->blocks.count] * sizeof *a->z);
   nsdae_sparse_kkt_add_transposed(k, a->Y, 1, out, a->z, NULL);
   nsdae_sparse_kkt_times(k, a->Y, a->z, out);
@@ -96,7 +96,7 @@ static double measure(const nsdae_sparse_kkt *k, int row, int dropped)
     combine(k, a->p, a->u);
   } else {
     memcpy(a->u, a->p, m * sizeof *a->u);
-    nsdae_sparse_kkt_solve_schur(k, a->u);
+    nsdae_multifrontal_solve(&k->schur, a->u);
     double scale = 1 / a->u[row];
     for (size_t i = 0; i < m; i++) a->u[i] *= scale;
   }
@@ -106,7 +106,7 @@ static double measure(const nsdae_sparse_kkt *k, int row, int dropped)
     /* u of smaller length, with the same u_row */
     nsdae_sparse_kkt_times(k, a->Y, a->z, a->h);
     a->h[row] = 0;
-    nsdae_sparse_kkt_solve_schur(k, a->h);
+    nsdae_multifrontal_solve(&k->schur, a->h);
     double fixed = a->h[row];
     for (size_t i = 0; i < m; i++) a->u[i] -= a->h[i] - fixed * a->u[i];
     now = length(k);
@@ -148,22 +148,11 @@ static int mark(nsdae_sparse_kkt *k)
   return more;
 }
 
-/* All rows count so far. If LDL comes first and may, and has a factor with all pivots above
- * `least`, that is all; returns whether it is. */
-static int factor_all(nsdae_sparse_kkt *k, int chosen, int may, double least)
-{
-  k->rank =
-      (nsdae_kkt_rank){.count = k->part.row_count, .chosen = chosen, .dependent = -1, .kept = 1};
-  k->by_ldl = k->ldl_first && may && nsdae_sparse_ldl_factor(&k->ldl, &k->schur, least) == 0;
-  if (k->by_ldl) k->rank.kept = sine_of(k->ldl.smallest);
-  return k->by_ldl;
-}
-
 int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
 {
   nsdae_multifrontal_rank *r = &k->schur.rank;
   r->drop = fmax(k->rank_tol * k->rank_tol, ROUNDED);
-  if (factor_all(k, 0, 1, fmax(r->drop, CERTAIN))) return NSDAE_OK;
+  k->rank = (nsdae_kkt_rank){.count = k->part.row_count, .dependent = -1, .kept = 1};
   memset(r->forced, 0, (size_t)k->part.row_count * sizeof *r->forced);
   do {
     if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
@@ -184,11 +173,10 @@ int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
 int nsdae_sparse_kkt_keep_rank(nsdae_sparse_kkt *k, const double *keep)
 {
   nsdae_multifrontal_rank *r = &k->schur.rank;
-  int left_out = 0;
+  k->rank = (nsdae_kkt_rank){.count = k->part.row_count, .chosen = 1, .dependent = -1, .kept = 1};
   r->drop = DBL_MIN; /* none that is positive */
   for (int row = 0; row < k->part.row_count; row++)
-    left_out += r->forced[place(k, row)] = keep && keep[row] == 0;
-  if (factor_all(k, 1, !left_out, r->drop)) return NSDAE_OK;
+    r->forced[place(k, row)] = keep && keep[row] == 0;
   if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
   int lost = 0; /* dropped beside those that the choice leaves out */
   for (int i = 0; i < k->part.row_count; i++) {

@@ -116,11 +116,3 @@ void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *k, const double *J,
         }
     }
 }
-
-void nsdae_sparse_kkt_solve_schur(const nsdae_sparse_kkt *k, double *h)
-{
-  if (k->by_ldl)
-    nsdae_sparse_ldl_solve(&k->ldl, &k->schur, h);
-  else
-    nsdae_multifrontal_solve(&k->schur, h);
-}

@@ -6,7 +6,7 @@
 
 #include "adjacency.h"
 #include "rows.h"
-#include "sparse_ldl.h"
+#include "multifrontal.h"
 
 /* Part of a system: these of its blocks and rows. The rows touch no other blocks. */
 typedef struct nsdae_kkt_part {
@@ -15,8 +15,6 @@ typedef struct nsdae_kkt_part {
   int block_count, row_count;
   const int *block, *row;
 } nsdae_kkt_part;
-
-enum nsdae_kkt_backend { NSDAE_KKT_AUTO, NSDAE_KKT_LDL, NSDAE_KKT_SCHUR };
 
 /* The pattern of the last analysis as one list: counts of blocks and rows, sizes of the blocks, of
  * each row how many blocks it touches and which. */
@@ -60,12 +58,11 @@ typedef struct nsdae_kkt_rank {
  * rows. */
 typedef struct nsdae_kkt_whole {
   nsdae_multifrontal fronts;
-  nsdae_sparse_ldl ldl;
-  int by_ldl, ready, count; /* pairs */
-  int *pair;                /* 2 count */
-  double *value;            /* of the pairs */
-  int *size;                /* nodes */
-  int *edge, *begin;        /* pairs of neighbours; where each begins */
+  int ready, count;  /* pairs */
+  int *pair;         /* 2 count */
+  double *value;     /* of the pairs */
+  int *size;         /* nodes */
+  int *edge, *begin; /* pairs of neighbours; where each begins */
   nsdae_adjacency graph;
   int *left_out; /* rows: not of the basis */
   double *x;     /* order */
@@ -73,11 +70,10 @@ typedef struct nsdae_kkt_whole {
 } nsdae_kkt_whole;
 
 typedef struct nsdae_sparse_kkt {
-  double rank_tol; /* set before; likewise backend, for tests, */
-  double enough;   /* and the relative error at which refinement may end; 0: as far as it falls */
-  int backend, ready;
-  int ldl_first, by_ldl, coupled; /* choice of the analysis; of the last factorisation */
-  int pivot, bad_block;           /* the pivot of this block of the system is not positive */
+  double rank_tol; /* set before; likewise */
+  double enough;   /* the relative error at which refinement may end; 0: as far as it falls */
+  int ready, coupled;
+  int pivot, bad_block; /* the pivot of this block of the system is not positive */
   nsdae_kkt_rank rank;
   nsdae_kkt_part part;
   nsdae_kkt_pattern pattern;
@@ -85,14 +81,8 @@ typedef struct nsdae_sparse_kkt {
   nsdae_kkt_values at;
   nsdae_adjacency graph; /* of the nodes */
   nsdae_multifrontal schur;
-  nsdae_sparse_ldl ldl;
   nsdae_kkt_whole whole;
 } nsdae_sparse_kkt;
-
-/* Whether LDL or fronts factor what f analysed, which LDL analyses then. NSDAE_OK or
- * NSDAE_E_MEMORY. */
-int nsdae_sparse_kkt_choose(const nsdae_sparse_kkt *kkt, const nsdae_multifrontal *f,
-                            nsdae_sparse_ldl *ldl, int *by_ldl);
 
 /* Forms L and Y. NSDAE_OK or NSDAE_E_MASS, see pivot. */
 int nsdae_sparse_kkt_transform_rows(nsdae_sparse_kkt *kkt, const double *M);
@@ -107,9 +97,6 @@ void nsdae_sparse_kkt_times(const nsdae_sparse_kkt *kkt, const double *J, const 
 /* out [nv] += scale J^T l, or Y l; size, if not NULL, += |J^T| |l| */
 void nsdae_sparse_kkt_add_transposed(const nsdae_sparse_kkt *kkt, const double *J, double scale,
                                      const double *l, double *out, double *size);
-
-/* h [rows] := S^-1 h, zero in dropped rows. */
-void nsdae_sparse_kkt_solve_schur(const nsdae_sparse_kkt *kkt, double *h);
 
 /* ---- the rank of the rows, and the multipliers of redundant ones (sparse_rank.c) */
 

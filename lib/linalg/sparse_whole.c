@@ -83,7 +83,6 @@ static int analyse_pairs(nsdae_sparse_kkt *k, const nsdae_coupling *C)
   int status = nsdae_adjacency_build(&w->graph, &joined, nodes, 0);
   if (status == NSDAE_OK)
     status = nsdae_multifrontal_analyse(&w->fronts, nodes, w->size, w->graph.first, w->graph.index);
-  if (status == NSDAE_OK) status = nsdae_sparse_kkt_choose(k, &w->fronts, &w->ldl, &w->by_ldl);
   w->ready = status == NSDAE_OK;
   return status;
 }
@@ -141,9 +140,7 @@ int nsdae_sparse_kkt_factor_coupled(nsdae_sparse_kkt *k, const double *A, const 
   }
   for (int i = 0; i < k->nodes.count; i++)
     for (int row = k->nodes.row[i]; row < k->nodes.row[i + 1]; row++) put_row(k, i, row);
-  int info = w->by_ldl ? nsdae_sparse_ldl_factor(&w->ldl, &w->fronts, 0)
-                       : nsdae_multifrontal_factor(&w->fronts, 1);
-  return info == 0 ? NSDAE_OK : NSDAE_E_MASS;
+  return nsdae_multifrontal_factor(&w->fronts, 1) == 0 ? NSDAE_OK : NSDAE_E_MASS;
 }
 
 /* ---- products and solutions */
@@ -169,10 +166,7 @@ void nsdae_sparse_whole_solve(const nsdae_sparse_kkt *k)
   size_t n = (size_t)a->blocks.first[a->blocks.count], m = (size_t)k->part.row_count;
   memcpy(w->x, a->g, n * sizeof *w->x);
   for (size_t i = 0; i < m; i++) w->x[n + i] = w->left_out[i] ? 0 : a->d[i];
-  if (w->by_ldl)
-    nsdae_sparse_ldl_solve(&w->ldl, &w->fronts, w->x);
-  else
-    nsdae_multifrontal_solve(&w->fronts, w->x);
+  nsdae_multifrontal_solve(&w->fronts, w->x);
   memcpy(a->z, w->x, n * sizeof *a->z);
   memcpy(a->h, w->x + n, m * sizeof *a->h);
 }

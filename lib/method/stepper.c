@@ -64,16 +64,10 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   nsdae_terms_layout(&s->middle, arena);
   nsdae_kkt_layout(&s->kkt, arena);
   s->mean.M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
-  s->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  s->v = NSDAE_ARENA_DOUBLES(arena, n);
-  s->r = NSDAE_ARENA_DOUBLES(arena, n);
-  s->mean.F = NSDAE_ARENA_DOUBLES(arena, n);
-  s->v_other = NSDAE_ARENA_DOUBLES(arena, n);
-  s->size = NSDAE_ARENA_DOUBLES(arena, n);
-  s->qdot[0] = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  s->qdot[1] = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  s->impulse = NSDAE_ARENA_DOUBLES(arena, dims->m);
-  s->rate = NSDAE_ARENA_DOUBLES(arena, dims->m);
+  nsdae_arena_doubles(arena, dims->nq, (double **[]){&s->q, &s->qdot[0], &s->qdot[1], NULL});
+  nsdae_arena_doubles(arena, n,
+                      (double **[]){&s->v, &s->r, &s->mean.F, &s->v_other, &s->size, NULL});
+  nsdae_arena_doubles(arena, dims->m, (double **[]){&s->impulse, &s->rate, NULL});
 }
 
 int nsdae_stepper_start(nsdae_stepper *s, nsdae_newton_kkt *newton, const nsdae_terms *at)

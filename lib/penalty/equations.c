@@ -191,12 +191,9 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   p->border_force = NSDAE_ARENA_INTS(arena, k + kt + f);
   p->border_room = NSDAE_ARENA_DOUBLES(arena, k + kt + f);
   p->basis = NSDAE_ARENA_DOUBLES(arena, nsdae_kkt_basis_size(&p->stepper->kkt));
-  at->normal = NSDAE_ARENA_DOUBLES(arena, k);
-  at->tangential = NSDAE_ARENA_DOUBLES(arena, kt);
-  at->frictional_joint = NSDAE_ARENA_DOUBLES(arena, f);
-  at->v_n = NSDAE_ARENA_DOUBLES(arena, k);
-  at->v_t = NSDAE_ARENA_DOUBLES(arena, kt);
-  at->v_s = NSDAE_ARENA_DOUBLES(arena, f);
+  nsdae_arena_doubles(arena, k, (double **[]){&at->normal, &at->v_n, NULL});
+  nsdae_arena_doubles(arena, kt, (double **[]){&at->tangential, &at->v_t, NULL});
+  nsdae_arena_doubles(arena, f, (double **[]){&at->frictional_joint, &at->v_s, NULL});
   at->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
   at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
   at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);

@@ -35,9 +35,7 @@ static void layout(void *object, nsdae_arena *arena)
   const nsdae_dims *d = nsdae_penalty_dims(p);
   p->qv = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
   for (int i = 0; i < 2; i++) p->z[i] = NSDAE_ARENA_DOUBLES(arena, nsdae_penalty_size(d));
-  p->peak = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->force = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->gaps.shift = NSDAE_ARENA_DOUBLES(arena, d->k);
+  nsdae_arena_doubles(arena, d->k, (double **[]){&p->peak, &p->force, &p->gaps.shift, NULL});
   p->gaps.found = NSDAE_ARENA_INTS(arena, d->k);
   nsdae_penalty_slots_layout(p, arena);
   nsdae_penalty_equations_layout(&p->equations, arena);

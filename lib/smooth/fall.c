@@ -7,9 +7,7 @@ enum { ROUNDS = 200 };
 
 void nsdae_fall_layout(nsdae_fall *f, nsdae_arena *arena)
 {
-  f->low = NSDAE_ARENA_DOUBLES(arena, f->count);
-  f->high = NSDAE_ARENA_DOUBLES(arena, f->count);
-  f->middle = NSDAE_ARENA_DOUBLES(arena, f->count);
+  nsdae_arena_doubles(arena, f->count, (double **[]){&f->low, &f->high, &f->middle, NULL});
 }
 
 static int falls(double before, double after)

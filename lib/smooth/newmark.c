@@ -15,12 +15,10 @@ enum {
 void nsdae_newmark_layout(nsdae_newmark *newmark, nsdae_arena *arena)
 {
   const nsdae_dims *dims = &newmark->system->dims;
-  newmark->a1 = NSDAE_ARENA_DOUBLES(arena, dims->nv);
+  nsdae_arena_doubles(arena, dims->nv, (double **[]){&newmark->a1, &newmark->v, NULL});
   newmark->lambda1 = NSDAE_ARENA_DOUBLES(arena, dims->m);
-  newmark->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  newmark->v = NSDAE_ARENA_DOUBLES(arena, dims->nv);
-  newmark->qdot0 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  newmark->qdot1 = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  nsdae_arena_doubles(arena, dims->nq,
+                      (double **[]){&newmark->q, &newmark->qdot0, &newmark->qdot1, NULL});
 }
 
 /* a and lambda at the terms' point. The stabilisation is stiff: with s = alpha h + beta^2 h^2/4,

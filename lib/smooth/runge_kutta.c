@@ -21,9 +21,7 @@ void nsdae_runge_kutta_layout(nsdae_runge_kutta *rk, nsdae_arena *arena)
 {
   for (int i = 0; i < NSDAE_TABLEAU_WIDTH; i++) rk->k[i] = NSDAE_ARENA_DOUBLES(arena, rk->n);
   for (int i = 0; i < NSDAE_TABLEAU_DENSE; i++) rk->dense[i] = NSDAE_ARENA_DOUBLES(arena, rk->n);
-  rk->y = NSDAE_ARENA_DOUBLES(arena, rk->n);
-  rk->trial = NSDAE_ARENA_DOUBLES(arena, rk->n);
-  rk->sum = NSDAE_ARENA_DOUBLES(arena, rk->n);
+  nsdae_arena_doubles(arena, rk->n, (double **[]){&rk->y, &rk->trial, &rk->sum, NULL});
 }
 
 /* f at t. */

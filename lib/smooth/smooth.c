@@ -17,8 +17,7 @@ void nsdae_smooth_layout(nsdae_smooth *g, nsdae_arena *arena)
   g->implicit.n = g->steps.controlled + g->steps.forces;
   nsdae_runge_kutta_layout(&g->steps, arena);
   for (int i = 0; i < 2; i++) g->sum[i] = NSDAE_ARENA_DOUBLES(arena, integrals(g));
-  g->y = NSDAE_ARENA_DOUBLES(arena, g->steps.n);
-  g->ydot = NSDAE_ARENA_DOUBLES(arena, g->steps.n);
+  nsdae_arena_doubles(arena, g->steps.n, (double **[]){&g->y, &g->ydot, NULL});
   g->power = NSDAE_ARENA_DOUBLES(arena, 3L * (integrals(g) - g->steps.forces));
 }
 

@@ -24,9 +24,7 @@ static void layout_check(void *object, nsdae_arena *arena)
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
     if (sizes[i] > size) size = sizes[i];
   nsdae_differences_layout(&c->differences, arena);
-  c->given = NSDAE_ARENA_DOUBLES(arena, size);
-  c->differenced = NSDAE_ARENA_DOUBLES(arena, size);
-  c->spare = NSDAE_ARENA_DOUBLES(arena, size);
+  nsdae_arena_doubles(arena, size, (double **[]){&c->given, &c->differenced, &c->spare, NULL});
   c->trial = NSDAE_ARENA_DOUBLES(arena, n);
   c->first = NSDAE_ARENA_INTS(arena, dims->m + 1L);
   c->directions.differences = &c->differences;

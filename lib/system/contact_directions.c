@@ -12,17 +12,12 @@ void nsdae_directions_layout(nsdae_directions *d, nsdae_arena *arena)
   long n = dims->nv, k = dims->k;
   const nsdae_blocks *blocks = &d->differences->system->blocks;
   d->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
-  d->normal = NSDAE_ARENA_DOUBLES(arena, n * k);
-  d->other = NSDAE_ARENA_DOUBLES(arena, n * k);
+  nsdae_arena_doubles(arena, n * k, (double **[]){&d->normal, &d->other, NULL});
   d->tangent = NSDAE_ARENA_DOUBLES(arena, n * k * dims->nt);
-  d->mass = NSDAE_ARENA_DOUBLES(arena, n);
-  d->place = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  d->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  nsdae_arena_doubles(arena, n, (double **[]){&d->mass, &d->arms.v, NULL});
+  nsdae_arena_doubles(arena, dims->nq, (double **[]){&d->place, &d->q, &d->arms.rate, NULL});
   d->turn = NSDAE_ARENA_DOUBLES(arena, 3L * dims->nq);
-  d->turns = NSDAE_ARENA_INTS(arena, dims->nv);
-  d->set = NSDAE_ARENA_INTS(arena, dims->nv);
-  d->arms.v = NSDAE_ARENA_DOUBLES(arena, n);
-  d->arms.rate = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  nsdae_arena_ints(arena, dims->nv, (int **[]){&d->turns, &d->set, NULL});
   d->arms.bend = NSDAE_ARENA_DOUBLES(arena, k + n);
 }
 

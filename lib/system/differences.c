@@ -30,13 +30,13 @@ void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena
   const nsdae_dims *dims = &differences->system->dims;
   long k = fixed_contacts(differences->system), rows = dims->m > k ? dims->m : k;
   differences->finer[0] = differences->finer[1] = 0;
-  differences->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  differences->qdot = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  differences->centre = NSDAE_ARENA_DOUBLES(arena, dims->nq);
+  nsdae_arena_doubles(
+      arena, dims->nq,
+      (double **[]){&differences->q, &differences->qdot, &differences->centre, NULL});
   differences->unit = NSDAE_ARENA_DOUBLES(arena, dims->nv);
-  differences->plus = NSDAE_ARENA_DOUBLES(arena, rows);
-  differences->minus = NSDAE_ARENA_DOUBLES(arena, rows);
-  differences->rate = NSDAE_ARENA_DOUBLES(arena, rows);
+  nsdae_arena_doubles(
+      arena, rows,
+      (double **[]){&differences->plus, &differences->minus, &differences->rate, NULL});
   long kt = k * dims->nt, entries = dims->nv * (kt > k ? kt : k);
   long joints = differences->system->call.joint_friction_rows ? dims->f : (long)dims->nv * dims->f;
   if (joints > entries) entries = joints;

@@ -16,12 +16,9 @@ void nsdae_border_layout(nsdae_border *b, const nsdae_system *system, int most, 
   b->V = NSDAE_ARENA_DOUBLES(arena, (long)d->nv * most);
   b->L = NSDAE_ARENA_DOUBLES(arena, (long)d->m * most);
   b->B = NSDAE_ARENA_DOUBLES(arena, (long)most * most);
-  b->pivot = NSDAE_ARENA_INTS(arena, most);
-  is->parent = NSDAE_ARENA_INTS(arena, blocks);
-  is->of_block = NSDAE_ARENA_INTS(arena, blocks);
-  is->column = NSDAE_ARENA_INTS(arena, most);
+  nsdae_arena_ints(arena, most, (int **[]){&b->pivot, &is->column, &is->force, NULL});
+  nsdae_arena_ints(arena, blocks, (int **[]){&is->parent, &is->of_block, NULL});
   is->first = NSDAE_ARENA_INTS(arena, most + 1L);
-  is->force = NSDAE_ARENA_INTS(arena, most);
   is->LU = NSDAE_ARENA_DOUBLES(arena, blocks > 1 ? (long)most * most : 0);
   is->part = NSDAE_ARENA_DOUBLES(arena, most);
 }

@@ -13,11 +13,8 @@ void nsdae_newton_matrix_layout(nsdae_newton_matrix *N, nsdae_arena *arena)
   N->A = NSDAE_ARENA_DOUBLES(arena, s->blocks.square[s->blocks.count]);
   N->colour = NSDAE_ARENA_INTS(arena, s->blocks.count);
   N->last = NSDAE_ARENA_INTS(arena, s->blocks.count + 1L);
-  N->q = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  N->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  N->qdot = NSDAE_ARENA_DOUBLES(arena, d->nq);
-  N->unit = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  N->F = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  nsdae_arena_doubles(arena, d->nq, (double **[]){&N->q, &N->qdot, NULL});
+  nsdae_arena_doubles(arena, d->nv, (double **[]){&N->v, &N->unit, &N->F, NULL});
   N->X = NSDAE_ARENA_DOUBLES(arena, dense ? (long)d->nv * d->nv : 0);
 }
 

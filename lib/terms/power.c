@@ -13,8 +13,7 @@ static size_t squares_of(const nsdae_system *s)
 void nsdae_power_layout(nsdae_power *p, const nsdae_system *s, nsdae_arena *arena)
 {
   p->q = NSDAE_ARENA_DOUBLES(arena, s->dims.nq);
-  p->M = NSDAE_ARENA_DOUBLES(arena, squares_of(s));
-  p->first = NSDAE_ARENA_DOUBLES(arena, squares_of(s));
+  nsdae_arena_doubles(arena, (long)squares_of(s), (double **[]){&p->M, &p->first, NULL});
 }
 
 void nsdae_power_start(nsdae_power *p)

@@ -116,11 +116,8 @@ static void lay_out_contacts(nsdae_terms *terms, nsdae_arena *arena)
 {
   const nsdae_system *s = terms->system;
   long n = s->dims.nv, k = s->dims.k, nt = s->dims.nt;
-  terms->gap = NSDAE_ARENA_DOUBLES(arena, k);
-  terms->w_N = NSDAE_ARENA_DOUBLES(arena, k);
-  terms->w_T = NSDAE_ARENA_DOUBLES(arena, k * nt);
-  terms->omega.N = NSDAE_ARENA_DOUBLES(arena, k);
-  terms->omega.T = NSDAE_ARENA_DOUBLES(arena, k * nt);
+  nsdae_arena_doubles(arena, k, (double **[]){&terms->gap, &terms->w_N, &terms->omega.N, NULL});
+  nsdae_arena_doubles(arena, k * nt, (double **[]){&terms->w_T, &terms->omega.T, NULL});
   if (s->tracked) {
     lay_out_slot_rows(&terms->by.normal, k, arena);
     lay_out_slot_rows(&terms->by.tangent, k * nt, arena);
@@ -151,13 +148,11 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
   terms->by.normal.stride = terms->by.tangent.stride = 1;
   terms->absent = absent(dims);
   terms->q = NSDAE_ARENA_DOUBLES(arena, dims->nq);
-  terms->v = NSDAE_ARENA_DOUBLES(arena, n);
+  nsdae_arena_doubles(arena, n, (double **[]){&terms->v, &terms->F, &terms->by.work, NULL});
   terms->M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
-  terms->F = NSDAE_ARENA_DOUBLES(arena, n);
-  terms->constraint.phi = NSDAE_ARENA_DOUBLES(arena, m);
-  terms->constraint.phi_t = NSDAE_ARENA_DOUBLES(arena, m);
-  terms->constraint.omega = NSDAE_ARENA_DOUBLES(arena, m);
-  terms->by.work = NSDAE_ARENA_DOUBLES(arena, n);
+  nsdae_arena_doubles(arena, m,
+                      (double **[]){&terms->constraint.phi, &terms->constraint.phi_t,
+                                    &terms->constraint.omega, NULL});
   if (terms->system->call.constraint_rows)
     lay_out_rows(terms->system, &terms->by.rows, NSDAE_NAME_CONSTRAINT, &terms->by.jacobian, arena);
   else

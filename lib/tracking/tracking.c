@@ -25,9 +25,7 @@ enum { NEW = 2 };
 
 void nsdae_tracking_layout(nsdae_tracking *t, nsdae_arena *arena)
 {
-  t->fresh = NSDAE_ARENA_INTS(arena, t->model->dims.k);
-  t->seen = NSDAE_ARENA_INTS(arena, t->model->dims.k);
-  t->closes = NSDAE_ARENA_INTS(arena, t->model->dims.k);
+  nsdae_arena_ints(arena, t->model->dims.k, (int **[]){&t->fresh, &t->seen, &t->closes, NULL});
   t->anew = NSDAE_ARENA_DOUBLES(arena, t->model->dims.nv + 2L);
 }
 

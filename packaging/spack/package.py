@@ -19,7 +19,6 @@ class Nsdae(CMakePackage):
 
     variant("hdf5", default=True, description="Write trajectories to HDF5 files")
     variant("sundials", default=True, description="Methods penalty and event")
-    variant("ldl", default=True, description="Sparse constraints by SuiteSparse's LDL (LGPL)")
     variant("fortran", default=True, description="Fortran module")
     variant("drivers", default=True, description="Example programs and tools")
 
@@ -43,7 +42,6 @@ class Nsdae(CMakePackage):
         return [
             self.define_from_variant("NSDAE_HDF5", "hdf5"),
             self.define_from_variant("NSDAE_SUNDIALS", "sundials"),
-            self.define_from_variant("NSDAE_LDL", "ldl"),
             self.define_from_variant("NSDAE_FORTRAN", "fortran"),
             self.define_from_variant("NSDAE_DRIVERS", "drivers"),
             self.define("BUILD_TESTING", self.run_tests),

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The library built without HDF5, LDL and Fortran, and without SUNDIALS, with gcc and clang, Debug and Release: it builds
+# The library built without HDF5 and Fortran, and without SUNDIALS, with gcc and clang, Debug and Release: it builds
 # without a warning, needs nothing of what it was built without, reports what is missing, and its installed tree can be
 # used.
 # usage: variants.sh SOURCE_DIR [CMAKE_OPTION...]
@@ -9,18 +9,13 @@ shift
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# without PART LIBRARY: the tree installed last does not need it
-without() {
+# lacks PART LIBRARY: the tree installed last does not need it, nor has it the component
+lacks() {
   part=$1 library=$2
   if readelf -d "$lib/libnsdae.so" | grep NEEDED | grep "$library"; then
     echo "built without $part, it needs $library" >&2
     exit 1
   fi
-}
-
-# lacks PART LIBRARY: nor has it the component
-lacks() {
-  without "$@"
   printf 'cmake_minimum_required(VERSION 3.21)\nproject(x C)\n%s\n' \
     "find_package(nsdae CONFIG REQUIRED COMPONENTS $part)" >"$work/CMakeLists.txt"
   if cmake -S "$work" -B "$tree/refused-$part" -DCMAKE_PREFIX_PATH="$tree" >"$work/log" 2>&1; then
@@ -58,12 +53,11 @@ variant() {
   echo "$compiler, $type: $*"
 }
 
-variant gcc Debug -DNSDAE_HDF5=OFF -DNSDAE_FORTRAN=OFF -DNSDAE_LDL=OFF "$@"
-without LDL libldl
+variant gcc Debug -DNSDAE_HDF5=OFF -DNSDAE_FORTRAN=OFF "$@"
 lacks HDF5 libhdf5
 lacks Fortran libgfortran
 answers HDF5 Fortran
 variant clang Release -DCMAKE_C_FLAGS_RELEASE="-O1 -DNDEBUG" -DNSDAE_SUNDIALS=OFF "$@" # warnings need no more, which takes twice as long
 lacks SUNDIALS libsundials
 answers SUNDIALS
-echo "built without HDF5, LDL, SUNDIALS and Fortran"
+echo "built without HDF5, SUNDIALS and Fortran"

@@ -34,6 +34,79 @@ static void advance(nsdae_sim *sim)
   if (nsdae_sim_step(sim) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
 }
 
+/* ---- more rows than a dense island may have */
+
+enum { POINTS = 300 };
+
+static int points_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < POINTS; i++)
+    for (int j = 0; j < 3; j++) M[9 * i + 4 * j] = 1;
+  return 0;
+}
+
+static int points_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  for (int i = 0; i < 3 * POINTS; i++) F[i] = i;
+  return 0;
+}
+
+static int points_phi(double t, const double *q, double *phi, void *user)
+{
+  (void)t, (void)user;
+  for (int i = 1; i < POINTS; i++)
+    for (int j = 0; j < 2; j++) phi[2 * i - 2 + j] = q[3 * i + j] - q[3 * i - 3 + j];
+  return 0;
+}
+
+static int points_rows(double t, const double *q, nsdae_row_list *rows, void *user)
+{
+  int status = 0;
+  (void)t, (void)q, (void)user;
+  for (int i = 1; i < POINTS; i++)
+    for (int j = 0; j < 2 && status == 0; j++) {
+      const double one[3] = {j == 0, j == 1, 0}, less[3] = {-one[0], -one[1], 0};
+      status = nsdae_row_add(rows, 2 * i - 2 + j, i, one);
+      if (status == 0) status = nsdae_row_add(rows, 2 * i - 2 + j, i - 1, less);
+    }
+  return status;
+}
+
+/* Points that go together along two axes: there each has the mean force, along the third its own.
+ */
+static void test_many_rows(void **state)
+{
+  const int m = 2 * (POINTS - 1), n = 3 * POINTS;
+  const nsdae_dims dims = {.nq = n, .nv = n, .m = m};
+  int size[POINTS];
+  double *zero = calloc((size_t)n, sizeof *zero);
+  (void)state;
+  for (int i = 0; i < POINTS; i++) size[i] = 3;
+  for (int method = 0; method < 2; method++) {
+    nsdae_system *system = NULL;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    nsdae_system_set_blocks(system, POINTS, size, size);
+    nsdae_system_set_mass_blocks(system, points_mass);
+    nsdae_system_set_force(system, points_force);
+    nsdae_system_set_constraint(system, points_phi);
+    nsdae_system_set_constraint_rows(system, points_rows);
+    nsdae_sim *sim = make(system, method == 0 ? NSDAE_METHOD_MOREAU : NSDAE_METHOD_IMPLICIT, 1e-3);
+    start(sim, zero, zero);
+    advance(sim);
+    nsdae_record r;
+    nsdae_sim_get_record(sim, &r);
+    for (int i = 0; i < n; i++) {
+      double force = i % 3 == 2 ? i : 3 * (POINTS - 1) / 2.0 + i % 3;
+      assert_near(r.v[i], 1e-3 * force, 1e-12 * POINTS);
+    }
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+  free(zero);
+}
+
 /* ---- columns */
 
 typedef struct column {
@@ -830,7 +903,7 @@ int main(void)
       cmocka_unit_test(test_refusals),          cmocka_unit_test(test_check),
       cmocka_unit_test(test_ids_are_distinct),  cmocka_unit_test(test_lists_grow),
       cmocka_unit_test(test_allocations),       cmocka_unit_test(test_state_goes_on),
-      cmocka_unit_test(test_columns_stand),
+      cmocka_unit_test(test_columns_stand),     cmocka_unit_test(test_many_rows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,19 +20,15 @@ enum { PATIENCE = 50, EACH = 8 };
 void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->acceleration->phase->setting->system->dims;
-  p->settles = NSDAE_ARENA_INTS(arena, d->k);
-  p->sticks = NSDAE_ARENA_INTS(arena, d->k);
-  p->after = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->parting = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->lost = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  nsdae_arena_ints(
+      arena, d->k,
+      (int **[]){&p->settles, &p->sticks, &p->friction.slider, &p->friction.pivot, NULL});
+  nsdae_arena_doubles(arena, d->k, (double **[]){&p->after, &p->normal, &p->friction.P, NULL});
+  nsdae_arena_doubles(arena, d->nv, (double **[]){&p->parting, &p->lost, NULL});
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
-  p->normal = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->friction.value = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
-  p->friction.slider = NSDAE_ARENA_INTS(arena, d->k);
-  p->friction.pivot = NSDAE_ARENA_INTS(arena, d->k);
   p->friction.feed = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->k);
-  p->friction.P = NSDAE_ARENA_DOUBLES(arena, d->k);
 }
 
 void nsdae_event_unsettle(nsdae_event_accumulation *p)

@@ -23,17 +23,11 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   nsdae_impulses_layout(&p->solution, d, arena);
   nsdae_impulses_layout(&p->plastic, d, arena);
   nsdae_event_accumulation_layout(&p->accumulation, arena);
-  p->momentum = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->multiplier = NSDAE_ARENA_DOUBLES(arena, d->m);
-  p->v = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->velocity = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->blur = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->coming = NSDAE_ARENA_DOUBLES(arena, d->k);
-  p->elastic = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
-  p->force = NSDAE_ARENA_DOUBLES(arena, columns);
-  p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
+  nsdae_arena_doubles(arena, d->nv,
+                      (double **[]){&p->momentum, &p->v, &p->size, &p->elastic, NULL});
+  nsdae_arena_doubles(arena, d->m, (double **[]){&p->multiplier, &p->reaction, NULL});
+  nsdae_arena_doubles(arena, d->k, (double **[]){&p->velocity, &p->blur, &p->coming, NULL});
+  nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
 }
 
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)

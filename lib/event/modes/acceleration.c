@@ -16,11 +16,9 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   p->law = nsdae_arena_take(arena, k, sizeof *p->law);
   nsdae_impulses_layout(&p->solution, d, arena);
   p->sense = NSDAE_ARENA_INTS(arena, d->f);
-  p->a = NSDAE_ARENA_DOUBLES(arena, d->nv);
+  nsdae_arena_doubles(arena, d->nv, (double **[]){&p->a, &p->size, NULL});
   p->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
-  p->size = NSDAE_ARENA_DOUBLES(arena, d->nv);
-  p->force = NSDAE_ARENA_DOUBLES(arena, columns);
-  p->xi = NSDAE_ARENA_DOUBLES(arena, columns);
+  nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
   int **of_contact[] = {&p->is.touching, &p->is.candidate, &p->is.released, &p->is.breakaway,
                         &p->is.stopped,  &p->is.moving,    &p->is.closed};
   int **of_slide[] = {&p->is.slide_breakaway, &p->is.slide_stopped, &p->is.slide_turned};

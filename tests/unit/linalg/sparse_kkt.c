@@ -1,4 +1,4 @@
-/* Sparse saddle-point equations of mechanisms, by LDL and by fronts: against their residuals, dense
+/* Sparse saddle-point equations of mechanisms, by fronts: against their residuals, dense
  * LAPACK, the coordinates of the joints of trees, and the rank that a mechanism has. */
 #include "check.h"
 
@@ -117,27 +117,20 @@ static double error_of_motion(const joint_family *f, const vectors *w)
   return sqrt(wrong / all);
 }
 
-static const int backends[] = {NSDAE_KKT_AUTO, NSDAE_KKT_LDL, NSDAE_KKT_SCHUR};
-
-/* One member by every backend. */
+/* One member. */
 static void expect_solved(int kind, int bodies, int revolute, double spread, uint64_t seed)
 {
   joint_family f;
   family_make(&f, kind, bodies, revolute, spread, seed);
   vectors w = make_vectors(&f);
-  for (int b = 0; b < 3; b++) {
-    nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
-    assert_int_equal(factor(&k, &f), NSDAE_OK);
-    assert_int_equal(k.rank.count, f.rank);
-    assert_true(k.rank.kept > 1e-6 && k.rank.kept <= 1 && k.rank.left < 1e-8);
-    if (backends[b] == NSDAE_KKT_SCHUR) assert_false(k.by_ldl);
-    if (backends[b] == NSDAE_KKT_LDL && f.rank == f.rows && k.rank.kept > 1e-3)
-      assert_int_equal(k.by_ldl, HAS_LDL);
-    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
-    assert_true(backward_error(&f, &w) <= 1e-12);
-    assert_true(error_of_motion(&f, &w) <= 1e-12);
-    nsdae_sparse_kkt_release(&k);
-  }
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  assert_int_equal(factor(&k, &f), NSDAE_OK);
+  assert_int_equal(k.rank.count, f.rank);
+  assert_true(k.rank.kept > 1e-6 && k.rank.kept <= 1 && k.rank.left < 1e-8);
+  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+  assert_true(backward_error(&f, &w) <= 1e-12);
+  assert_true(error_of_motion(&f, &w) <= 1e-12);
+  nsdae_sparse_kkt_release(&k);
   release_vectors(&w);
   family_release(&f);
 }
@@ -206,15 +199,13 @@ static void expect_as_lapack(int kind, int bodies, int revolute)
   assert_int_equal(
       LAPACKE_dgelsd(LAPACK_COL_MAJOR, all, all, 1, K, all, b, all, sigma, 1e-11, &rank), 0);
   assert_int_equal(rank, f.nv + f.rank);
-  for (int i = 0; i < 3; i++) {
-    nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[i]};
-    assert_int_equal(factor(&k, &f), NSDAE_OK);
-    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
-    double size = 1 + largest(b, all);
-    for (int j = 0; j < f.nv; j++) assert_near(w.v[OTHER + j], b[j], 1e-10 * size);
-    for (int j = 0; j < f.rows; j++) assert_near(w.lambda[1 + j], b[f.nv + j], 1e-9 * size);
-    nsdae_sparse_kkt_release(&k);
-  }
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  assert_int_equal(factor(&k, &f), NSDAE_OK);
+  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+  double size = 1 + largest(b, all);
+  for (int j = 0; j < f.nv; j++) assert_near(w.v[OTHER + j], b[j], 1e-10 * size);
+  for (int j = 0; j < f.rows; j++) assert_near(w.lambda[1 + j], b[f.nv + j], 1e-9 * size);
+  nsdae_sparse_kkt_release(&k);
   free(K), free(b), free(sigma);
   release_vectors(&w);
   family_release(&f);
@@ -490,33 +481,28 @@ static void expect_coupled(int kind, int bodies, int revolute, double spread, do
   family_make(&f, kind, bodies, revolute, spread, 3);
   double *keep = doubles(f.rows), ratio = pow(10, spread);
   double condition = (ratio + 6 * scale) / (0.006 / ratio); /* of A: the least inertia is 0.006 */
-  for (int b = 0; b < 3; b++) {
-    nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
-    find_basis(&k, &f, keep);
-    coupled_family c = couple(&f, scale);
-    const nsdae_coupling coupling = {c.count, c.pair, c.value};
-    vectors w = make_vectors(&f); /* with M as it is now */
-    apply_coupling(&c, 1, w.x, w.r);
-    for (int again = 0; again < 2; again++)
-      assert_int_equal(nsdae_sparse_kkt_factor_coupled(&k, f.M, &coupling, keep), NSDAE_OK);
-    assert_int_equal(k.rank.count, f.rank);
-    if (b > 0 && HAS_LDL) assert_int_equal(k.whole.by_ldl, b == 1);
-    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
-    double error = error_of_motion(&f, &w);
-    apply_coupling(&c, -1, w.v, w.r);
-    double backward = backward_error(&f, &w);
-    assert_true(backward <= 1e-12);
-    assert_true(error <= 10 * DBL_EPSILON * condition);
-    for (int i = 0; i < f.rows; i++)
-      if (keep[i] == 0) assert_true(w.lambda[i + 1] == 0);
-    f.M[f.blocks.square[1]] -= 1e3 * (1 + scale); /* not positive definite */
-    assert_int_equal(nsdae_sparse_kkt_factor_coupled(&k, f.M, &coupling, keep), NSDAE_E_MASS);
-    nsdae_sparse_kkt_release(&k);
-    release_vectors(&w);
-    free(c.pair), free(c.value);
-    family_release(&f);
-    family_make(&f, kind, bodies, revolute, spread, 3);
-  }
+  nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+  find_basis(&k, &f, keep);
+  coupled_family c = couple(&f, scale);
+  const nsdae_coupling coupling = {c.count, c.pair, c.value};
+  vectors w = make_vectors(&f); /* with M as it is now */
+  apply_coupling(&c, 1, w.x, w.r);
+  for (int again = 0; again < 2; again++)
+    assert_int_equal(nsdae_sparse_kkt_factor_coupled(&k, f.M, &coupling, keep), NSDAE_OK);
+  assert_int_equal(k.rank.count, f.rank);
+  assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+  double error = error_of_motion(&f, &w);
+  apply_coupling(&c, -1, w.v, w.r);
+  double backward = backward_error(&f, &w);
+  assert_true(backward <= 1e-12);
+  assert_true(error <= 10 * DBL_EPSILON * condition);
+  for (int i = 0; i < f.rows; i++)
+    if (keep[i] == 0) assert_true(w.lambda[i + 1] == 0);
+  f.M[f.blocks.square[1]] -= 1e3 * (1 + scale); /* not positive definite */
+  assert_int_equal(nsdae_sparse_kkt_factor_coupled(&k, f.M, &coupling, keep), NSDAE_E_MASS);
+  nsdae_sparse_kkt_release(&k);
+  release_vectors(&w);
+  free(c.pair), free(c.value);
   free(keep);
   family_release(&f);
 }
@@ -618,26 +604,25 @@ static void test_near_dependent(void **state)
   (void)state;
   const double sines[] = {1e-3, 1e-5, 1e-9}, tols[] = {1e-2, 1e-4, 1e-8};
   for (int s = 0; s < 3; s++)
-    for (int t = 0; t < 3; t++)
-      for (int b = 0; b < 3; b++) {
-        joint_family f;
-        family_make(&f, CHAIN, 50, 0, 0, 13);
-        int joint = f.J.first[3 * 20 + 1]; /* body 20 and its parent, as its first row */
-        double value[12];
-        memcpy(value, f.J.value + f.J.at[joint + 1], 6 * sizeof *value);
-        memcpy(value + 6, f.J.value + f.J.at[joint], 6 * sizeof *value);
-        value[1] += 2 * sines[s]; /* along the second row of the parent alone: independent */
-        family_row(&f, f.J.block[joint + 1] - 1, f.J.block[joint] - 1, value);
-        f.row[f.rows++] = f.J.count - 1;
-        nsdae_sparse_kkt k = {.rank_tol = tols[t], .backend = backends[b]};
-        assert_int_equal(factor(&k, &f), NSDAE_OK);
-        int counts = sines[s] > tols[t] && sines[s] > 1e-6;
-        assert_int_equal(k.rank.count, f.rows - !counts);
-        double sine = counts ? k.rank.kept : k.rank.left; /* of the row, up to its length */
-        assert_true(sine > 0.1 * sines[s] && sine < 10 * sines[s]);
-        nsdae_sparse_kkt_release(&k);
-        family_release(&f);
-      }
+    for (int t = 0; t < 3; t++) {
+      joint_family f;
+      family_make(&f, CHAIN, 50, 0, 0, 13);
+      int joint = f.J.first[3 * 20 + 1]; /* body 20 and its parent, as its first row */
+      double value[12];
+      memcpy(value, f.J.value + f.J.at[joint + 1], 6 * sizeof *value);
+      memcpy(value + 6, f.J.value + f.J.at[joint], 6 * sizeof *value);
+      value[1] += 2 * sines[s]; /* along the second row of the parent alone: independent */
+      family_row(&f, f.J.block[joint + 1] - 1, f.J.block[joint] - 1, value);
+      f.row[f.rows++] = f.J.count - 1;
+      nsdae_sparse_kkt k = {.rank_tol = tols[t]};
+      assert_int_equal(factor(&k, &f), NSDAE_OK);
+      int counts = sines[s] > tols[t] && sines[s] > 1e-6;
+      assert_int_equal(k.rank.count, f.rows - !counts);
+      double sine = counts ? k.rank.kept : k.rank.left; /* of the row, up to its length */
+      assert_true(sine > 0.1 * sines[s] && sine < 10 * sines[s]);
+      nsdae_sparse_kkt_release(&k);
+      family_release(&f);
+    }
 }
 
 /* A row of zeros, and one of a length of 1e-200, whose square is zero in double precision: neither
@@ -645,24 +630,23 @@ static void test_near_dependent(void **state)
 static void test_zero_row(void **state)
 {
   (void)state;
-  for (int tiny = 0; tiny < 2; tiny++)
-    for (int b = 0; b < 3; b++) {
-      joint_family f;
-      family_make(&f, CHAIN, 40, 0, 0, 21);
-      const double value[12] = {0, 1e-200 * tiny};
-      family_row(&f, 20, 19, value);
-      f.row[f.rows++] = f.J.count - 1;
-      vectors w = make_vectors(&f);
-      nsdae_sparse_kkt k = {.rank_tol = 1e-8, .backend = backends[b]};
-      assert_int_equal(factor(&k, &f), NSDAE_OK);
-      assert_int_equal(k.rank.count, f.rows - 1);
-      assert_int_equal(k.rank.dependent, f.J.count - 1);
-      assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
-      for (int j = OTHER; j < f.nv + OTHER; j++) assert_near(w.v[j], w.x[j], 1e-9);
-      nsdae_sparse_kkt_release(&k);
-      release_vectors(&w);
-      family_release(&f);
-    }
+  for (int tiny = 0; tiny < 2; tiny++) {
+    joint_family f;
+    family_make(&f, CHAIN, 40, 0, 0, 21);
+    const double value[12] = {0, 1e-200 * tiny};
+    family_row(&f, 20, 19, value);
+    f.row[f.rows++] = f.J.count - 1;
+    vectors w = make_vectors(&f);
+    nsdae_sparse_kkt k = {.rank_tol = 1e-8};
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
+    assert_int_equal(k.rank.count, f.rows - 1);
+    assert_int_equal(k.rank.dependent, f.J.count - 1);
+    assert_int_equal(solve(&k, &f, &w), NSDAE_OK);
+    for (int j = OTHER; j < f.nv + OTHER; j++) assert_near(w.v[j], w.x[j], 1e-9);
+    nsdae_sparse_kkt_release(&k);
+    release_vectors(&w);
+    family_release(&f);
+  }
 }
 
 /* No allocation after the analysis; one that fails for lack of memory leaks none. */
