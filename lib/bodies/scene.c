@@ -97,10 +97,11 @@ typedef struct reader {
   nsdae_error *error;
 } reader;
 
-/* "'PATH' line L, column C (KEY): TEXT"; column < 0: of the whole line. */
+/* "'PATH' line L, column C (KEY): TEXT"; column < 0: of the whole line. The end of a long path. */
 static int refuse(reader *r, int column, const char *format, ...)
 {
   char text[160], place[48] = "";
+  size_t length = strlen(r->path), most = 60;
   va_list values;
   va_start(values, format);
   vsnprintf(text, sizeof text, format, values);
@@ -108,8 +109,8 @@ static int refuse(reader *r, int column, const char *format, ...)
   if (column >= 0)
     snprintf(place, sizeof place, ", column %d (%s)", column + 1, columns[column].key);
   return nsdae_error_set(r->error, NSDAE_E_ARGUMENT, "nsdae_scene_read",
-                         column >= 0 ? columns[column].key : "path", "'%.60s' line %d%s: %s",
-                         r->path, r->line, place, text);
+                         column >= 0 ? columns[column].key : "path", "'%s' line %d%s: %s",
+                         r->path + (length > most ? length - most : 0), r->line, place, text);
 }
 
 /* Sets the field of one entry from text. */

@@ -43,9 +43,11 @@ def test_the_program_and_python_have_the_same_bytes(name, tmp_path):
                     "--output", path], check=True)
     world, options = scene(name)
     mine, theirs = nsdae.solve(world, 0.1, **options), nsdae.load(path)
-    for field in ("t", "q", "v", "penetration"):
+    for field in ("time", "q", "v", "penetration"):
         assert np.array_equal(getattr(mine, field), getattr(theirs, field)), field
-    assert [(s.shape, tuple(s.size)) for s in world.shapes()] == [(s.shape, tuple(s.size)) for s in theirs.shapes]
+    drawn, written = ([(s.shape, [x for x in s.size if x]) for s in shapes if s.shape != "plane"]
+                      for shapes in (world.shapes(), theirs.shapes))
+    assert drawn == written
 
 
 def test_errors_name_file_line_and_column(tmp_path):
