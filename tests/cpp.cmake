@@ -14,6 +14,7 @@ foreach(standard 11 20)
   add_executable(test_cpp${standard} cpp/handles.cpp cpp/cpp_pendulum.c)
   set_target_properties(test_cpp${standard} PROPERTIES CXX_STANDARD ${standard}
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  target_compile_definitions(test_cpp${standard} PRIVATE NSDAE_DATA_DIR="${PROJECT_SOURCE_DIR}/data")
   target_link_libraries(test_cpp${standard} PRIVATE nsdae_lib_shared Threads::Threads m)
   add_test(NAME cpp/handles-c++${standard} COMMAND test_cpp${standard} handles-${standard}.h5)
   set_tests_properties(cpp/handles-c++${standard} PROPERTIES

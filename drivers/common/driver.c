@@ -155,6 +155,10 @@ int driver_main(const driver_model *model, int argc, char **argv)
     printf("nsdae-%s %s\n", model->name, nsdae_build_info());
     return leave(&j, DRIVER_DONE);
   }
+  if (model->read)
+    status =
+        model->read(model->base, j.settings.dt_named ? NULL : &j.settings.options.dt, &j.error);
+  if (status < 0) return complain(&j, DRIVER_USAGE);
   status = simulation_make(model, &j.settings.options, &j.system, &j.sim, &j.error);
   if (status == NSDAE_OK) status = open_trajectory(&j);
   if (status == NSDAE_OK) {

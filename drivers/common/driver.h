@@ -28,6 +28,9 @@ typedef struct driver_model {
   int method;         /* by default; enum nsdae_method */
   double contact_tol; /* by default; 0: the library's */
   int projection;     /* by default, with implicit-printed and moreau; enum nsdae_projection */
+  /* Reads the file of the parameter "file", which the command line names by a plain word. *dt, NULL
+   * if the user gave one: its step. NULL: the model has no file. */
+  int (*read)(void *base, double *dt, nsdae_error *error);
   /* Makes the system from the parameters at base. */
   int (*build)(void *base, nsdae_system **system, nsdae_error *error);
   /* Fills the start state; both come zeroed. */

@@ -49,7 +49,9 @@ void settings_choose_method(const settings *s, int method, nsdae_sim_options *op
   int by_velocity = method == NSDAE_METHOD_IMPLICIT_PRINTED || method == NSDAE_METHOD_MOREAU;
   options->method = method;
   if (!s->projection_named)
-    options->projection = by_velocity ? s->model->projection : NSDAE_PROJECTION_NONE;
+    options->projection = by_velocity || s->model->projection == NSDAE_PROJECTION_AUTO
+                              ? s->model->projection
+                              : NSDAE_PROJECTION_NONE;
 }
 
 static int usage_error(nsdae_error *error, const char *argument, const char *format, ...)
@@ -89,6 +91,7 @@ int settings_set(settings *s, const char *name, const char *value, nsdae_error *
   }
   if (nsdae_params_find(nsdae_sim_options_table(), name)) {
     s->projection_named |= strcmp(name, "projection") == 0;
+    s->dt_named |= strcmp(name, "dt") == 0;
     int status = nsdae_sim_options_set(&s->options, name, value, error);
     settings_choose_method(s, s->options.method, &s->options);
     return status;
@@ -257,6 +260,7 @@ static int copy_word(char *word, size_t size, const char *from, nsdae_error *err
 static int read_saved(const char *path, void *user, nsdae_error *error)
 {
   settings *s = user;
+  s->dt_named = 1;
   int status =
       nsdae_trajectory_read_params(path, "options", nsdae_sim_options_table(), &s->options, error);
   if (status == NSDAE_OK)
@@ -287,6 +291,8 @@ static int parse_one(settings *s, int argc, char **argv, int *i, int pass, nsdae
 {
   char word[NSDAE_PARAM_TEXT_SIZE * 2], *value;
   if (copy_word(word, sizeof word, argv[*i], error) < 0) return error->status;
+  if (word[0] != '-' && s->model->read)
+    return pass == WORDS ? settings_set(s, "file", word, error) : NSDAE_OK;
   const flag *f = find_flag(word, &value, error);
   if (!f) return error->status;
   if (f->value && !value) {
@@ -337,8 +343,8 @@ static void print_table(const char *title, const nsdae_params *table, const void
 
 void settings_usage(const settings *s)
 {
-  printf("nsdae-%s: %s\n\nusage: nsdae-%s [OPTION]...\n\n", s->model->name, s->model->summary,
-         s->model->name);
+  printf("nsdae-%s: %s\n\nusage: nsdae-%s [OPTION]...%s\n\n", s->model->name, s->model->summary,
+         s->model->name, s->model->read ? " FILE" : "");
   for (int i = 0; i < FLAGS; i++) {
     char left[64];
     snprintf(left, sizeof left, "%s%s %s", flags[i].action == HELP ? "-h, " : "", flags[i].name,

@@ -267,6 +267,32 @@ NSDAE_API int nsdae_bodies_get_start(const nsdae_bodies *bodies, double *q, doub
 NSDAE_API int nsdae_bodies_locate(const nsdae_bodies *bodies, const double *q, int body,
                                   const double *local, double *point);
 
+/* Bodies in space of one solid each, on a floor and between walls. */
+typedef struct nsdae_scene {
+  int bodies;             /* >= 0 */
+  nsdae_rigid_body *body; /* [bodies] */
+  nsdae_solid *solid;     /* [bodies], of each body; nsdae_scene_read gives them the material 1 */
+  double wall[2];         /* walls at x and y = wall[0] and wall[1] [m]; not finite: none */
+  double floor;           /* z of the floor [m] */
+  double mu, e_n;         /* of all contacts: friction, normal restitution */
+  double g;               /* gravity along -z [m/s^2] */
+  double dt;              /* time step for the scene [s] */
+} nsdae_scene;
+
+/* Reads a scene from a CSV file (docs/guide/scenes.md). nsdae_scene_release frees it; after an
+ * error it is empty. error may be NULL.
+ *
+ * - NSDAE_E_IO: the file cannot be read
+ * - NSDAE_E_ARGUMENT: the text names file, line, column, value and bound
+ * - NSDAE_E_MEMORY */
+NSDAE_API int nsdae_scene_read(const char *path, nsdae_scene *scene, nsdae_error *error);
+/* Frees what was read and empties the struct; NULL is allowed. */
+NSDAE_API void nsdae_scene_release(nsdae_scene *scene);
+/* Adds a scene to a spatial model: gravity, planes of the ground, bodies with their solids. Floor
+ * and walls have the material 0. The materials 0 and 1, and 1 and 1, are in contact. The scene is
+ * copied. Returns NSDAE_OK or the errors above. */
+NSDAE_API int nsdae_bodies_add_scene(nsdae_bodies *bodies, const nsdae_scene *scene);
+
 /* The error record of the first call that failed. */
 NSDAE_API const nsdae_error *nsdae_bodies_error(const nsdae_bodies *bodies);
 

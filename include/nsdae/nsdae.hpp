@@ -651,6 +651,35 @@ private:
   std::shared_ptr<detail::system_guts> guts_;
 };
 
+/* nsdae_scene of a file. */
+class scene
+{
+public:
+  /* nsdae_scene_read. */
+  explicit scene(const std::string &path) : c_(nsdae_scene())
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_scene_read(path.c_str(), &c_, &record), &record);
+  }
+  /* The source becomes empty. */
+  scene(scene &&other) noexcept : c_(other.c_) { other.c_ = nsdae_scene(); }
+  /* The source gets what was here. */
+  scene &operator=(scene &&other) noexcept
+  {
+    std::swap(c_, other.c_);
+    return *this;
+  }
+  ~scene() { nsdae_scene_release(&c_); }
+
+  /* The struct of C. */
+  nsdae_scene *operator->() noexcept { return &c_; }
+  /* The struct of C. */
+  const nsdae_scene &c() const noexcept { return c_; }
+
+private:
+  nsdae_scene c_;
+};
+
 /* nsdae_bodies. Members that add an object return its number, or throw. Copies refer to the same
  * mechanism. */
 class bodies
@@ -718,6 +747,13 @@ public:
   {
     const double g[3] = {x, y, z};
     demand(nsdae_bodies_set_gravity(c(), g));
+    return *this;
+  }
+
+  /* nsdae_bodies_add_scene. */
+  bodies &add_scene(const nsdae::scene &scene)
+  {
+    demand(nsdae_bodies_add_scene(c(), &scene.c()));
     return *this;
   }
 

@@ -10,6 +10,7 @@ module nsdae_f_bodies
   use, intrinsic :: iso_c_binding
   use nsdae_f_status
   use nsdae_f_system
+  use nsdae_f_text
   use nsdae_f_shape, only: NSDAE_SHAPE_POINT
   implicit none
   private
@@ -98,6 +99,19 @@ module nsdae_f_bodies
     type(c_ptr) :: user = c_null_ptr
   end type
 
+  ! Bodies in space of one solid each, on a floor and between walls; the C header describes it. Freed
+  ! by nsdae_scene_release.
+  type, bind(C), public :: nsdae_scene
+    integer(c_int) :: bodies = 0
+    type(c_ptr) :: body = c_null_ptr   ! nsdae_rigid_body, one for each
+    type(c_ptr) :: solid = c_null_ptr  ! nsdae_c_solid, one for each
+    real(c_double) :: wall(2) = 0      ! x and y of the walls
+    real(c_double) :: floor = 0        ! z
+    real(c_double) :: mu = 0, e_n = 0
+    real(c_double) :: g = 0            ! along -z
+    real(c_double) :: dt = 0
+  end type
+
   ! A mechanism; empty before nsdae_bodies_create. Copies refer to the same mechanism.
   type, public :: nsdae_bodies
     private
@@ -127,13 +141,21 @@ module nsdae_f_bodies
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
-            nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia
+            nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_bodies_add_scene, &
+            nsdae_scene_read, nsdae_scene_release
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
+    ! headers: functions nsdae_bodies_ add_scene
     ! headers: functions nsdae_solid_ inertia
+    ! headers: functions nsdae_scene_ read
+
+    subroutine nsdae_scene_release(scene) bind(C)
+      import
+      type(nsdae_scene), intent(inout) :: scene
+    end subroutine
   end interface
 
 contains
@@ -244,6 +266,21 @@ contains
     if (size(q) < dims%nq) return
     status = c_locate(at(bodies), q, body, local, point)
   end function
+
+  ! Reads a scene from a CSV file.
+  integer(c_int) function nsdae_scene_read(path, scene, error) result(status)
+    character(len=*), intent(in) :: path
+    type(nsdae_scene), intent(out) :: scene
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    character(kind=c_char) :: c_path(len_trim(path) + 1)
+    call to_chars(path, c_path)
+    status = c_read(c_path, scene, why)
+    call error_from_c(why, error)
+  end function
+
+  ! Adds gravity, floor, walls, bodies and their contacts to a spatial model.
+  ! headers: wrappers nsdae_bodies_ add_scene
 
   ! Error record of the first call that failed.
   type(nsdae_error) function nsdae_bodies_error(bodies) result(error)

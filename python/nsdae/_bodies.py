@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
@@ -103,6 +104,31 @@ class Solid(NamedTuple):
         return _core.solid_inertia(self._given(), float(density))
 
 
+class Scene(NamedTuple):
+    """Settings of a scene file.
+
+    Parameters
+    ----------
+    wall : tuple of float
+        x and y of the walls [m]; infinite: none.
+    floor : float
+        z of the floor [m].
+    mu, e_n : float
+        Coefficient of friction and normal restitution of all contacts.
+    g : float
+        Gravity along -z [m/s^2].
+    dt : float
+        Time step for the scene [s].
+    """
+
+    wall: tuple[float, float]
+    floor: float
+    mu: float
+    e_n: float
+    g: float
+    dt: float
+
+
 class Bodies:
     """Mechanism of rigid bodies, joints, springs, loads and contacts.
 
@@ -117,7 +143,8 @@ class Bodies:
 
     Notes
     -----
-    `GROUND` stands for the ground in place of the number of a body.
+    `GROUND` stands for the ground in place of the number of a body. The attribute `scene` has the settings of a file of
+    `read_scene`, else it is None.
 
     Examples
     --------
@@ -133,6 +160,7 @@ class Bodies:
         self._solids: list[tuple[int, Solid]] = []
         self._kept: list[Any] = []
         self._system: System | None = None
+        self.scene: Scene | None = None
         if len(gravity):
             self._core.set_gravity(_numbers("gravity", gravity, 3))
 
@@ -400,6 +428,46 @@ class Bodies:
         """
         place = _planar if self.dimension == 2 else _spatial
         return [place(f"{solid.shape} {i}", body, solid) for i, (body, solid) in enumerate(self._solids)]
+
+
+def read_scene(path: str | os.PathLike[str]) -> Bodies:
+    """Reads bodies, floor and walls from a CSV file, see "Scenes" in the documentation.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+
+    Returns
+    -------
+    Bodies
+        In space; its attribute `scene` has the settings of the file.
+
+    Raises
+    ------
+    Error
+        The file cannot be read.
+    ArgumentError
+        The text names file, line, column, value and bound.
+
+    Examples
+    --------
+    >>> world = nsdae.read_scene("scene_boxes.csv")
+    >>> nsdae.solve(world, 1, method="moreau", dt=world.scene.dt, contact_tol=1e-4)
+    """
+    world = Bodies(3)
+    read = world._core.add_scene(os.fspath(path))
+    solids = read.pop("solids")
+    world.scene = scene = Scene(**read)
+    half = math.sqrt(0.5)
+    planes = [((0, 0, scene.floor), (1, 0, 0, 0))]
+    planes += [((at, 0, 0), (half, 0, way * half, 0)) for at, way in zip(scene.wall, (1, -1))]
+    planes += [((0, at, 0), (half, -way * half, 0, 0)) for at, way in zip(scene.wall, (1, -1))]
+    world._solids = [(GROUND, Solid("plane", position=position, quaternion=turn)) for position, turn in planes
+                     if all(map(math.isfinite, position))]
+    world._solids += [(i, Solid(SHAPES[shape], radius, length, material=material))
+                      for i, (shape, radius, length, material) in enumerate(solids)]
+    return world
 
 
 def _planar(name: str, body: int, solid: Solid) -> Shape:

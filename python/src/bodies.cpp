@@ -1,6 +1,7 @@
 #include "bodies.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 
 #include <nanobind/stl/array.h>
@@ -182,6 +183,32 @@ void bodies::set_gravity(triple g)
   demand(nsdae_bodies_set_gravity(handle, g.data()));
 }
 
+// Reads a scene and adds it; its settings, and shape, radius and length of each solid.
+nb::dict bodies::add_scene(const std::string &path)
+{
+  nsdae_error error;
+  nsdae_scene s;
+  check(nsdae_scene_read(text(path, "path"), &s, &error), &error);
+  const std::unique_ptr<nsdae_scene, void (*)(nsdae_scene *)> held(&s, nsdae_scene_release);
+  demand(nsdae_bodies_add_scene(handle, &s));
+  listed = true;
+  nb::list solids;
+  for (int i = 0; i < s.bodies; i++) {
+    const double *l = s.solid[i].length;
+    solids.append(nb::make_tuple(static_cast<int>(s.solid[i].shape), s.solid[i].radius,
+                                 triple{l[0], l[1], l[2]}, s.solid[i].material));
+  }
+  nb::dict d;
+  d["wall"] = nb::make_tuple(s.wall[0], s.wall[1]);
+  d["floor"] = s.floor;
+  d["mu"] = s.mu;
+  d["e_n"] = s.e_n;
+  d["g"] = s.g;
+  d["dt"] = s.dt;
+  d["solids"] = solids;
+  return d;
+}
+
 // Owned by the caller; the bodies must outlive it. The garbage collector sees its reference to
 // them, because a drive or a load may refer to an owner of the system.
 system *bodies::make_system(nb::object self)
@@ -263,6 +290,7 @@ void bind_bodies(nb::module_ &m)
       .def("add_contact", &bodies::add_contact)
       .def("set_pair", &bodies::set_pair)
       .def("set_gravity", &bodies::set_gravity)
+      .def("add_scene", &bodies::add_scene)
       .def("system", &bodies::make_system, nb::rv_policy::take_ownership)
       .def("start", &bodies::start)
       .def("locate", &bodies::locate);

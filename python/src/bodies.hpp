@@ -40,6 +40,7 @@ public:
   int add_contact(int solid0, int solid1, double mu, double e_n, double e_t);
   void set_pair(int material0, int material1, double mu, double e_n, double e_t);
   void set_gravity(triple g);
+  nb::dict add_scene(const std::string &path);
   static system *make_system(nb::object self);
   nb::tuple start() const;
   triple locate(vector q, int body, triple local) const;

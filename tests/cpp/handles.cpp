@@ -692,6 +692,44 @@ static void test_bodies()
   EXPECT(thrown);
 }
 
+/* A scene of a file, changed before it is a mechanism; its contact problems within contact_give and
+ * within contact_work: set by the members of the struct and by text. */
+static void test_scene()
+{
+  EXPECT(throws_status(NSDAE_E_IO, [] { nsdae::scene("/no/such/file.csv"); }));
+  nsdae::scene read(NSDAE_DATA_DIR "/scene_mixed.csv"), moved(std::move(read));
+  EXPECT(read.c().bodies == 0 && moved.c().bodies == 64);
+  read = std::move(moved);
+  read->body[0].velocity[0] = 1;
+  nsdae::bodies world(3);
+  world.add_scene(read);
+  EXPECT(world.dims().nv == 6 * 64 && world.start().second[0] == 1);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(2).add_scene(read); }));
+  const nsdae::system system = world.system();
+  const std::pair<std::vector<double>, std::vector<double>> start = world.start();
+
+  nsdae::options options;
+  options.set("method", "moreau").set("dt", "0.002").set("contact_tol", "1e-4");
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { options.set("contact_give", "0.5"); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { options.set("contact_work", "-1"); }));
+  options.set("contact_work", "1").set("contact_give", "1e6");
+  EXPECT(options->contact_work == 1 && options->contact_give == 1e6);
+  nsdae::sim gives(system, options);
+  gives.init(0, start.first, start.second);
+  int status = gives.run(0.2);
+  EXPECT(status == NSDAE_WARN_CONTACT || status == NSDAE_WARN_ENERGY);
+  EXPECT(gives.stats().given_steps > 0 && gives.stats().worst_residual > 1e-4);
+  options.set("contact_give", "1");
+  nsdae::sim stops(system, options);
+  stops.init(0, start.first, start.second);
+  EXPECT(throws_status(NSDAE_E_LCP, [&] { stops.run(0.2); }));
+  EXPECT(stops.stats().given_steps == 0);
+  options.set("contact_work", "0");
+  nsdae::sim works(system, options);
+  works.init(0, start.first, start.second);
+  EXPECT(works.run(0.2) >= 0 && works.stats().worst_residual <= 1e-4);
+}
+
 /* A driven joint: the crank turns as the function says. */
 static void test_drive()
 {
@@ -852,6 +890,7 @@ int main(int argc, char **argv)
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   test_bodies();
+  test_scene();
   test_springs();
   test_neighbours(false);
   test_neighbours(true);

@@ -75,6 +75,7 @@ program mechanism
   call groups
   call rope_on_drum
   call refused
+  call scene_of_a_file
   call check_done
 
 contains
@@ -90,6 +91,37 @@ contains
     call is_int(nsdae_bodies_get_start(bodies, q, v), NSDAE_OK, 'start')
     call is_int(nsdae_sim_create(system, sim), NSDAE_OK, 'sim')
     call is_int(nsdae_sim_init(sim, 0d0, q(:dims%nq), v(:dims%nv)), NSDAE_OK, 'init')
+  end subroutine
+
+  ! A scene is read, changed and made a mechanism.
+  subroutine scene_of_a_file()
+    type(nsdae_scene) :: scene
+    type(nsdae_bodies) :: bodies
+    type(nsdae_system) :: system
+    type(nsdae_error) :: error
+    type(nsdae_dims) :: dims
+    type(nsdae_rigid_body), pointer :: body(:)
+    real(c_double) :: q(7 * 64), v(6 * 64)
+    character(len=512) :: folder
+    call is_int(nsdae_scene_read('/no/such/file.csv', scene, error), NSDAE_E_IO, 'no file')
+    call is_true(index(error%text, '/no/such/file.csv') > 0, 'it is named')
+    call get_command_argument(1, folder)
+    call is_int(nsdae_scene_read(trim(folder)//'/scene_mixed.csv', scene), NSDAE_OK, 'scene')
+    call is_int(scene%bodies, 64_c_int, 'its bodies')
+    call is_true(scene%dt == 0.002d0 .and. scene%wall(1) == -scene%wall(2), 'its settings')
+    call c_f_pointer(scene%body, body, [scene%bodies])
+    body(1)%velocity(1) = 1
+    call is_int(nsdae_bodies_create(3_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_add_scene(bodies, scene), NSDAE_OK, 'add')
+    call is_int(nsdae_bodies_system(bodies, system), NSDAE_OK, 'system')
+    call is_int(nsdae_bodies_get_dims(bodies, dims), NSDAE_OK, 'dims')
+    call is_int(dims%nv, 6_c_int * 64_c_int, 'velocities')
+    call is_int(nsdae_bodies_get_start(bodies, q, v), NSDAE_OK, 'start')
+    call is_true(v(1) == 1, 'the changed velocity')
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+    call nsdae_scene_release(scene)
+    call is_int(scene%bodies, 0_c_int, 'released')
   end subroutine
 
   subroutine driven_crank()

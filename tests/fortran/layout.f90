@@ -44,6 +44,7 @@ program layout
   call contact_set_fields
   call contact_fields
   call rigid_body_fields
+  call scene_fields
   call solid_fields
   call joint_fields
   call spring_fields
@@ -453,6 +454,19 @@ contains
     call same_place('nsdae_rigid_body%quaternion', c_loc(x), c_loc(x%quaternion))
     call same_place('nsdae_rigid_body%velocity', c_loc(x), c_loc(x%velocity))
     call same_place('nsdae_rigid_body%spin', c_loc(x), c_loc(x%spin))
+  end subroutine
+
+  subroutine scene_fields()
+    type(nsdae_scene), target :: x
+    call same_size('nsdae_scene', c_sizeof(x))
+    call same_place('nsdae_scene%body', c_loc(x), c_loc(x%body))
+    call same_place('nsdae_scene%solid', c_loc(x), c_loc(x%solid))
+    call same_place('nsdae_scene%wall', c_loc(x), c_loc(x%wall))
+    call same_place('nsdae_scene%floor', c_loc(x), c_loc(x%floor))
+    call same_place('nsdae_scene%mu', c_loc(x), c_loc(x%mu))
+    call same_place('nsdae_scene%e_n', c_loc(x), c_loc(x%e_n))
+    call same_place('nsdae_scene%g', c_loc(x), c_loc(x%g))
+    call same_place('nsdae_scene%dt', c_loc(x), c_loc(x%dt))
   end subroutine
 
   subroutine solid_fields()

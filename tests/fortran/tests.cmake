@@ -35,7 +35,7 @@ function(nsdae_fortran_test name)
 endfunction()
 
 nsdae_fortran_test(layout SOURCES layout.c)
-nsdae_fortran_test(bodies)
+nsdae_fortran_test(bodies ARGUMENTS ${PROJECT_SOURCE_DIR}/data)
 add_test(NAME fortran/complete
   COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fortran/complete.sh
           ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/modules ${CMAKE_Fortran_COMPILER}

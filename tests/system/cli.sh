@@ -63,6 +63,31 @@ printf 'L = 1\n# %01100d\n' 0 >long.ini
 printf 'L = 1\n\000' >nul.ini
 expect 2 "nul.ini line 2: a NUL byte" "$pendulum" --params nul.ini
 expect 2 "long.ini line 2: a line is longer" "$pendulum" --params long.ini
+expect 2 "no FILE given: nsdae-scene FILE.csv" "$bin/nsdae-scene"
+expect 2 "cannot read 'none.csv'" "$bin/nsdae-scene" none.csv
+sed 's/^box,/cone,/' "$data/scene_boxes.csv" >bad.csv
+expect 2 "'bad.csv' line 9, column 1 (kind): kind has no choice 'cone'" "$bin/nsdae-scene" bad.csv
+expect 2 "unknown option 'arch.csv'" "$bin/nsdae-arch" arch.csv
+
+# a scene: its own step unless another is named; continued in its file; the generator writes it
+check "$bin/nsdae-scene" "$data/scene_wall.csv" --t-end 0.01 >table
+check grep -q 'dt 0.002 s, to 0.01 s' table
+check grep -q '^46 bodies: penetration' table
+check grep -q '^CPU time of a step: mean' table
+check "$bin/nsdae-scene" --dt 0.001 "$data/scene_wall.csv" --no-output --t-end 0.01 >table
+check grep -q 'dt 0.001 s, to 0.01 s' table
+check "$bin/nsdae-scene" --restart scene.h5 --t-end 0.02 >table
+check grep -q 'dt 0.002 s, to 0.02 s' table
+if command -v python3 >/dev/null; then
+  sed -n 's/^ *make_scene.py \(.*\) > \(scene_.*\)/\1 \2/p' "$data/make_scene.py" >commands
+  check test "$(wc -l <commands)" = 3
+  while read -r line; do
+    # shellcheck disable=SC2086
+    python3 "$data/make_scene.py" ${line% *} >made.csv
+    check cmp made.csv "$data/${line##* }"
+  done <commands
+fi
+
 # the shaft touches the hole at the start, which R - r gives to rounding only
 check "$bin/nsdae-clearance-hinge" --quiet --no-output --t-end 0.1 --set dX=0.014
 expect 1 "no/such/folder" "$pendulum" --quiet --output no/such/folder/x.h5

@@ -1,0 +1,97 @@
+/* Many bodies from a CSV file (docs/guide/scenes.md). The summary has the penetration and the CPU
+ * time of a step, which includes the output of its record. */
+#include "scene_file.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <time.h>
+
+static int read_scene(void *base, double *dt, nsdae_error *error)
+{
+  scene_file *p = base;
+  nsdae_scene_release(&p->scene);
+  if (!p->file[0]) {
+    snprintf(error->text, sizeof error->text,
+             "no FILE given: nsdae-scene FILE.csv; --help lists the options");
+    return error->status = NSDAE_E_ARGUMENT;
+  }
+  int status = nsdae_scene_read(p->file, &p->scene, error);
+  if (status == NSDAE_OK && dt) *dt = p->scene.dt;
+  return status;
+}
+
+static int build(void *base, nsdae_system **system, nsdae_error *error)
+{
+  scene_file *p = base;
+  nsdae_bodies_destroy(&p->world);
+  int status = nsdae_bodies_create(3, &p->world, error);
+  if (status < 0) return status;
+  nsdae_bodies_add_scene(p->world, &p->scene);
+  status = nsdae_bodies_system(p->world, system);
+  if (status < 0) *error = *nsdae_bodies_error(p->world);
+  p->deepest_ever = p->cpu = p->cpu_worst = 0;
+  p->steps = -1;
+  return status;
+}
+
+static void start(const void *base, double *q0, double *v0)
+{
+  const scene_file *p = base;
+  nsdae_bodies_get_start(p->world, q0, v0);
+}
+
+static double cpu_now(void)
+{
+  struct timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* The first record, of the start or of a continued run, starts the clock. */
+static void follow(void *base, const nsdae_record *r)
+{
+  scene_file *p = base;
+  double now = cpu_now(), step = now - p->clock;
+  p->clock = now;
+  p->deepest = r->penetration;
+  p->deepest_ever = fmax(p->deepest_ever, r->penetration);
+  p->raised = r->projection_energy;
+  if (p->steps++ < 0) return;
+  p->cpu += step;
+  if (step <= p->cpu_worst) return;
+  p->cpu_worst = step;
+  p->worst = r->step;
+}
+
+static void conclude(const void *base)
+{
+  const scene_file *p = base;
+  printf("%d bodies: penetration %.2e m at the end, %.2e m at most\n", p->scene.bodies, p->deepest,
+         p->deepest_ever);
+  printf("the projection added %.3e J\n", p->raised);
+  if (p->steps > 0)
+    printf("CPU time of a step: mean %.3g ms, worst %.3g ms (step %ld)\n",
+           1e3 * p->cpu / (double)p->steps, 1e3 * p->cpu_worst, p->worst);
+}
+
+static const nsdae_param entries[] = {{"file", "", "the scene: a CSV file", NSDAE_PARAM_TEXT,
+                                       offsetof(scene_file, file), 0, 0, 0, 0, NULL}};
+
+static const nsdae_params table = {entries, 1};
+static scene_file parameters;
+
+const driver_model scene_file_model = {.name = "scene",
+                                       .summary = "bodies from a CSV file",
+                                       .parameters = &table,
+                                       .base = &parameters,
+                                       .t_end = 1,
+                                       .dt = 2e-3,
+                                       .method = NSDAE_METHOD_MOREAU,
+                                       .contact_tol = 1e-4,
+                                       .projection = NSDAE_PROJECTION_AUTO,
+                                       .read = read_scene,
+                                       .build = build,
+                                       .start = start,
+                                       .follow = follow,
+                                       .conclude = conclude};
