@@ -399,9 +399,11 @@ NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
 NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);
 /* Sets the coefficients of fixed contact i or frictional joint j in this simulation, in place of
  * the system's; those of a contact list are in its callback. A frictionless contact or joint must
- * remain frictionless, and a frictional joint must keep mu > 0: else NSDAE_E_ARGUMENT. */
+ * remain frictionless, and a frictional joint must keep mu > 0: else NSDAE_E_ARGUMENT.
+ * nsdae_sim_set_friction_bound sets the bound of a joint that has one in the system. */
 NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
 NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
+NSDAE_API int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound);
 
 /* The complementarity problem of a step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE. Its arrays belong to the simulation and are valid until the next step.
