@@ -85,8 +85,8 @@ typedef int (*nsdae_contact_acceleration_fn)(double t, const double *q, const do
  * v_S = W_S^T v + w_S. */
 typedef int (*nsdae_frictional_joint_fn)(double t, const double *q, double *W, int ldw, double *w_s,
                                          void *user);
-/* b(t,q,v) [f]: the bounds of nsdae_system_set_friction_bound where they vary, at least 0. On entry
- * bound has the constant ones. A jump in time belongs at the end of a step. */
+/* b(t,q,v) [f]: bounds of the frictional joints that vary, at least 0. On entry bound has the
+ * constant ones of nsdae_system_set_friction_bound. A jump in time belongs at the end of a step. */
 typedef int (*nsdae_joint_friction_bound_fn)(double t, const double *q, const double *v,
                                              double *bound, void *user);
 /* dq/dt [nq] from v [nv], linear in v. */

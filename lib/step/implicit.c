@@ -52,8 +52,8 @@ static void follow(progress *p, double moved)
 
 enum {
   STEP_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T,
-  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE |
-                 NSDAE_TERM_BOUND
+  CLOSED_TERMS =
+      NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND
 };
 
 static int need(const nsdae_step *step, nsdae_terms *terms, int frozen)
