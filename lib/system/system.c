@@ -353,6 +353,7 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"nsdae_system_set_contact: that e_n = mu = 0 for contacts without a call", untold},
       {"frictional_joint_tangent: its values", system->call.frictional_joint_tangent != NULL},
       {"joint_friction_rows: its values", system->call.joint_friction_rows != NULL},
+      {"joint_friction_bound: its values", system->call.joint_friction_bound != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},

@@ -424,16 +424,16 @@ static int bound(nsdae_terms *T)
   static const char *const callback = "joint_friction_bound";
   double *b = T->frictional_joint.bound, t = nsdae_terms_time(T);
   int f = s->dims.f, code = 0, negative = -1;
-  for (int j = 0; j < f; j++) b[j] = s->frictional_joint[j].bound;
+  zero(b, f);
   if (s->call.joint_friction_bound) code = s->call.joint_friction_bound(t, T->q, T->v, b, s->user);
   int status = outcome(T, NSDAE_TERM_BOUND, code, callback, b, f, 1);
   for (int j = 0; j < f && status == NSDAE_OK && negative < 0; j++)
     if (b[j] < 0) negative = j;
+  for (int j = 0; j < f; j++) b[j] += s->frictional_joint[j].bound;
   if (negative < 0) return status;
   T->have &= ~(unsigned)NSDAE_TERM_BOUND;
   nsdae_error_set(T->error, NSDAE_E_CALLBACK, "nsdae_terms", callback,
-                  "%s gives the bound %g at t = %.17g: it must be at least 0", callback,
-                  b[negative], t);
+                  "%s gives a negative bound at t = %.17g: it must be at least 0", callback, t);
   nsdae_system_name_item(s, NSDAE_NAME_FRICTIONAL_JOINT, negative, T->error);
   return nsdae_error_at(T->error, NSDAE_E_CALLBACK, negative, t);
 }

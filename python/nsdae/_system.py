@@ -118,7 +118,7 @@ class System:
     - ``contact_bias(t, q, w_n, w_t)``: w_n [k], w_t [k nt]
     - ``contact_acceleration(t, q, v, omega_n, omega_t, omega_s)``: omega_n [k], omega_t [k nt], omega_s [f]
     - ``frictional_joint_tangent(t, q, W, w_s)``: W [nv, f], w_s [f]
-    - ``joint_friction_bound(t, q, v, bound)``: bound [f], on entry the constant bounds
+    - ``joint_friction_bound(t, q, v, bound)``: bound [f], added to the constant bounds
     - ``kinematics(t, q, v, qdot)``: qdot [nq]
     - ``potential(t, q)`` returns the energy
     - ``contact_speed(t, q, v)`` returns a bound of the rates of all gaps of ``contacts``
