@@ -182,7 +182,9 @@ typedef struct nsdae_contact_set {
  *   energy = energy_start + work - dissipated + unexplained */
 typedef struct nsdae_certificate {
   double pull;             /* max(0, -Lambda_N): adhesive impulse [N s] */
-  double cone_excess;      /* max(0, |Lambda_T| - mu Lambda_N): friction outside the cone [N s] */
+  double cone_excess;      /* max(0, |Lambda_T| - mu Lambda_N): friction outside the cone [N s];
+                              time stepping: also of frictional joints, beyond their limit, then
+                              cone_contact is -1 */
   double penetration;      /* max(0, -g_N) [m] */
   double constraint_drift; /* max |Phi| [in its units] */
   double constraint_rate;  /* max |dPhi/dt|; moreau: at the middle of the step, with v of its end */
