@@ -153,6 +153,7 @@ struct system_guts {
   callback<double, const double *, const double *, double *, double *,
            double *> contact_acceleration;
   callback<double, const double *, double *, int, double *> frictional_joint_tangent;
+  callback<double, const double *, const double *, double *> joint_friction_bound;
   callback<double, const double *, const double *, double *> kinematics;
   callback<double, const double *, double *> potential;
   callback<double, const double *, const double *, double *> contact_speed;
@@ -422,6 +423,13 @@ public:
   {
     return keep(NSDAE_CALLBACK(frictional_joint_tangent), std::move(f));
   }
+  /* b(t,q,v) [f]: what varies of the bounds of the frictional joints, at least 0. It is added to
+   * the constant ones of nsdae_system_set_friction_bound. A jump in time belongs at the end of a
+   * step. f(double t, const double *q, const double *v, double *bound) */
+  template <class F> system &joint_friction_bound(F f)
+  {
+    return keep(NSDAE_CALLBACK(joint_friction_bound), std::move(f));
+  }
   /* dq/dt [nq] from v [nv], linear in v.
    *   f(double t, const double *q, const double *v, double *qdot) */
   template <class F> system &kinematics(F f)
@@ -503,6 +511,11 @@ public:
   system &frictional_joint(int j, int constraint, double mu)
   {
     return took(nsdae_system_set_frictional_joint(c(), j, constraint, mu));
+  }
+  /* nsdae_system_set_friction_bound: bound of the friction of frictional joint j, from 0. */
+  system &friction_bound(int j, double bound)
+  {
+    return took(nsdae_system_set_friction_bound(c(), j, bound));
   }
   /* nsdae_system_set_name: kind is an enum nsdae_name_kind, i is from 0. */
   system &name(int kind, int i, const std::string &name, const std::string &unit = std::string())
@@ -936,6 +949,11 @@ public:
   void set_frictional_joint(int j, double mu)
   {
     demand(nsdae_sim_set_frictional_joint(c(), j, mu));
+  }
+  /* nsdae_sim_set_friction_bound: bound of frictional joint j in this simulation. */
+  void set_friction_bound(int j, double bound)
+  {
+    demand(nsdae_sim_set_friction_bound(c(), j, bound));
   }
 
   /* nsdae_sim_get_state: the state as a block of bytes. */

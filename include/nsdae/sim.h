@@ -182,7 +182,9 @@ typedef struct nsdae_contact_set {
  *   energy = energy_start + work - dissipated + unexplained */
 typedef struct nsdae_certificate {
   double pull;             /* max(0, -Lambda_N): adhesive impulse [N s] */
-  double cone_excess;      /* max(0, |Lambda_T| - mu Lambda_N): friction outside the cone [N s] */
+  double cone_excess;      /* max(0, |Lambda_T| - mu Lambda_N): friction outside the cone [N s];
+                              time stepping: also of frictional joints, beyond their limit, then
+                              cone_contact is -1 */
   double penetration;      /* max(0, -g_N) [m] */
   double constraint_drift; /* max |Phi| [in its units] */
   double constraint_rate;  /* max |dPhi/dt|; moreau: at the middle of the step, with v of its end */
@@ -399,9 +401,11 @@ NSDAE_API int nsdae_sim_set_user(nsdae_sim *sim, void *user);
 NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options);
 /* Sets the coefficients of fixed contact i or frictional joint j in this simulation, in place of
  * the system's; those of a contact list are in its callback. A frictionless contact or joint must
- * remain frictionless, and a frictional joint must keep mu > 0: else NSDAE_E_ARGUMENT. */
+ * remain frictionless, and a frictional joint must keep mu > 0: else NSDAE_E_ARGUMENT.
+ * nsdae_sim_set_friction_bound sets the bound of a joint that has one in the system. */
 NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
 NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
+NSDAE_API int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound);
 
 /* The complementarity problem of a step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE. Its arrays belong to the simulation and are valid until the next step.

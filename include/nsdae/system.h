@@ -85,6 +85,10 @@ typedef int (*nsdae_contact_acceleration_fn)(double t, const double *q, const do
  * v_S = W_S^T v + w_S. */
 typedef int (*nsdae_frictional_joint_fn)(double t, const double *q, double *W, int ldw, double *w_s,
                                          void *user);
+/* b(t,q,v) [f]: what varies of the bounds of the frictional joints, at least 0. It is added to the
+ * constant ones of nsdae_system_set_friction_bound. A jump in time belongs at the end of a step. */
+typedef int (*nsdae_joint_friction_bound_fn)(double t, const double *q, const double *v,
+                                             double *bound, void *user);
 /* dq/dt [nq] from v [nv], linear in v. */
 typedef int (*nsdae_kinematics_fn)(double t, const double *q, const double *v, double *qdot,
                                    void *user);
@@ -124,6 +128,7 @@ NSDAE_API int nsdae_system_set_user(nsdae_system *system, void *user);
  * - gap if k > 0
  * - gap_tangent if nt > 0 and any mu > 0
  * - frictional_joint_tangent (with blocks: or joint_friction_rows) if a frictional joint has mu > 0
+ *  or a bound
  * - kinematics if nq != nv; else the default is the identity
  *
  * Other missing callbacks are replaced (nsdae_system_differences lists the first kind):
@@ -154,6 +159,8 @@ NSDAE_API int nsdae_system_set_contact_acceleration(nsdae_system *system,
                                                     nsdae_contact_acceleration_fn callback);
 NSDAE_API int nsdae_system_set_frictional_joint_tangent(nsdae_system *system,
                                                         nsdae_frictional_joint_fn callback);
+NSDAE_API int nsdae_system_set_joint_friction_bound(nsdae_system *system,
+                                                    nsdae_joint_friction_bound_fn callback);
 NSDAE_API int nsdae_system_set_kinematics(nsdae_system *system, nsdae_kinematics_fn callback);
 NSDAE_API int nsdae_system_set_potential(nsdae_system *system, nsdae_potential_fn callback);
 NSDAE_API int nsdae_system_set_contact_speed(nsdae_system *system, nsdae_contact_speed_fn callback);
@@ -170,14 +177,23 @@ NSDAE_API int nsdae_system_set_contact_speed(nsdae_system *system, nsdae_contact
 NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, double e_n,
                                        double e_t);
 
-/* Sets frictional joint 0 <= j < f: a bilateral constraint with Coulomb friction, such as a slider
- * in a slot without clearance. The friction is at most mu |lambda|, along the direction of the
- * callback frictional_joint_tangent or joint_friction_rows. constraint is the number of the
- * constraint, 0 .. m-1. Phi of this constraint must be a length, so that its multiplier lambda is
- * the normal force. mu >= 0; with mu = 0 it is frictionless. With one of these callbacks, set every
- * frictional joint: otherwise nsdae_sim_create returns NSDAE_E_STATE. */
+/* Sets frictional joint 0 <= j < f. Its friction F_S is at most b + mu |lambda|, against the slip
+ * velocity v_S of the callback frictional_joint_tangent or joint_friction_rows:
+ *
+ *   F_S = -(b + mu |lambda|) sign(v_S) if v_S is not zero, |F_S| <= b + mu |lambda| if it is
+ *
+ * - nsdae_system_set_frictional_joint: a bilateral constraint with Coulomb friction, such as a
+ *  slider in a slot without clearance. constraint is its number, 0 .. m-1. Phi of this constraint
+ *  must be a length, so that its multiplier lambda is the normal force. mu >= 0.
+ * - nsdae_system_set_friction_bound: b = bound >= 0 [N, or N m if v_S is a rate of angle], without
+ *  a constraint: dry friction of a joint, a brake, a clutch. With w_S = -target it is a motor that
+ *  holds this target speed with a force of at most b.
+ *
+ * A joint may have both; one with mu = 0 and no bound is frictionless. With one of the callbacks,
+ * set every frictional joint: otherwise nsdae_sim_create returns NSDAE_E_STATE. */
 NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constraint,
                                                 double mu);
+NSDAE_API int nsdae_system_set_friction_bound(nsdae_system *system, int j, double bound);
 
 /* ---- large systems: v in blocks, block-sparse Jacobian, contact list
  *

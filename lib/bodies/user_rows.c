@@ -19,9 +19,6 @@ static int check_dims(nsdae_bodies *b, const nsdae_dims *d)
   if (d->nv > d->nq)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "nv", 0,
                                "dims.nv = %d is more than dims.nq = %d", d->nv, d->nq);
-  if (d->f > d->m)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "f", 0,
-                               "dims.f = %d is more than dims.m = %d", d->f, d->m);
   return NSDAE_OK;
 }
 

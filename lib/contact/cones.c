@@ -47,12 +47,12 @@ static void set_pattern(nsdae_cones *s, int contacts)
 
 int nsdae_cones_open(nsdae_cones *s)
 {
-  size_t n = (size_t)s->most;
-  if (n == 0) return NSDAE_OK;
+  size_t rows = 0;
+  if (s->most == 0) return NSDAE_OK;
   if (!s->solver && nsdae_friction_create(&s->solver) < 0) return NSDAE_E_MEMORY;
-  set_pattern(s, s->most);
-  for (size_t a = 0; a < n; a++) s->rows[a] = 3;
-  for (size_t i = 0; i < 9 * n * n; i++) s->W[i] = 1; /* one island of all */
+  set_pattern(s, s->room);
+  for (int a = 0; a < s->room; a++) rows += (size_t)(s->rows[a] = a < s->most ? 3 : 2);
+  for (size_t i = 0; i < rows * rows; i++) s->W[i] = 1; /* one island of all */
   return nsdae_fc_reserve(s->solver, &s->problem);
 }
 
@@ -82,18 +82,46 @@ static double symmetric_at(const nsdae_contacts *c, int i, int j)
   return (delassus_at(c, i, j) + delassus_at(c, j, i)) / 2;
 }
 
-static void set_values(nsdae_contacts *c)
+/* Number of the closed contacts' columns, which are also their rows. */
+static int contact_columns(const nsdae_contacts *c)
+{
+  return c->first_column[c->active_count];
+}
+
+/* Column of row l of item a: of a joint -1 and its own. */
+static int column_of(const nsdae_contacts *c, int a, int l)
+{
+  if (a < c->active_count) return c->first_column[a] + l;
+  return l == 0 ? -1 : contact_columns(c) + a - c->active_count;
+}
+
+/* G_jj of joint j, if there is any. */
+static double diagonal_of(const nsdae_contacts *c, int j)
+{
+  double d = delassus_at(c, contact_columns(c) + j, contact_columns(c) + j);
+  return d > 0 ? d : 1;
+}
+
+/* The closed contacts, and this number of joints. */
+static void set_values(nsdae_contacts *c, int joints)
 {
   nsdae_cones *s = &c->cones;
   double *W = s->W;
-  for (int a = 0; a < c->active_count; a++) {
-    s->rows[a] = c->law[a].columns;
-    s->mu[a] = c->law[a].mu;
-    for (int b = 0; b < c->active_count; b++)
-      for (int j = c->first_column[a]; j < c->first_column[a + 1]; j++)
-        for (int i = c->first_column[b]; i < c->first_column[b + 1]; i++)
-          *W++ = symmetric_at(c, i, j);
+  int items = c->active_count + joints;
+  set_pattern(s, items);
+  for (int a = 0; a < items; a++) {
+    int joint = a - c->active_count;
+    s->rows[a] = joint < 0 ? c->law[a].columns : 2;
+    s->mu[a] = joint < 0 ? c->law[a].mu : 1;
   }
+  for (int a = 0; a < items; a++)
+    for (int b = 0; b < items; b++)
+      for (int j = 0; j < s->rows[a]; j++)
+        for (int i = 0; i < s->rows[b]; i++) {
+          int row = column_of(c, b, i), column = column_of(c, a, j);
+          double normal = a == b && row == column ? diagonal_of(c, a - c->active_count) : 0;
+          *W++ = row < 0 || column < 0 ? normal : symmetric_at(c, row, column);
+        }
 }
 
 /* The impulses before. */
@@ -108,21 +136,12 @@ static void recall(nsdae_contacts *c)
   }
 }
 
-/* ---- contacts and frictional joints in turn */
-
-/* Number of the closed contacts' columns, which are also their rows. */
-static int contact_columns(const nsdae_contacts *c)
-{
-  return c->first_column[c->active_count];
-}
-
-/* From s->r on. */
-static int solve_contacts(nsdae_contacts *c, double tol)
+/* From s->r on, of rows in all. */
+static int solve_problem(nsdae_contacts *c, int rows, double tol)
 {
   nsdae_cones *s = &c->cones;
-  size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
-  memcpy(s->q, c->delassus.offset, bytes);
-  memcpy(s->guess, s->r, bytes);
+  memcpy(s->q, c->delassus.offset, (size_t)contact_columns(c) * sizeof *s->q);
+  memcpy(s->guess, s->r, (size_t)rows * sizeof *s->r);
   s->options.tol = tol;
   int status =
       nsdae_friction_solver_solve(s->solver, &s->problem, &s->options, s->r, s->u, &s->info);
@@ -130,6 +149,49 @@ static int solve_contacts(nsdae_contacts *c, double tol)
   c->lcp.info.residual = s->info.residual;
   return status;
 }
+
+static int solve_contacts(nsdae_contacts *c, double tol)
+{
+  return solve_problem(c, contact_columns(c), tol);
+}
+
+/* ---- joints with a bound as contacts */
+
+/* As of nsdae_cones_mode. */
+static int joint_mode(const nsdae_contacts *c, int j)
+{
+  const nsdae_cones *s = &c->cones;
+  const double *r = s->r + contact_columns(c) + 2 * j, *u = s->u + contact_columns(c) + 2 * j;
+  double margin = diagonal_of(c, j) * (r[0] - fabs(r[1])),
+         size = fabs(c->delassus.offset[contact_columns(c) + j]);
+  return fabs(u[1]) > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
+}
+
+static int solve_with_joints(nsdae_contacts *c, const double *lambda)
+{
+  nsdae_cones *s = &c->cones;
+  int columns = contact_columns(c), count = c->slides.count;
+  (void)lambda;
+  for (int j = 0; j < count; j++) {
+    double *r = s->r + columns + 2 * j, *q = s->q + columns + 2 * j;
+    r[0] = c->slides.limit[j];
+    r[1] = c->results->frictional_joint_impulse[c->slides.number[j]];
+    q[0] = -diagonal_of(c, j) * c->slides.limit[j];
+    q[1] = c->delassus.offset[columns + j];
+  }
+  int status = solve_problem(c, columns + 2 * count, c->lcp.options.tol);
+  for (int j = 0; j < count && status == NSDAE_OK; j++) {
+    double limit = c->slides.limit[j], impulse = s->r[columns + 2 * j + 1];
+    impulse = fmax(-limit, fmin(limit, impulse));
+    c->delassus.impulse[columns + j] = impulse;
+    c->delassus.impulse_size[columns + j] = fabs(impulse);
+    c->results->frictional_joint_impulse[c->slides.number[j]] = impulse;
+    c->results->frictional_joint_mode[c->slides.number[j]] = joint_mode(c, j);
+  }
+  return status;
+}
+
+/* ---- contacts and frictional joints in turn */
 
 /* offset := free + G impulse, of the columns from first on. */
 static void hold(nsdae_contacts *c, int first, int count, const double *impulse)
@@ -150,9 +212,7 @@ static int solve_slides(nsdae_contacts *c, const double *lambda)
   nsdae_add_product(m, columns, c->delassus.D, s->r, s->lambda);
   c->active_count = 0;
   nsdae_contacts_place_slides(c, 0);
-  int status = nsdae_slides_assemble(c, s->lambda);
-  if (status == NSDAE_OK) status = nsdae_contacts_solve_lcp(c);
-  if (status == NSDAE_OK) nsdae_slides_scatter(c);
+  int status = nsdae_slides_solve(c, s->lambda);
   c->active_count = contacts;
   nsdae_contacts_place_slides(c, c->first_row[contacts]);
   return status;
@@ -204,14 +264,14 @@ static int solve_in_turn(nsdae_contacts *c, const double *lambda)
 int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
 {
   nsdae_cones *s = &c->cones;
-  set_pattern(s, c->active_count);
-  set_values(c);
+  int loaded = nsdae_slides_loaded(c);
+  set_values(c, loaded ? 0 : c->slides.count);
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
   s->options.budget = nsdae_contacts_budget(c->lcp.budget, c->active_count);
   recall(c);
   int status =
-      c->slides.count > 0 ? solve_in_turn(c, lambda) : solve_contacts(c, c->lcp.options.tol);
+      loaded ? solve_in_turn(c, lambda) : nsdae_slides_limited(c, lambda, solve_with_joints);
   status = nsdae_contacts_give(c, status);
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
@@ -225,8 +285,7 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   if (!s->solver || c->slides.count > 0) return 0;
   for (int a = 0; a < c->active_count; a++)
     if (c->law[a].kind == NSDAE_SLIDING) return 0;
-  set_pattern(s, c->active_count);
-  set_values(c);
+  set_values(c, 0);
   for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
@@ -247,8 +306,7 @@ int nsdae_cones_describe(nsdae_contacts *c)
   for (int a = 0; a < c->active_count; a++)
     if (c->law[a].kind == NSDAE_SLIDING) return NSDAE_E_STATE;
   size_t bytes = (size_t)contact_columns(c) * sizeof *s->q;
-  set_pattern(s, c->active_count);
-  set_values(c);
+  set_values(c, 0);
   memcpy(s->q, c->delassus.offset, bytes);
   memcpy(s->r, c->delassus.impulse, bytes);
   memcpy(s->u, c->delassus.offset, bytes);

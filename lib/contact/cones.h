@@ -6,9 +6,13 @@
  * solved from the impulses of the step before and then refined until rounding rules, so that what
  * sticks does not creep. Nothing is allocated after nsdae_cones_open.
  *
- * Slides (slides.h), whose friction is bounded by |lambda|, are no part of such a problem: contacts
- * and slides are solved in turn, each with the impulses of the others held, until those stand
- * (block Gauss-Seidel: Jean, "The non-smooth contact dynamics method", 1999). */
+ * A frictional joint (slides.h) with a bound b of its own is a further contact of the problem, in
+ * the plane, with mu = 1 and a normal row that no other row touches, xi_N = d (Lambda_N - b): its
+ * law gives Lambda_N = b and |Lambda_T| <= b. d = G_jj has the scale of its tangential row.
+ *
+ * If the friction of a joint is bounded by |lambda|, contacts and joints are solved in turn, each
+ * with the impulses of the others held, until those no longer change (block Gauss-Seidel: Jean,
+ * "The non-smooth contact dynamics method", 1999). */
 #ifndef NSDAE_CONES_H
 #define NSDAE_CONES_H
 
@@ -20,7 +24,7 @@ struct nsdae_contacts;
 
 typedef struct nsdae_cones {
   int most; /* contacts that a problem may have; 0: no contact of the system has a cone */
-  int room; /* contacts that the arrays are for */
+  int room; /* contacts and joints that the arrays are for */
   nsdae_friction_solver *solver;
   nsdae_friction_options options;
   nsdae_friction_info info;

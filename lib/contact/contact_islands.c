@@ -12,7 +12,7 @@ void nsdae_contact_islands_layout(nsdae_contact_islands *is, const nsdae_system 
   is->blocks = (int)blocks;
   is->rows = system->dims.m;
   is->joints = 0;
-  for (int j = 0; j < system->dims.f; j++) is->joints += system->frictional_joint[j].mu > 0;
+  for (int j = 0; j < system->dims.f; j++) is->joints += nsdae_system_joint_rubs(system, j);
   nsdae_arena_ints(arena, blocks, (int **[]){&is->of, &is->parent, &is->block.of, NULL});
   nsdae_arena_ints(
       arena, blocks + 2,
@@ -25,7 +25,7 @@ void nsdae_contact_islands_layout(nsdae_contact_islands *is, const nsdae_system 
   is->joint.first[1] = is->joints;
   for (int i = 0; i < is->rows; i++) is->row.of[i] = i;
   for (int j = 0, count = 0; j < system->dims.f; j++) {
-    if (!(system->frictional_joint[j].mu > 0)) continue;
+    if (!nsdae_system_joint_rubs(system, j)) continue;
     is->joint.of[count] = count;
     is->joint_number[count++] = j;
   }
@@ -58,9 +58,13 @@ static int block_of_contact(const nsdae_terms *T, int i)
   return first_block(&T->by.normal, i);
 }
 
-static int constraint_of(const nsdae_terms *T, const nsdae_contact_islands *is, int i)
+/* Of the constraint whose load it has, or of its own row. */
+static int block_of_joint(const nsdae_terms *T, const nsdae_contact_islands *is, int i)
 {
-  return T->system->frictional_joint[is->joint_number[i]].constraint;
+  int j = is->joint_number[i];
+  const nsdae_frictional_joint *joint = &T->system->frictional_joint[j];
+  return joint->mu > 0 ? first_block(&T->by.jacobian, joint->constraint)
+                       : first_block(&T->by.frictional_joint, j);
 }
 
 static void join_contact(nsdae_contact_islands *is, const nsdae_terms *T, int i)
@@ -79,8 +83,7 @@ static void join_all(nsdae_contact_islands *is, const nsdae_terms *T, int contac
   for (int a = 0; a < contacts; a++) join_contact(is, T, number[a]);
   for (int i = 0; i < is->rows; i++) join_row(is->parent, J, i, first_block(J, i));
   for (int i = 0; i < is->joints; i++)
-    join_row(is->parent, &T->by.frictional_joint, is->joint_number[i],
-             first_block(J, constraint_of(T, is, i)));
+    join_row(is->parent, &T->by.frictional_joint, is->joint_number[i], block_of_joint(T, is, i));
 }
 
 static void number_islands(nsdae_contact_islands *is)
@@ -106,7 +109,7 @@ int nsdae_island_of_row(const nsdae_contact_islands *is, const nsdae_terms *T, i
 
 int nsdae_island_of_joint(const nsdae_contact_islands *is, const nsdae_terms *T, int i)
 {
-  return nsdae_island_of_row(is, T, constraint_of(T, is, i));
+  return is->of[is->blocks == 1 ? 0 : block_of_joint(T, is, i)];
 }
 
 static int of_block(const nsdae_contact_islands *is, const nsdae_terms *T, int b)
@@ -135,7 +138,7 @@ static void list_members(nsdae_contact_islands *is, nsdae_members *m, int count,
 /* The block, rows and joints are listed since the layout. */
 static void find_one(nsdae_contact_islands *is, int contacts, const int *number)
 {
-  is->count = contacts + is->rows > 0;
+  is->count = contacts + is->rows + is->joints > 0;
   is->of[0] = is->count - 1;
   is->contact.first[1] = contacts;
   for (int a = 0; a < contacts; a++) is->contact.of[a] = number[a];

@@ -16,7 +16,7 @@ typedef struct nsdae_members {
 
 typedef struct nsdae_contact_islands {
   int blocks, rows, count;
-  int joints, *joint_number; /* frictional joints with friction, and their numbers */
+  int joints, *joint_number; /* frictional joints that can rub, and their numbers */
   int *of;                   /* blocks: the island of each; -1: none */
   int *parent;               /* blocks */
   nsdae_members block, contact, row, joint;

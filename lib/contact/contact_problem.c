@@ -44,6 +44,7 @@ void nsdae_problem_layout(nsdae_problem *p, nsdae_arena *arena)
 {
   const nsdae_system *s = p->system;
   p->hit = NSDAE_ARENA_INTS(arena, s->blocks.count);
+  p->joint_bound = NSDAE_ARENA_DOUBLES(arena, s->dims.f);
   nsdae_island_dispatch_layout(&p->dispatch, s, arena);
 }
 
@@ -176,6 +177,7 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
                         nsdae_impulses *results, const nsdae_closed *last,
                         const nsdae_impulses *was)
 {
+  size_t f = (size_t)p->system->dims.f;
   p->closed = closed;
   p->results = results;
   p->home = terms;
@@ -183,6 +185,8 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   p->dispatch.factorisation.closed++;
   p->count = 0;
   nsdae_impulses_clear(results, &p->system->dims);
+  if (f > 0)
+    memcpy(results->frictional_joint_impulse, was->frictional_joint_impulse, f * sizeof(double));
   if (nsdae_terms_most(p->system) == 0) return NSDAE_OK;
   double touch = nsdae_terms_touch(terms);
   const nsdae_contact_list *list;
@@ -245,6 +249,14 @@ void nsdae_problem_before(nsdae_problem *p, const nsdae_terms *T, const double *
 
 /* ---- the equations */
 
+void nsdae_problem_bound(nsdae_problem *p, double share, const nsdae_terms *T, double others,
+                         const nsdae_terms *other)
+{
+  for (int j = 0; j < p->system->dims.f; j++)
+    p->joint_bound[j] =
+        share * T->frictional_joint.bound[j] + others * other->frictional_joint.bound[j];
+}
+
 static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
 {
   char called[NSDAE_CALLED_SIZE];
@@ -291,6 +303,7 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                                   .law = p->law,
                                   .id = p->closed->id,
                                   .fresh = p->closed->fresh,
+                                  .joint_bound = p->joint_bound,
                                   .warm = p->warm,
                                   .factorisation = &p->dispatch.factorisation,
                                   .M = M,

@@ -31,7 +31,8 @@ typedef struct nsdae_problem {
   const nsdae_coefficients *law; /* by number */
   nsdae_picked picked;
   nsdae_contact_warm warm;
-  int *hit; /* islands with an impact */
+  int *hit;            /* islands with an impact */
+  double *joint_bound; /* f: largest impulse of a frictional joint without a load */
   nsdae_island_dispatch dispatch;
 } nsdae_problem;
 
@@ -70,6 +71,10 @@ void nsdae_problem_before(nsdae_problem *problem, const nsdae_terms *terms, cons
 int nsdae_problem_factor(nsdae_problem *problem, const nsdae_terms *terms, int hold);
 /* After it: which islands have an impact. */
 void nsdae_problem_mark_hit(nsdae_problem *problem, const nsdae_terms *terms);
+
+/* The frictional joints' bounds of impulse: these shares [s] of the bounds at two points. */
+void nsdae_problem_bound(nsdae_problem *problem, double share, const nsdae_terms *terms,
+                         double others, const nsdae_terms *other);
 
 /* v and lambda, which comes as -Phi_t, of r; size: how large the terms of v were. Without contacts
  * it is as if none were closed. NSDAE_E_MASS, NSDAE_E_RANK and those of the contacts, with the

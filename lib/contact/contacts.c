@@ -41,7 +41,7 @@ void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
   if (c->rows_most < least) c->rows_most = least; /* never less: memory is laid by it */
   c->slides.count = 0;
   c->cones.most = c->cones.most > 0 ? s->dims.k : 0;
-  for (int j = 0; j < s->dims.f; j++) c->slides.count += s->frictional_joint[j].mu > 0;
+  for (int j = 0; j < s->dims.f; j++) c->slides.count += nsdae_system_joint_rubs(s, j);
   for (int i = 0; i < s->dims.k; i++) {
     nsdae_law law = nsdae_law_make(s->dims.nt, friction_most(s, i), polygon_edges, NULL);
     if (law.rows > c->rows_most) c->rows_most = law.rows;
@@ -53,7 +53,7 @@ void nsdae_contacts_laws(nsdae_contacts *c, int polygon_edges)
 long nsdae_contacts_rows(const nsdae_system *s, int polygon_edges)
 {
   long rows = 0;
-  for (int j = 0; j < s->dims.f; j++) rows += s->frictional_joint[j].mu > 0 ? 3 : 0;
+  for (int j = 0; j < s->dims.f; j++) rows += nsdae_system_joint_rubs(s, j) ? 3 : 0;
   for (int i = 0; i < s->dims.k; i++)
     rows += nsdae_law_rows(s->dims.nt, friction_most(s, i), polygon_edges);
   return rows;
@@ -99,15 +99,17 @@ void nsdae_contacts_layout(nsdae_contacts *c, const nsdae_dims *dims, nsdae_aren
                    (int **[]){&c->slides.number, &c->slides.constraint, &c->slides.place, NULL});
   nsdae_arena_doubles(arena, f ? columns * rows : 0, (double **[]){&c->map.Z, &c->map.GZ, NULL});
   c->map.z0 = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->map.offset = NSDAE_ARENA_DOUBLES(arena, columns);
   c->map.K = NSDAE_ARENA_DOUBLES(arena, f * rows);
   c->map.k0 = NSDAE_ARENA_DOUBLES(arena, f);
   c->map.Q = NSDAE_ARENA_DOUBLES(arena, f * f);
   c->map.D_S = NSDAE_ARENA_DOUBLES(arena, f * columns);
   c->map.pivot = NSDAE_ARENA_INTS(arena, f);
   c->slides.row = NSDAE_ARENA_INTS(arena, f + 1);
-  nsdae_cones_layout(&c->cones, k, columns, dims->m, arena);
+  c->slides.limit = NSDAE_ARENA_DOUBLES(arena, f);
+  nsdae_cones_layout(&c->cones, k + f, columns + f, dims->m, arena);
   for (int j = 0, count = 0; c->slides.number && j < dims->f; j++) {
-    if (!(c->system->frictional_joint[j].mu > 0)) continue;
+    if (!nsdae_system_joint_rubs(c->system, j)) continue;
     c->slides.constraint[count] = c->system->frictional_joint[j].constraint;
     c->slides.place[count] = count;
     c->slides.number[count++] = j;
@@ -518,13 +520,13 @@ static int solve_impulses(nsdae_contacts *c, const double *lambda)
   if (cones)
     status = nsdae_cones_solve(c, lambda);
   else if (c->slides.count > 0)
-    status = nsdae_slides_assemble(c, lambda);
-  else
+    status = nsdae_slides_solve(c, lambda);
+  else {
     assemble(c);
-  if (status == NSDAE_OK && !cones) status = nsdae_contacts_solve_lcp(c);
+    status = nsdae_contacts_solve_lcp(c);
+  }
   if (status < 0) return status;
   scatter(c);
-  if (!cones) nsdae_slides_scatter(c);
   return NSDAE_OK;
 }
 

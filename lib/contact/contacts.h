@@ -49,19 +49,22 @@ typedef struct nsdae_contact_lcp {
 typedef struct nsdae_slide_map {
   double *Z, *GZ; /* columns x rows: Lambda = Z x + z0, G Z */
   double *z0;     /* columns */
+  double *offset; /* columns: with G z0 */
   double *K, *k0; /* slides x rows, slides: l- = K x + k0 */
   double *Q;      /* slides x slides */
   double *D_S;    /* slides x columns */
   int *pivot;     /* slides */
 } nsdae_slide_map;
 
-/* Slides with mu > 0: their columns and rows come after those of the contacts. */
+/* Frictional joints: their columns and rows come after those of the contacts. */
 typedef struct nsdae_contact_slides {
-  int count, *number; /* of them; their numbers */
-  int *constraint;    /* count: the row of Phi_q of each in the part */
-  int *place;         /* count: of its basis in the warm start */
-  int *row;           /* count: first row of each, three or, with a known sense, one */
-  const int *sense;   /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
+  int count, *number;  /* of them; their numbers */
+  int *constraint;     /* count: the row of Phi_q of each in the part */
+  int *place;          /* count: of its basis in the warm start */
+  int *row;            /* count: first row of each, see nsdae_slides_rows */
+  const double *bound; /* f: largest impulse (or force) without a load; NULL: none */
+  double *limit;       /* count: that of each as the problem has it */
+  const int *sense;    /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
 } nsdae_contact_slides;
 
 /* The warm start of a problem: the caller's arrays. */

@@ -95,7 +95,7 @@ int nsdae_dense_island_grow(nsdae_dense_island *l, const nsdae_room *rows)
   nsdae_dense_size size = l->most, first;
   c->slides.count = 0;
   for (int j = 0; j < c->system->dims.f; j++)
-    c->slides.count += c->system->frictional_joint[j].mu > 0;
+    c->slides.count += nsdae_system_joint_rubs(c->system, j);
   first = first_size(c, rows);
   widen(&size, &first);
   widen(&size, &l->need);
@@ -326,8 +326,8 @@ static void take_joints(nsdae_dense_island *l, const nsdae_island_equations *w, 
     s->place[i] = is->joint.of[is->joint.first[island] + i];
     s->number[i] = is->joint_number[s->place[i]];
     s->constraint[i] = 0;
-    while (row[s->constraint[i]] != w->system->frictional_joint[s->number[i]].constraint)
-      s->constraint[i]++;
+    const nsdae_frictional_joint *joint = &w->system->frictional_joint[s->number[i]];
+    while (joint->mu > 0 && row[s->constraint[i]] != joint->constraint) s->constraint[i]++;
   }
 }
 
@@ -340,6 +340,7 @@ static void close_contacts(nsdae_dense_island *l, const nsdae_island_equations *
   c->part.coefficient = w->law;
   c->part.id = w->id;
   c->warm = w->warm;
+  c->slides.bound = w->joint_bound;
   take_joints(l, w, island);
   nsdae_contacts_close_these(c, nsdae_members_count(members, island),
                              members->of + members->first[island], w->results);

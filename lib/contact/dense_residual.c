@@ -86,7 +86,7 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
   leave(l, column, columns, rounded, left, residual);
 }
 
-/* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto the friction that |lambda| bounds. */
+/* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto |Lambda| <= bound + mu |lambda|. */
 static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
                       nsdae_natural_residual *residual)
 {
@@ -95,7 +95,9 @@ static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
   double u = c->results->slide_after[j], x = c->results->frictional_joint_impulse[j],
          d = diagonal(l, column);
   fit_speed(l, column, u, residual);
-  double most = d * c->system->frictional_joint[j].mu * fabs(l->at.lambda[c->slides.constraint[i]]);
+  double mu = c->system->frictional_joint[j].mu,
+         load = mu > 0 ? mu * fabs(l->at.lambda[c->slides.constraint[i]]) : 0;
+  double most = d * (load + c->slides.bound[j]);
   double left = fabs(d * x - fmax(-most, fmin(most, d * x - u)));
   leave(l, column, 1, rounded, left, residual);
 }

@@ -122,7 +122,7 @@ static int share(nsdae_island_dispatch *d, shared *s, int count, int portion,
                  nsdae_thread_pool_pass *pass)
 {
   const nsdae_contact_islands *is = &d->islands;
-  int alone = is->contact.first[is->count] + is->rows < FEW;
+  int alone = is->contact.first[is->count] + is->rows + is->joints < FEW;
   int failed = nsdae_thread_pool_run(d->pool, alone, count, portion, pass, s);
   if (failed < 0) return NSDAE_OK;
   int by = 0;

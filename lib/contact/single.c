@@ -15,7 +15,7 @@ int nsdae_single_fits(const nsdae_island_equations *w, int island)
 {
   const nsdae_contact_islands *is = w->islands;
   if (nsdae_members_count(&is->contact, island) != 1) return 0;
-  if (nsdae_members_count(&is->row, island) != 0) return 0;
+  if (nsdae_members_count(&is->row, island) + nsdae_members_count(&is->joint, island) > 0) return 0;
   if (nsdae_members_count(&is->block, island) > 2) return 0;
   int a = is->contact.of[is->contact.first[island]];
   if (w->system->dims.nt == 2 && w->law[a].mu > 0) return 0;

@@ -1,4 +1,6 @@
-/* Friction on a bilateral constraint, such as a slider in a slot without play.
+/* Frictional joints: |Lambda_T| <= b + mu |lambda| against the sliding velocity xi_T. b is a bound
+ * of its own, as of dry friction, a brake or a motor; lambda is the multiplier of a bilateral
+ * constraint, as of a slider in a slot without play.
  *
  * Two opposed contacts in its place could carry any preload, and with it any friction. Instead the
  * multiplier is split, lambda = l+ - l-, 0 <= l+ _|_ l- >= 0, which adds three rows a slide:
@@ -13,6 +15,14 @@
  *   l- = K x + k0,   Lambda = Z x + z0,   Z = Z_b - mu K,   z0 = -mu k0     (on the frictional
  * joints) l- row: K;   xi_R row: W_S^T P W Z + [xi_L];   Lambda_L row: 2 mu (S + K) - [Lambda_R]
  *
+ * With b, Lambda_T = Lambda_R - b - mu (l+ + l-) and Lambda_L = b + mu (l+ + l-) - Lambda_T: z0
+ * has -b too, Q l- has D_S b of all joints, and the Lambda_L row has 2 b. Of mu = 0 there is no
+ * l+, no l-, and two rows are left.
+ *
+ * A bound far above what acts costs the digits of Lambda_R - b, and slip is no more zero: the
+ * problem has the bound BOUND_FIRST times the impulse that stops the fastest column, and, if an
+ * impulse reaches such a bound, again with BOUND_FURTHER times that.
+ *
  * Where the direction of sliding s = +-1 is known, l+ is the only row left, its complement l-, and
  * Lambda_T = -s mu (l+ + l-): s mu takes the place of mu, and Lambda_R and xi_L are left out.
  *
@@ -23,14 +33,21 @@
 
 #include "contacts.h"
 
-/* Rows of the j-th slide: three, or one where its direction is known. */
+/* Rows of the j-th slide: one if mu > 0, and two if its direction is not known. */
 int nsdae_slides_rows(const nsdae_contacts *contacts, int j);
 
-/* A and b of the whole problem; lambda [m] are the multipliers without contacts and friction.
- * NSDAE_OK, or NSDAE_E_LCP where Q is singular. */
-int nsdae_slides_assemble(nsdae_contacts *contacts, const double *lambda);
+/* Solves the whole problem, with impulses and modes of the joints into the results; lambda [m] are
+ * the multipliers without contacts and friction. Status of nsdae_contacts_solve_lcp, or NSDAE_E_LCP
+ * where Q is singular. */
+int nsdae_slides_solve(nsdae_contacts *contacts, const double *lambda);
 
-/* enum nsdae_mode and friction of the frictional joints from the solution. */
-void nsdae_slides_scatter(nsdae_contacts *contacts);
+/* A solver of the problem with these limits of the joints, which writes their impulses; and by it
+ * the problem with its bounds. */
+typedef int nsdae_slides_solver(nsdae_contacts *contacts, const double *lambda);
+int nsdae_slides_limited(nsdae_contacts *contacts, const double *lambda,
+                         nsdae_slides_solver *solve);
+
+/* Joints with mu > 0. */
+int nsdae_slides_loaded(const nsdae_contacts *contacts);
 
 #endif

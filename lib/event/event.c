@@ -191,9 +191,9 @@ static int contradiction(event *e, int entry, double t)
                   "another rtol, or method = implicit",
                   t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a friction margin",
                   root->start, e->setting.options->rtol, -root->size);
-  nsdae_system_name_item(
-      e->setting.system, contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_CONSTRAINT,
-      contact ? root->index : e->setting.system->frictional_joint[root->index].constraint, error);
+  nsdae_system_name_item(e->setting.system,
+                         contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT, root->index,
+                         error);
   error->time = t;
   return NSDAE_E_CONVERGENCE;
 }

@@ -245,7 +245,7 @@ module nsdae_f_sim
             nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
             nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
             nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
-            nsdae_sim_set_contact, nsdae_sim_set_frictional_joint
+            nsdae_sim_set_contact, nsdae_sim_set_frictional_joint, nsdae_sim_set_friction_bound
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -256,6 +256,7 @@ module nsdae_f_sim
     ! headers: functions nsdae_sim_ options_set options_table create destroy project init observe
     ! headers: functions nsdae_sim_ set_interrupt unobserve step run get_record get_stats run_to_event
     ! headers: functions nsdae_sim_ interpolate set_user set_options set_contact set_frictional_joint
+    ! headers: functions nsdae_sim_ set_friction_bound
     ! headers: functions nsdae_sim_ state_size get_state set_state get_dims has_potential get_options
     ! headers: functions nsdae_sim_ get_failed_lcp get_friction error
     ! headers: functions nsdae_ method_name method_summary
@@ -475,7 +476,7 @@ contains
   ! headers: wrappers nsdae_sim_ set_options
 
   ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
-  ! headers: wrappers nsdae_sim_ set_contact set_frictional_joint
+  ! headers: wrappers nsdae_sim_ set_contact set_frictional_joint set_friction_bound
 
   ! Size in bytes of the state block, which depends on system and options. A block contains all data
   ! that the next step depends on. A simulation of the same system and options continues from it

@@ -10,7 +10,8 @@
 enum {
   CONTACT_TERMS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS,
   RATE_TERMS = CONTACT_TERMS | NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI |
-               NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_SLIDE
+               NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_SLIDE |
+               NSDAE_TERM_BOUND
 };
 
 /* Friction on the frictional joints feeds their normal force: rounds of substitution. */
@@ -48,10 +49,12 @@ static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
   size_t m = (size_t)s->dims.m;
   for (int j = 0; j < s->dims.f; j++) {
     size_t row = (size_t)s->frictional_joint[j].constraint;
-    double normal = at->lambda[row], v = nsdae_terms_slide_rate(T, j, T->v);
-    for (int l = 0; l < s->dims.f; l++)
+    double mu = s->frictional_joint[j].mu, normal = mu > 0 ? at->lambda[row] : 0;
+    double v = nsdae_terms_slide_rate(T, j, T->v);
+    for (int l = 0; l < s->dims.f && mu > 0; l++)
       normal += at->D[(size_t)l * m + row] * at->frictional_joint[l];
-    double force = v * nsdae_penalty_friction(s->frictional_joint[j].mu, fabs(normal), v, regular);
+    double limit = T->frictional_joint.bound[j] + mu * fabs(normal);
+    double force = v * nsdae_penalty_friction(1, limit, v, regular);
     moved = fmax(moved, fabs(force - at->frictional_joint[j]) / (1 + fabs(force)));
     at->v_s[j] = v;
     at->frictional_joint[j] = force;

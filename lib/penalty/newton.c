@@ -1,13 +1,15 @@
 /* The equations for IDA (newton_kkt.h) with the forces of the law:
  *
- *   r_N = F_N - f_N(g, g'),   r_T = F_T + mu F_N v_T / s,   r_S = F_S + mu |lambda| v_S / s
- *   with s = sqrt(v^2 + v_r^2)
+ *   r_N = F_N - f_N(g, g'),   r_T = F_T + mu F_N v_T / s,   r_S = F_S + L v_S / s
+ *   with s = sqrt(v^2 + v_r^2), L = b + mu |lambda|
  *
  * Newton's method, with phi = df / cj, f_g = -df_N/dg, f_g' = -df_N/dg':
  *
  *   cj phi_N + (f_g / cj + f_g') W_N^T dv = r_N
  *   cj phi_T + cj mu v_T / s phi_N + mu F_N (1 / s - v_T v_T^T / s^3) W_T^T dv = r_T
- *   cj phi_S + cj mu sign(lambda) v_S / s l + mu |lambda| v_r^2 / s^3 W_S^T dv = r_S */
+ *   cj phi_S + cj mu sign(lambda) v_S / s l + L v_r^2 / s^3 W_S^T dv = r_S
+ *
+ * The derivative of b with respect to v is left out. */
 #include "equations.h"
 #include "stalled_steps.h"
 #include "vector.h"
@@ -17,7 +19,7 @@
 
 enum {
   MOTION_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
-                 NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_SLIDE
+                 NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA | NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND
 };
 
 /* ---- the residual */
@@ -66,10 +68,9 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
       r[nsdae_penalty_at_tangential(d) + j] = tangential[j] + part * at->v_t[j];
   }
   for (int j = 0; j < d->f; j++) {
-    const nsdae_frictional_joint *joint = &s->frictional_joint[j];
     double size = hypot(at->v_s[j], o->friction_velocity);
     r[nsdae_penalty_at_slide(d) + j] =
-        slide[j] + joint->mu * fabs(lambda[joint->constraint]) * at->v_s[j] / size;
+        slide[j] + nsdae_terms_friction_limit(T, j, lambda) * at->v_s[j] / size;
   }
 
   /* ---- motion */
@@ -117,10 +118,12 @@ static void add_joint(nsdae_penalty_equations *p, int j)
   const nsdae_dims *d = &T->system->dims;
   const nsdae_frictional_joint *joint = &T->system->frictional_joint[j];
   double v = p->at.v_s[j], regular = p->stepper->options->friction_velocity, s = hypot(v, regular);
-  double lambda = p->at.lambda[joint->constraint];
   int a = add(p, &T->by.frictional_joint, j, d->k * (1 + d->nt) + j);
   nsdae_border_depend(&p->newton.border, a, &T->by.frictional_joint, j,
-                      joint->mu * fabs(lambda) * regular * regular / (s * s * s));
+                      nsdae_terms_friction_limit(T, j, p->at.lambda) * regular * regular /
+                          (s * s * s));
+  if (joint->mu == 0) return;
+  double lambda = p->at.lambda[joint->constraint];
   p->newton.border.row[a].multiplier = joint->constraint;
   p->newton.border.row[a].h = p->cj * joint->mu * copysign(1, lambda) * v / s;
 }
@@ -145,7 +148,7 @@ int nsdae_penalty_setup(double t, const double *y, const double *ydot, double cj
   }
   for (int j = 0; j < d->f; j++) {
     p->at.v_s[j] = nsdae_terms_slide_rate(T, j, T->v);
-    if (s->system->frictional_joint[j].mu > 0) add_joint(p, j);
+    if (nsdae_system_joint_rubs(s->system, j)) add_joint(p, j);
   }
   return nsdae_progress_code(nsdae_border_factor(&p->newton.border, T), s->error);
 }

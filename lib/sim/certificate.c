@@ -160,6 +160,19 @@ static void measure_impulses(nsdae_certificate *c, const nsdae_result *r,
   }
 }
 
+/* Of time stepping: |Lambda_S| less the bound of its impulse, b h + mu h |lambda|. */
+static void measure_joints(nsdae_certificate *c, const nsdae_problem *problem,
+                           const nsdae_result *r, double h)
+{
+  const nsdae_system *s = r->end.system;
+  for (int j = 0; j < s->dims.f; j++) {
+    const nsdae_frictional_joint *joint = &s->frictional_joint[j];
+    double load = joint->mu > 0 ? joint->mu * h * fabs(r->multiplier[joint->constraint]) : 0,
+           impulse = fabs(r->impulses.frictional_joint_impulse[j]);
+    worst(impulse - problem->joint_bound[j] - load, -1, &c->cone_excess, &c->cone_contact);
+  }
+}
+
 /* Of event: what is closed at the end of the step and has pressed in it keeps its place. */
 static int measure_closed(nsdae_certificate *c, nsdae_result *r)
 {
@@ -216,6 +229,7 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
       record->kinetic - point->accounts.watch.kinetic + record->dissipated - point->work.sum;
   /* ---- impulses and rates */
   if (r->located || !r->smooth) measure_impulses(c, r, sim->stepper.problem.law, count);
+  if (!r->located && !r->smooth) measure_joints(c, &sim->stepper.problem, r, record->duration);
   if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
   if (status == NSDAE_OK) status = measure_rates(c, r);
   record->constraint_drift = c->constraint_drift;
@@ -258,7 +272,8 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
   most->work = c->work;
   most->dissipated = c->dissipated;
   most->unexplained = c->unexplained;
-  if ((c->pull_contact & c->cone_contact & c->penetration_contact & c->drift_constraint &
+  if (c->cone_excess == 0 &&
+      (c->pull_contact & c->cone_contact & c->penetration_contact & c->drift_constraint &
        c->rate_constraint & c->complementarity_contact) == -1)
     return status; /* all are 0 */
   worst(c->pull, c->pull_contact, &most->pull, &most->pull_contact);

@@ -156,6 +156,28 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
   return prepare_method(sim);
 }
 
+static int set_friction_bound(nsdae_sim *sim, int j, double bound)
+{
+  const char *where = "nsdae_sim_set_friction_bound";
+  const int kind = NSDAE_NAME_FRICTIONAL_JOINT;
+  nsdae_error_clear(&sim->error);
+  if (j < 0 || j >= sim->model.dims.f) return bad_index(sim, where, "j", j, sim->model.dims.f);
+  if (!(bound >= 0) || isinf(bound))
+    return bad_coefficient(sim, where, "bound", kind, j, bound, "at least 0, finite");
+  if (!sim->system->frictional_joint[j].bounded)
+    return bad_coefficient(sim, where, "bound", kind, j, bound,
+                           "set in the system first (nsdae_system_set_friction_bound)");
+  int status = check_change(sim);
+  if (status < 0) return status;
+  sim->model.frictional_joint[j].bound = bound;
+  return prepare_method(sim);
+}
+
+int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_friction_bound(sim, j, bound));
+}
+
 int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu)
 {
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_frictional_joint(sim, j, mu));

@@ -220,8 +220,10 @@ static int setting_at(const nsdae_sim *sim, int i, setting *s)
     return 1;
   }
   i -= 3 * d->k;
-  if (i >= d->f) return 0;
-  *s = (setting){"mu", NSDAE_NAME_FRICTIONAL_JOINT, i, 1, sim->model.frictional_joint[i].mu};
+  if (i >= 2 * d->f) return 0;
+  const nsdae_frictional_joint *joint = &sim->model.frictional_joint[i / 2];
+  *s = (setting){i % 2 ? "bound" : "mu", NSDAE_NAME_FRICTIONAL_JOINT, i / 2, 1,
+                 i % 2 ? joint->bound : joint->mu};
   return 1;
 }
 

@@ -16,7 +16,8 @@
 
 enum {
   CONTACT_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T |
-                  NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE,
+                  NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE |
+                  NSDAE_TERM_BOUND,
   END_TERMS = NSDAE_TERM_JACOBIAN | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE
 };
 
@@ -101,6 +102,7 @@ static int solve_at_start(const nsdae_step *step)
   if (status == NSDAE_OK) status = nsdae_step_factor(step, start, 0);
   if (status < 0) return status;
   nsdae_problem_before(&s->problem, start, start->v, 0);
+  nsdae_problem_bound(&s->problem, step->h, start, 0, start);
   nsdae_stepper_momentum(&s->system->blocks, start->M, start->v, step->h, start->F, s->r);
   return nsdae_step_impact(step, start, start->M, s->r, s->v);
 }

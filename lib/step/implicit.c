@@ -52,7 +52,8 @@ static void follow(progress *p, double moved)
 
 enum {
   STEP_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T,
-  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
+  CLOSED_TERMS =
+      NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND
 };
 
 static int need(const nsdae_step *step, nsdae_terms *terms, int frozen)
@@ -141,6 +142,7 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   if (*impact) status = impact_velocities(step);
   if (status < 0) return status;
   right_hand_side(step, *impact);
+  nsdae_problem_bound(&s->problem, step->h / 2, step->start, step->h / 2, step->end);
   status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->v);
   return status < 0 ? status : positions(step);
 }

@@ -11,7 +11,8 @@
 enum {
   FREE_TERMS =
       NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_GAP,
-  CLOSED_TERMS = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE
+  CLOSED_TERMS =
+      NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND
 };
 
 static int to_middle(const nsdae_step *step)
@@ -31,8 +32,10 @@ static int close_contacts(const nsdae_step *step)
   int status = nsdae_step_close(step, middle);
   if (status < 0 || !nsdae_problem_any(&step->tools->problem)) return status;
   status = nsdae_terms_need(middle, CLOSED_TERMS);
-  if (status == NSDAE_OK) nsdae_problem_before(&step->tools->problem, middle, step->start->v, 0);
-  return status;
+  if (status < 0) return status;
+  nsdae_problem_before(&step->tools->problem, middle, step->start->v, 0);
+  nsdae_problem_bound(&step->tools->problem, step->h, middle, 0, middle);
+  return NSDAE_OK;
 }
 
 static int to_end(const nsdae_step *step)

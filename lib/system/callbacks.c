@@ -29,6 +29,7 @@ CALL(gap_tangent, out[0], ld[0])
 CALL(contact_bias, out[0], out[1])
 CALL(contact_acceleration, at->v, out[0], out[1], out[2])
 CALL(frictional_joint_tangent, out[0], ld[0], out[1])
+CALL(joint_friction_bound, at->v, out[0])
 CALL(kinematics, at->v, out[0])
 CALL(potential, out[0])
 CALL(contact_speed, at->v, out[0])
@@ -70,6 +71,8 @@ const nsdae_callback nsdae_callbacks[] = {
       {"omega_s", FRICTIONAL_JOINT, -1, 0, 1}}},
     {"frictional_joint_tangent", has_frictional_joint_tangent, call_frictional_joint_tangent, 2,
      {{"W", VELOCITY, FRICTIONAL_JOINT, 0, 0}, {"w_s", FRICTIONAL_JOINT, -1, 0, 0}}},
+    {"joint_friction_bound", has_joint_friction_bound, call_joint_friction_bound, 1,
+     {{"bound", FRICTIONAL_JOINT, -1, 0, 0}}},
     {"kinematics", has_kinematics, call_kinematics, 1,
      {{"qdot", COORDINATE, -1, 0, 0}}},
     {"potential", has_potential, call_potential, 1,

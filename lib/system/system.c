@@ -31,7 +31,7 @@ int nsdae_system_create(const nsdae_dims *dims, nsdae_system **system, nsdae_err
   if (dims->m < 0 || dims->m > MOST) return bad_size(error, "m", dims->m, "0 .. 2^20");
   if (dims->k < 0 || dims->k > MOST) return bad_size(error, "k", dims->k, "0 .. 2^20");
   if (dims->nt < 0 || dims->nt > 2) return bad_size(error, "nt", dims->nt, "0, 1 or 2");
-  if (dims->f < 0 || dims->f > dims->m) return bad_size(error, "f", dims->f, "0 .. m");
+  if (dims->f < 0 || dims->f > MOST) return bad_size(error, "f", dims->f, "0 .. 2^20");
   nsdae_system *made = calloc(1, sizeof *made);
   if (made) atomic_init(&made->owners, 1);
   if (made) made->contact = calloc((size_t)dims->k + 1, sizeof *made->contact);
@@ -138,7 +138,7 @@ int nsdae_system_open(nsdae_system *system, const char *setter)
       "the system is constant while it has simulations (%d now): destroy them before you change "
       "it, "
       "make another system, or change it in one of them (nsdae_sim_set_user, "
-      "nsdae_sim_set_contact, nsdae_sim_set_frictional_joint)",
+      "nsdae_sim_set_contact, nsdae_sim_set_frictional_joint, nsdae_sim_set_friction_bound)",
       simulations);
 }
 
@@ -196,6 +196,8 @@ SETTER(contact_acceleration, nsdae_contact_acceleration_fn, d->k > 0 || d->f > 0
        "the system has no contacts or frictional joints (k = f = 0)")
 SETTER(frictional_joint_tangent, nsdae_frictional_joint_fn, d->f > 0,
        "the system has no frictional joints (f = 0)")
+SETTER(joint_friction_bound, nsdae_joint_friction_bound_fn, d->f > 0,
+       "the system has no frictional joints (f = 0)")
 SETTER(kinematics, nsdae_kinematics_fn, 1, "")
 SETTER(potential, nsdae_potential_fn, 1, "")
 SETTER(contact_speed, nsdae_contact_speed_fn, 1, "")
@@ -248,8 +250,25 @@ int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constrain
   if (!(mu >= 0) || isinf(mu))
     return bad_coefficient(system, "frictional_joint", "mu", mu, "at least 0, finite");
   int status = nsdae_system_open(system, "frictional_joint");
-  if (status == NSDAE_OK) system->frictional_joint[j] = (nsdae_frictional_joint){constraint, mu, 1};
-  return status;
+  if (status < 0) return status;
+  nsdae_frictional_joint *joint = &system->frictional_joint[j];
+  *joint = (nsdae_frictional_joint){constraint, mu, joint->bound, joint->bounded, 1};
+  return NSDAE_OK;
+}
+
+int nsdae_system_set_friction_bound(nsdae_system *system, int j, double bound)
+{
+  if (!system) return NSDAE_E_ARGUMENT;
+  if (j < 0 || j >= system->dims.f)
+    return bad_index(system, "friction_bound", "j", j, system->dims.f);
+  if (!(bound >= 0) || isinf(bound))
+    return bad_coefficient(system, "friction_bound", "bound", bound, "at least 0, finite");
+  int status = nsdae_system_open(system, "friction_bound");
+  if (status < 0) return status;
+  nsdae_frictional_joint *joint = &system->frictional_joint[j];
+  joint->bound = bound;
+  joint->bounded = joint->told = 1;
+  return NSDAE_OK;
 }
 
 const nsdae_error *nsdae_system_error(const nsdae_system *system)
@@ -334,6 +353,7 @@ const char *nsdae_system_unseen(nsdae_system *system)
       {"nsdae_system_set_contact: that e_n = mu = 0 for contacts without a call", untold},
       {"frictional_joint_tangent: its values", system->call.frictional_joint_tangent != NULL},
       {"joint_friction_rows: its values", system->call.joint_friction_rows != NULL},
+      {"joint_friction_bound: its values", system->call.joint_friction_bound != NULL},
       {"potential: whether the force is its gradient (the energy balance of a run shows that)",
        system->call.potential != NULL},
       {system->doubt, system->doubt[0] != '\0'},
@@ -358,7 +378,7 @@ int nsdae_system_told(const nsdae_system *system, nsdae_error *error)
     if (!system->contact[i].told)
       return refuse_untold(system, "contact", "gap_tangent", NSDAE_NAME_CONTACT, i, error);
   for (int j = 0; nsdae_system_has_joint_friction(system) && j < system->dims.f; j++)
-    if (!system->frictional_joint[j].told)
+    if (!system->frictional_joint[j].told && !system->call.joint_friction_bound)
       return refuse_untold(system, "frictional_joint", nsdae_system_joint_friction_name(system),
                            NSDAE_NAME_FRICTIONAL_JOINT, j, error);
   return NSDAE_OK;
@@ -388,7 +408,7 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
   if (dims->k > 0 && dims->nt > 0 && any_friction(system) && !system->call.gap_tangent)
     missing = "gap_tangent";
   for (int j = 0; j < dims->f && !nsdae_system_has_joint_friction(system); j++)
-    if (system->frictional_joint[j].mu > 0)
+    if (nsdae_system_joint_rubs(system, j))
       missing = system->by_blocks ? "joint_friction_rows" : "frictional_joint_tangent";
   if (dims->nq != dims->nv && !system->call.kinematics) missing = "kinematics";
   if (!missing) return nsdae_names_distinct(system, error);

@@ -17,9 +17,11 @@ typedef struct nsdae_coefficients {
   int told; /* set by somebody, if only to zero */
 } nsdae_coefficients;
 
+/* |F_S| <= bound + mu |lambda|, lambda of its constraint. */
 typedef struct nsdae_frictional_joint {
-  int constraint;
-  double mu;
+  int constraint; /* of mu > 0 */
+  double mu, bound;
+  int bounded; /* its bound was set, if only to zero */
   int told;
 } nsdae_frictional_joint;
 
@@ -46,6 +48,7 @@ typedef struct nsdae_calls {
   nsdae_contact_bias_fn contact_bias;
   nsdae_contact_acceleration_fn contact_acceleration;
   nsdae_frictional_joint_fn frictional_joint_tangent;
+  nsdae_joint_friction_bound_fn joint_friction_bound;
   nsdae_kinematics_fn kinematics;
   nsdae_potential_fn potential;
   nsdae_contact_speed_fn contact_speed;
@@ -168,6 +171,13 @@ static inline const char *nsdae_system_joint_friction_name(const nsdae_system *s
 static inline int nsdae_system_has_joint_friction(const nsdae_system *system)
 {
   return system->call.joint_friction_rows || system->call.frictional_joint_tangent;
+}
+
+/* Whether joint j can have friction in a simulation: its rows are laid out. */
+static inline int nsdae_system_joint_rubs(const nsdae_system *system, int j)
+{
+  const nsdae_frictional_joint *joint = &system->frictional_joint[j];
+  return joint->mu > 0 || joint->bounded || system->call.joint_friction_bound;
 }
 
 /* Whether Phi_q is given, by rows or dense. */

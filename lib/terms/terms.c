@@ -134,7 +134,7 @@ static unsigned absent(const nsdae_dims *d)
       NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA;
   unsigned of_contacts = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
   return (d->m == 0 ? of_constraints : 0u) | (d->k == 0 ? of_contacts : 0u) |
-         (d->f == 0 ? (unsigned)NSDAE_TERM_SLIDE : 0u) |
+         (d->f == 0 ? (unsigned)NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND : 0u) |
          (d->k + d->f == 0 ? (unsigned)NSDAE_TERM_ACCELERATION : 0u);
 }
 
@@ -165,6 +165,7 @@ void nsdae_terms_layout(nsdae_terms *terms, nsdae_arena *arena)
     nsdae_terms_layout_rows(&terms->by.frictional_joint, blocks, dims->f, n, 1, arena);
   terms->frictional_joint.w = NSDAE_ARENA_DOUBLES(arena, dims->f);
   terms->frictional_joint.omega = NSDAE_ARENA_DOUBLES(arena, dims->f);
+  terms->frictional_joint.bound = NSDAE_ARENA_DOUBLES(arena, dims->f);
 }
 
 void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double *v)
@@ -179,7 +180,8 @@ void nsdae_terms_at(nsdae_terms *terms, double t, const double *q, const double 
 void nsdae_terms_set_velocity(nsdae_terms *terms, const double *v)
 {
   memcpy(terms->v, v, (size_t)terms->system->dims.nv * sizeof *v);
-  terms->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA | NSDAE_TERM_ACCELERATION);
+  terms->have &=
+      ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_OMEGA | NSDAE_TERM_ACCELERATION | NSDAE_TERM_BOUND);
   if (terms->system->tracked) terms->have &= ~(unsigned)NSDAE_TERM_CONTACTS; /* with omega */
   terms->have |= terms->absent;
 }
@@ -410,6 +412,27 @@ static int frictional_joint(nsdae_terms *T)
   return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, callback, w, f, 1);
 }
 
+/* Of the joints; a negative one is refused. */
+static int bound(nsdae_terms *T)
+{
+  const nsdae_system *s = T->system;
+  static const char *const callback = "joint_friction_bound";
+  double *b = T->frictional_joint.bound, t = nsdae_terms_time(T);
+  int f = s->dims.f, code = 0, negative = -1;
+  zero(b, f);
+  if (s->call.joint_friction_bound) code = s->call.joint_friction_bound(t, T->q, T->v, b, s->user);
+  int status = outcome(T, NSDAE_TERM_BOUND, code, callback, b, f, 1);
+  for (int j = 0; j < f && status == NSDAE_OK && negative < 0; j++)
+    if (b[j] < 0) negative = j;
+  for (int j = 0; j < f; j++) b[j] += s->frictional_joint[j].bound;
+  if (negative < 0) return status;
+  T->have &= ~(unsigned)NSDAE_TERM_BOUND;
+  nsdae_error_set(T->error, NSDAE_E_CALLBACK, "nsdae_terms", callback,
+                  "%s gives a negative bound at t = %.17g: it must be at least 0", callback, t);
+  nsdae_system_name_item(s, NSDAE_NAME_FRICTIONAL_JOINT, negative, T->error);
+  return nsdae_error_at(T->error, NSDAE_E_CALLBACK, negative, t);
+}
+
 static int acceleration(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
@@ -487,6 +510,7 @@ int nsdae_terms_evaluate(nsdae_terms *T, unsigned which)
     status = constraint_terms(T, left);
   if (status == NSDAE_OK && d->k > 0 && (left & CONTACT_TERMS)) status = contact_terms(T, left);
   if (status == NSDAE_OK && d->f > 0 && (left & NSDAE_TERM_SLIDE)) status = frictional_joint(T);
+  if (status == NSDAE_OK && d->f > 0 && (left & NSDAE_TERM_BOUND)) status = bound(T);
   if (status == NSDAE_OK && (left & NSDAE_TERM_POTENTIAL)) status = potential(T);
   if (status == NSDAE_OK && d->k + d->f > 0 && (left & NSDAE_TERM_ACCELERATION))
     status = acceleration(T);

@@ -27,7 +27,8 @@ enum {
   NSDAE_TERM_POTENTIAL = 1024,
   NSDAE_TERM_SLIDE = 2048,        /* W and w of the frictional joints */
   NSDAE_TERM_ACCELERATION = 4096, /* omega of contacts and frictional joints; depends on v */
-  NSDAE_TERM_CONTACTS = 8192      /* the list, see nsdae_terms_contacts */
+  NSDAE_TERM_CONTACTS = 8192,     /* the list, see nsdae_terms_contacts */
+  NSDAE_TERM_BOUND = 16384        /* of the frictional joints; depends on v */
 };
 
 /* By rows over blocks: those of a dense array, Phi_q [m x nv], W_N [nv x k], W_T [nv x k nt] and W
@@ -62,6 +63,7 @@ typedef struct nsdae_contact_turns {
 /* Of the frictional joints. */
 typedef struct nsdae_slide_terms {
   double *w, *omega; /* f */
+  double *bound;     /* f: |F_S| <= bound + mu |lambda| */
 } nsdae_slide_terms;
 
 typedef struct nsdae_terms {
@@ -147,6 +149,14 @@ static inline double nsdae_terms_tangent_rate(const nsdae_terms *T, int i, const
 static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const double *v)
 {
   return nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.w, i, v);
+}
+
+/* bound + mu |lambda| of frictional joint j; lambda [m]. */
+static inline double nsdae_terms_friction_limit(const nsdae_terms *T, int j, const double *lambda)
+{
+  const nsdae_frictional_joint *joint = &T->system->frictional_joint[j];
+  double load = joint->mu > 0 ? joint->mu * fabs(lambda[joint->constraint]) : 0;
+  return T->frictional_joint.bound[j] + load;
 }
 
 static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)

@@ -23,6 +23,7 @@ _ARGUMENTS = {
     "contact_acceleration": "double t, const double *q, const double *v, double *omega_n, double *omega_t, "
                             "double *omega_s, void *user",
     "frictional_joint_tangent": "double t, const double *q, double *W, int ldw, double *w_s, void *user",
+    "joint_friction_bound": "double t, const double *q, const double *v, double *bound, void *user",
     "kinematics": "double t, const double *q, const double *v, double *qdot, void *user",
     "potential": "double t, const double *q, double *energy, void *user",
     "contact_speed": "double t, const double *q, const double *v, double *speed, void *user",

@@ -256,6 +256,18 @@ class Sim:
         """
         self._told(self._core.set_frictional_joint, j, float(mu))
 
+    def set_friction_bound(self, j: int, bound: float) -> None:
+        """Sets the friction bound of a frictional joint in this simulation.
+
+        Parameters
+        ----------
+        j : int
+            Frictional joint, whose bound is set in the system.
+        bound : float
+            Largest friction force [N] or torque [N m] without a load.
+        """
+        self._told(self._core.set_friction_bound, j, float(bound))
+
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Interpolates the state within the last step.
 

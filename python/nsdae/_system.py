@@ -118,6 +118,7 @@ class System:
     - ``contact_bias(t, q, w_n, w_t)``: w_n [k], w_t [k nt]
     - ``contact_acceleration(t, q, v, omega_n, omega_t, omega_s)``: omega_n [k], omega_t [k nt], omega_s [f]
     - ``frictional_joint_tangent(t, q, W, w_s)``: W [nv, f], w_s [f]
+    - ``joint_friction_bound(t, q, v, bound)``: bound [f], added to the constant bounds
     - ``kinematics(t, q, v, qdot)``: qdot [nq]
     - ``potential(t, q)`` returns the energy
     - ``contact_speed(t, q, v)`` returns a bound of the rates of all gaps of ``contacts``
@@ -221,6 +222,18 @@ class System:
             Coefficient of friction.
         """
         self._core.set_frictional_joint(j, constraint, float(mu))
+
+    def set_friction_bound(self, j: int, bound: float) -> None:
+        """Sets a bound of the friction of a frictional joint: dry friction, a brake, a clutch or a motor.
+
+        Parameters
+        ----------
+        j : int
+            Frictional joint.
+        bound : float
+            Largest friction force [N] or torque [N m] without a load.
+        """
+        self._core.set_friction_bound(j, float(bound))
 
     def set_name(self, kind: str, i: int, name: str, unit: str = "") -> None:
         """Names a coordinate, velocity, constraint, contact or frictional joint.

@@ -451,6 +451,12 @@ void sim::set_frictional_joint(int j, double mu)
   checked(nsdae_sim_set_frictional_joint(handle, j, mu));
 }
 
+void sim::set_friction_bound(int j, double bound)
+{
+  use held(*this);
+  checked(nsdae_sim_set_friction_bound(handle, j, bound));
+}
+
 nb::tuple sim::interpolate(double t)
 {
   use held(*this);
@@ -566,6 +572,7 @@ void bind_sim(nb::module_ &m)
       .def("set_options", &sim::set_options)
       .def("set_contact", &sim::set_contact)
       .def("set_frictional_joint", &sim::set_frictional_joint)
+      .def("set_friction_bound", &sim::set_friction_bound)
       .def("interpolate", &sim::interpolate)
       .def("failed_lcp", &sim::failed_lcp)
       .def("has_potential", &sim::has_potential)

@@ -99,6 +99,7 @@ public:
   void set_options(nb::dict changes);
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_frictional_joint(int j, double mu);
+  void set_friction_bound(int j, double bound);
   nb::tuple interpolate(double t);
   nb::object failed_lcp() const;
   bool has_potential() const;

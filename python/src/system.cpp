@@ -61,6 +61,8 @@ std::vector<slot> slots_of(role r, const nsdae_dims &d, const partition &blocks)
     return {q, v, out(d.k), out(d.k * d.nt), out(d.f)};
   case role_frictional_joint_tangent:
     return {q, matrix(d.nv, d.f), out(d.f)};
+  case role_joint_friction_bound:
+    return {q, v, out(d.f)};
   case role_kinematics:
     return {q, v, out(d.nq)};
   case role_mass_blocks:
@@ -210,6 +212,11 @@ void system::set_frictional_joint(int j, int constraint, double mu)
   demand(nsdae_system_set_frictional_joint(handle, j, constraint, mu));
 }
 
+void system::set_friction_bound(int j, double bound)
+{
+  demand(nsdae_system_set_friction_bound(handle, j, bound));
+}
+
 // Before the callbacks: their arrays are of these sizes.
 void system::set_blocks(whole_numbers nq, whole_numbers nv)
 {
@@ -303,6 +310,7 @@ void bind_system(nb::module_ &m)
       .def("set_pointer", &system::set_pointer)
       .def("set_contact", &system::set_contact)
       .def("set_frictional_joint", &system::set_frictional_joint)
+      .def("set_friction_bound", &system::set_friction_bound)
       .def("set_blocks", &system::set_blocks)
       .def("blocks",
            [](const system &s) {

@@ -17,7 +17,8 @@ namespace nsdae_python
 // clang-format off
 #define NSDAE_PYTHON_ROLES(X) \
   X(mass) X(force) X(force_damping) X(force_stiffness) X(constraint) X(constraint_jacobian) X(constraint_bias) X(gap) X(gap_normal) \
-  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(frictional_joint_tangent) X(kinematics) X(potential) X(contact_speed) \
+  X(gap_tangent) X(contact_bias) X(contact_acceleration) X(frictional_joint_tangent) X(joint_friction_bound) X(kinematics) \
+  X(potential) X(contact_speed) \
   X(mass_blocks) X(constraint_rows) X(joint_friction_rows) X(force_damping_blocks) X(force_stiffness_blocks) X(contacts)
 // clang-format on
 
@@ -44,6 +45,7 @@ public:
   void set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user);
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_frictional_joint(int j, int constraint, double mu);
+  void set_friction_bound(int j, double bound);
   void set_blocks(whole_numbers nq, whole_numbers nv);
   void set_size(int kind, int i, double size);
   void set_name(int kind, int i, const std::string &name, const std::string &unit);

@@ -226,6 +226,29 @@ def test_rows_of_frictional_joints():
     assert np.allclose(run.v[:, 0], np.maximum(1 - 0.25 * G * run.time, -0.5), atol=1e-12)
 
 
+def test_bounds_of_frictional_joints():
+    """A clutch of two discs: bound 2 t, then the common speed; opened, both keep their speed."""
+    def tangent(t, q, W, w_s):
+        W[:, 0] = 1, -1
+
+    def bound(t, q, v, bound):
+        bound[0] = 2 * t
+
+    discs = nsdae.System(nq=2, f=1, mass=lambda t, q, M: np.fill_diagonal(M, (1, 3)), force=lambda t, q, v, F: None,
+                         frictional_joint_tangent=tangent, joint_friction_bound=bound)
+    run = nsdae.solve(discs, 3, [0, 0], [4, 0], method="implicit", dt=0.01)
+    t = np.minimum(run.time, np.sqrt(3))
+    assert np.allclose(run.v, np.stack([4 - t**2, t**2 / 3], 1), atol=1e-2) and np.allclose(run.v[-1], 1, atol=1e-12)
+    plain = nsdae.System(nq=2, f=1, mass=lambda t, q, M: np.fill_diagonal(M, (1, 3)), force=lambda t, q, v, F: None,
+                         frictional_joint_tangent=tangent)
+    plain.set_friction_bound(0, 0.5)
+    sim = nsdae.Sim(plain, [0, 0], [4, 0], method="moreau", dt=0.01)
+    sim.run(1)
+    sim.set_friction_bound(0, 0)
+    sim.run(2)
+    assert np.allclose(sim.record.v, [3.5, 0.5 / 3], atol=1e-12)
+
+
 def springs(n, **given):
     """Balls on a line, each with a spring and a damper to the next one, of different stiffness."""
     k, d = 100.0 + np.arange(n - 1), 1.0 + np.arange(n - 1)

@@ -30,6 +30,7 @@ CALLS = {
     "set_options": lambda sim: sim.set_options(dt=0.3),
     "set_contact": lambda sim: sim.set_contact(0, e_n=0.1),
     "set_frictional_joint": lambda sim: sim.set_frictional_joint(0, 0.1),
+    "set_friction_bound": lambda sim: sim.set_friction_bound(0, 0.1),
     "interpolate": lambda sim: sim.interpolate(0),
     "state": lambda sim: sim.state,
     "set_state": lambda sim: setattr(sim, "state", STATE),
@@ -370,6 +371,6 @@ def test_texts_that_come(ball):
     with pytest.raises(nsdae.Error, match=r"call System\.set\(force=\.\.\.\)"):
         nsdae.Sim(nsdae.System(nq=1, mass=ball_callbacks()["mass"]))
     sim = nsdae.Sim(ball)
-    with pytest.raises(nsdae.Error, match=r"change it in one of them \(Sim\.set_contact, Sim\.set_frictional_joint\)"):
+    with pytest.raises(nsdae.Error, match=r"change it in one of them \(Sim\.set_contact, Sim\.set_frictional_joint, Sim\.set_friction_bound\)"):
         ball.set_contact(0, e_n=0.1)
     assert sim.system is ball

@@ -325,7 +325,7 @@ void test_slide()
   });
   slot.constraint([](double, const double *q, double *phi) { phi[0] = q[1]; });
   slot.frictional_joint_tangent([](double, const double *, double *W, int, double *) { W[0] = 1; });
-  slot.frictional_joint(0, 0, 0.2);
+  slot.frictional_joint(0, 0, 0.2).friction_bound(0, 0);
   nsdae::sim sim(slot, nsdae::options().set("method", "moreau").set("dt", 0.01));
   sim.init(0, {0, 0}, {0, 0});
   sim.run(0.1);
@@ -334,6 +334,29 @@ void test_slide()
   sim.run(0.2);
   EXPECT(std::fabs(sim.record().v[0] - 0.4) < 1e-9);
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_frictional_joint(1, 0.4); }));
+  sim.set_friction_bound(0, 2); /* v' = 5 - 4 - 2 */
+  sim.run(0.3);
+  EXPECT(std::fabs(sim.record().v[0] - 0.3) < 1e-9);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_friction_bound(0, -1); }));
+}
+
+/* A brake that closes: v = v_0 - t^2 / 2. */
+void test_brake()
+{
+  nsdae_dims dims = sizes(1, 0, 0);
+  dims.f = 1;
+  nsdae::system disc(dims);
+  disc.mass([](double, const double *, double *M, int) { M[0] = 2; });
+  disc.force([](double, const double *, const double *, double *) {});
+  disc.frictional_joint_tangent([](double, const double *, double *W, int, double *) { W[0] = 1; });
+  disc.joint_friction_bound(
+      [](double t, const double *, const double *, double *bound) { bound[0] = 2 * t; });
+  nsdae::sim sim(disc, nsdae::options().set("method", "implicit").set("dt", 0.01));
+  sim.init(0, {0}, {2});
+  sim.run(1);
+  EXPECT(std::fabs(sim.record().v[0] - 1.5) < 1e-12);
+  sim.run(3);
+  EXPECT(sim.record().v[0] == 0);
 }
 
 /* A start below the floor is put onto it. */
@@ -883,6 +906,7 @@ int main(int argc, char **argv)
   test_state();
   test_between();
   test_slide();
+  test_brake();
   test_project();
   test_codes();
   test_moves();

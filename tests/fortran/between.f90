@@ -200,6 +200,7 @@ contains
     call is_int(nsdae_system_set_constraint(system, constraint), NSDAE_OK, 'constraint')
     call is_int(nsdae_system_set_frictional_joint_tangent(system, slide), NSDAE_OK, 'slide')
     call is_int(nsdae_system_set_frictional_joint(system, 0, 0, 0.2d0), NSDAE_OK, 'mu')
+    call is_int(nsdae_system_set_friction_bound(system, 0, 0d0), NSDAE_OK, 'bound')
     call nsdae_sim_options_default(with)
     with%method = NSDAE_METHOD_MOREAU
     with%dt = 0.01d0
@@ -214,6 +215,12 @@ contains
     call is_near(record%v(1), 0.4d0, 1d-9, 'with mu = 0.4')
     call is_int(nsdae_sim_set_frictional_joint(sim, 1, 0.4d0), NSDAE_E_ARGUMENT, 'no such frictional joint')
     call is_int(nsdae_sim_set_frictional_joint(sim, 0, -1d0), NSDAE_E_ARGUMENT, 'mu < 0')
+    call is_int(nsdae_sim_set_friction_bound(sim, 0, 2d0), NSDAE_OK, 'bound = 2')
+    call is_int(nsdae_sim_run(sim, 0.3d0), NSDAE_OK, 'run')
+    record = now(sim)
+    call is_near(record%v(1), 0.3d0, 1d-9, 'with mu = 0.4 and bound = 2')
+    call is_int(nsdae_sim_set_friction_bound(sim, 1, 2d0), NSDAE_E_ARGUMENT, 'no such frictional joint')
+    call is_int(nsdae_sim_set_friction_bound(sim, 0, -1d0), NSDAE_E_ARGUMENT, 'bound < 0')
     call release(system, sim)
   end subroutine
 

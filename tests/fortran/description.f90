@@ -48,7 +48,7 @@ contains
     call refused_dims(nsdae_dims(nq=3, k=most), 'k')
     call refused_dims(nsdae_dims(nq=3, nt=-1), 'nt')
     call refused_dims(nsdae_dims(nq=3, nt=3), 'nt')
-    call refused_dims(nsdae_dims(nq=3, m=2, f=3), 'f')
+    call refused_dims(nsdae_dims(nq=3, f=most), 'f')
     call refused_dims(nsdae_dims(nq=3, f=-1), 'f')
   end subroutine
 
@@ -99,6 +99,7 @@ contains
     call was(nsdae_system_set_gap_tangent(s, tangent), s, 'gap_tangent', tangents)
     call was(nsdae_system_set_contact_bias(s, contact_bias), s, 'contact_bias', gaps)
     call was(nsdae_system_set_frictional_joint_tangent(s, slide), s, 'frictional_joint_tangent', slides)
+    call was(nsdae_system_set_joint_friction_bound(s, bound), s, 'joint_friction_bound', slides)
     call was(nsdae_system_set_kinematics(s, kinematics), s, 'kinematics', .true.)
     call nsdae_system_destroy(s)
     call is_int(nsdae_system_set_mass(s, mass), NSDAE_E_ARGUMENT, 'no system')
@@ -158,6 +159,9 @@ contains
     call one_slide(s, 0, 0, -0.1d0, 'mu')
     call one_slide(s, 0, 0, nan, 'mu')
     call one_slide(s, 0, 0, infinity, 'mu')
+    call is_int(nsdae_system_set_friction_bound(s, 0, 0d0), NSDAE_OK, 'bound')
+    call is_int(nsdae_system_set_friction_bound(s, 0, -1d0), NSDAE_E_ARGUMENT, 'bound < 0')
+    call is_int(nsdae_system_set_friction_bound(s, 1, 1d0), NSDAE_E_ARGUMENT, 'no such joint')
     call nsdae_system_destroy(s)
     call is_int(nsdae_system_set_frictional_joint(s, 0, 0, 0d0), NSDAE_E_ARGUMENT, 'no system')
   end subroutine

@@ -181,6 +181,14 @@ contains
     acceleration = spoil(user, 'contact_acceleration', omega_n)
   end function
 
+  integer(c_int) function bound(t, q, v, b, user)
+    real(c_double), intent(in) :: t, q(:), v(:)
+    real(c_double), intent(inout) :: b(:)
+    class(*), intent(inout) :: user
+    b = 1
+    bound = 0
+  end function
+
   integer(c_int) function slide(t, q, W, w_s, user)
     real(c_double), intent(in) :: t, q(:)
     real(c_double), intent(inout) :: W(:, :), w_s(:)

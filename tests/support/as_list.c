@@ -272,9 +272,11 @@ static void set_callbacks(as_list *a)
   if (d->m > 0) nsdae_system_set_constraint(s, constraint);
   if (d->m > 0) nsdae_system_set_constraint_rows(s, constraint_rows);
   if (d->m > 0 && call->constraint_bias) nsdae_system_set_constraint_bias(s, constraint_bias);
-  for (int j = 0; j < d->f; j++)
-    nsdae_system_set_frictional_joint(s, j, a->of->frictional_joint[j].constraint,
-                                      a->of->frictional_joint[j].mu);
+  for (int j = 0; j < d->f; j++) {
+    const nsdae_frictional_joint *joint = &a->of->frictional_joint[j];
+    if (d->m > 0) nsdae_system_set_frictional_joint(s, j, joint->constraint, joint->mu);
+    nsdae_system_set_friction_bound(s, j, joint->bound);
+  }
   if (d->f > 0) nsdae_system_set_joint_friction_rows(s, joint_friction_rows);
   nsdae_system_set_contacts(s, contacts);
 }

@@ -71,9 +71,11 @@ nsdae_system *failing_system_make(failing_system *f, const nsdae_system *inner)
     const nsdae_coefficients *c = &inner->contact[i];
     nsdae_system_set_contact(made, i, c->mu, c->e_n, c->e_t);
   }
-  for (int j = 0; j < inner->dims.f; j++)
-    nsdae_system_set_frictional_joint(made, j, inner->frictional_joint[j].constraint,
-                                      inner->frictional_joint[j].mu);
+  for (int j = 0; j < inner->dims.f; j++) {
+    const nsdae_frictional_joint *joint = &inner->frictional_joint[j];
+    if (inner->dims.m > 0) nsdae_system_set_frictional_joint(made, j, joint->constraint, joint->mu);
+    nsdae_system_set_friction_bound(made, j, joint->bound);
+  }
   return made;
 }
 

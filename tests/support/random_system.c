@@ -415,7 +415,11 @@ static void set_constraints(nsdae_system *s, const random_system *r)
   if (has(r, RANDOM_JACOBIAN)) nsdae_system_set_constraint_jacobian(s, jacobian);
   if (has(r, RANDOM_BIAS)) nsdae_system_set_constraint_bias(s, bias);
   if (r->dims.f > 0) nsdae_system_set_frictional_joint_tangent(s, frictional_joint);
-  for (int j = 0; j < r->dims.f; j++) nsdae_system_set_frictional_joint(s, j, j, r->slide_mu[j]);
+  for (int j = 0; j < r->dims.f; j++) {
+    double mu = r->slide_mu[j]; /* of three joints one has a bound, too */
+    nsdae_system_set_frictional_joint(s, j, j, mu);
+    if (fmod(1e6 * mu, 3) < 1) nsdae_system_set_friction_bound(s, j, 0.5 * mu);
+  }
 }
 
 static void set_names(nsdae_system *s, const nsdae_dims *d)

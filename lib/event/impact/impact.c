@@ -36,6 +36,10 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
   p->problem.cones.most = s->system->dims.nt == 2 ? s->system->dims.k : 0;
   nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol,
                      nsdae_law_edges_to_start(s->options->polygon));
+  /* a bounded force has no impulse in an instant: joints without a load take no part */
+  int loaded = 0;
+  for (int j = 0; j < s->system->dims.f; j++) loaded |= s->system->frictional_joint[j].mu > 0;
+  if (!loaded) p->problem.slides.count = 0;
 }
 
 int nsdae_event_touches(const nsdae_event_setting *s, int i)

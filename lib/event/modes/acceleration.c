@@ -103,6 +103,7 @@ static int solve(nsdae_event_acceleration *p)
   T.w_N = T.omega.N;
   T.w_T = T.omega.T;
   T.frictional_joint.w = T.frictional_joint.omega;
+  p->problem.slides.bound = T.frictional_joint.bound;
   nsdae_contacts_close_marked(&p->problem, p->is.candidate, &p->solution);
   memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
   memcpy(p->size, T.F, (size_t)n * sizeof *p->size);

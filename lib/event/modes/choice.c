@@ -114,7 +114,8 @@ static void read_slides(nsdae_event_acceleration *p)
     m->slide_sense[j] = p->sense[j];
     if (!p->sense[j] && m->frictional_joint[j] == NSDAE_MODE_SLIP)
       m->slide_sense[j] = force != 0 ? (force < 0) - (force > 0) : (rate > 0) - (rate < 0);
-    int sense = p->lambda[c->system->frictional_joint[j].constraint] < 0 ? -1 : 1;
+    const nsdae_frictional_joint *joint = &c->system->frictional_joint[j];
+    int sense = joint->mu > 0 && p->lambda[joint->constraint] < 0 ? -1 : 1;
     m->normal_sense[j] = p->is.slide_turned[j] ? -m->normal_sense[j] : sense;
   }
 }

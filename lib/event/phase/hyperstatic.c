@@ -378,15 +378,16 @@ static void hand_over(nsdae_hyperstatic *s)
   }
 }
 
-/* Slides come last; one that depends keeps its part of |lambda|. */
+/* Slides come last; one that depends keeps its part of its limit. */
 static void take_slides(nsdae_hyperstatic *s)
 {
   const nsdae_contacts *c = problem_of(s);
   const nsdae_shared *m = s->of;
   for (int i = 0; i < c->slides.count; i++) {
     int j = c->slides.number[i];
-    double most = system_of(s)->frictional_joint[j].mu *
-                  fabs(m->lambda[system_of(s)->frictional_joint[j].constraint]);
+    const nsdae_frictional_joint *joint = &system_of(s)->frictional_joint[j];
+    double load = joint->mu > 0 ? joint->mu * fabs(m->lambda[joint->constraint]) : 0,
+           most = c->slides.bound[j] + load;
     m->slide_part[j] = m->slide_sense[j];
     if (m->frictional_joint_mode[j] != NSDAE_MODE_STICK) continue;
     m->slide_row[j] = nsdae_rank_revealing_take(&s->rows, contact_columns(s) + i);

@@ -31,7 +31,7 @@ typedef struct nsdae_shared {
   int *related;       /* out, k (1 + nt), by contact F_N and F_T: has a relation */
   double *relation;   /* the square of it: their r, see nsdae_relation_at */
   int *slide_row;     /* out, f: one that sticks has a row */
-  double *slide_part; /* out, f: F_S = -mu |lambda| times this if it has none */
+  double *slide_part; /* out, f: F_S = -(b + mu |lambda|) times this if it has none */
 } nsdae_shared;
 
 /* Rows by the columns of the problem, n of them; those of frictional joints come last. */

@@ -1,7 +1,7 @@
 /* The equations of a phase for IDA (newton_kkt.h), with the rows of phase.h for the forces:
  *
  *   closed:   r_p = W_p^T v' + omega_p + 2 alpha v_p + beta^2 g
- *   sliding:  r_p = F_p + mu F_N d,  or F_p + mu |lambda| s
+ *   sliding:  r_p = F_p + mu F_N d,  or F_p + (b + mu |lambda|) s
  *   related:  r_p = F_p - sum_l r_l F_l
  *
  * Newton's method, with phi = dF / cj and c = cj + 2 alpha + beta^2 / cj:
@@ -16,6 +16,14 @@
 
 /* ---- the residual */
 
+/* mu |lambda| s of frictional joint j. */
+static double load_friction(const nsdae_event_phase *p, int j, const double *y)
+{
+  const nsdae_frictional_joint *joint = &p->setting->system->frictional_joint[j];
+  if (joint->mu == 0) return 0;
+  return nsdae_event_joint_friction(p, j) * y[p->setting->at.lambda + joint->constraint];
+}
+
 /* r of a force that follows from others. */
 static double following(const nsdae_event_phase *p, const nsdae_event_row *row, const double *y)
 {
@@ -28,8 +36,7 @@ static double following(const nsdae_event_phase *p, const nsdae_event_row *row, 
       r -= nsdae_event_relation(p, i, p->rows.row[a].force) * force[p->rows.row[a].force];
   if (row->kind == NSDAE_ROW_RELATED) return r;
   if (row->kind == NSDAE_ROW_SLIDE_RUBS)
-    return r + nsdae_event_joint_friction(p, i - all) *
-                   y[p->setting->at.lambda + s->frictional_joint[i - all].constraint];
+    return r - nsdae_event_dry_friction(p, i - all) + load_friction(p, i - all, y);
   nsdae_event_sliding_direction(p, (i - k) / nt, d);
   return r + s->contact[(i - k) / nt].mu * d[(i - k) % nt] * force[(i - k) / nt];
 }

@@ -89,7 +89,8 @@ void nsdae_event_begin_phase(nsdae_event_phase *p)
     if (s->contact[i].mu > 0) terms |= NSDAE_TERM_TANGENT;
   }
   for (int j = 0; j < s->dims.f; j++) {
-    if (p->modes.frictional_joint[j] != NSDAE_MODE_OPEN) terms |= NSDAE_TERM_SLIDE;
+    if (p->modes.frictional_joint[j] != NSDAE_MODE_OPEN)
+      terms |= NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND;
     if (p->modes.frictional_joint[j] == NSDAE_MODE_STICK) terms |= NSDAE_TERM_ACCELERATION;
   }
   p->terms = terms;
@@ -126,6 +127,11 @@ double nsdae_event_joint_friction(const nsdae_event_phase *p, int j)
 {
   return p->setting->system->frictional_joint[j].mu * p->modes.normal_sense[j] *
          p->modes.slide_part[j];
+}
+
+double nsdae_event_dry_friction(const nsdae_event_phase *p, int j)
+{
+  return -p->setting->here->frictional_joint.bound[j] * p->modes.slide_part[j];
 }
 
 /* ---- the border */
@@ -173,7 +179,7 @@ static void add_row(const nsdae_event_phase *p, nsdae_border *b, const nsdae_eve
     if (p->rows.row[c].force < all)
       *nsdae_border_entry(b, a, c) -= nsdae_event_relation(p, row->force, p->rows.row[c].force);
   if (row->kind == NSDAE_ROW_RUBS) add_sliding(p, b, a, y, cj);
-  if (row->kind != NSDAE_ROW_SLIDE_RUBS) return;
+  if (row->kind != NSDAE_ROW_SLIDE_RUBS || s->frictional_joint[row->index].mu == 0) return;
   b->row[a].multiplier = s->frictional_joint[row->index].constraint;
   b->row[a].h = nsdae_event_joint_friction(p, row->index);
 }
@@ -206,7 +212,9 @@ static int solve(nsdae_event_phase *p)
               beta2 * T->constraint.phi[i];
   for (int a = 0; a < p->rows.count; a++) {
     const nsdae_event_row *row = &p->rows.row[a];
-    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED ? nsdae_event_wanted(p, row) : 0;
+    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED       ? nsdae_event_wanted(p, row)
+                   : row->kind == NSDAE_ROW_SLIDE_RUBS ? nsdae_event_dry_friction(p, row->index)
+                                                       : 0;
   }
   return nsdae_border_solve(&p->border, T, p->x, p->l, p->rows.f);
 }

@@ -36,7 +36,7 @@ typedef struct nsdae_event_modes {
   int *frictional_joint; /* f: NSDAE_MODE_OPEN without friction */
   int *slide_sense, *normal_sense; /* f: signs of the sliding velocity and of lambda */
   int *slide_row;                  /* f: a slide that sticks has a row */
-  double *slide_part; /* f: F_S = -mu |lambda| times this where it slides or has no row */
+  double *slide_part; /* f: F_S = -(b + mu |lambda|) times this where it slides or has no row */
   int *redundant;     /* constraints that depend on others */
   double *basis;      /* of redundant ones: Z, see nsdae_kkt_basis */
   int *related;       /* k (1 + nt), see hyperstatic.h: a relation stands in place of the row */
@@ -53,7 +53,7 @@ typedef enum nsdae_event_row_kind {
   NSDAE_ROW_CLOSED,    /* what it holds has no acceleration */
   NSDAE_ROW_RELATED,   /* others hold it: F = sum r_l F_l */
   NSDAE_ROW_RUBS,      /* F_T = -mu F_N d */
-  NSDAE_ROW_SLIDE_RUBS /* F_S = -mu |lambda| s */
+  NSDAE_ROW_SLIDE_RUBS /* F_S = -(b + mu |lambda|) s */
 } nsdae_event_row_kind;
 
 typedef struct nsdae_event_row {
@@ -135,8 +135,9 @@ void nsdae_event_sliding_direction(const nsdae_event_phase *phase, int i, double
  * newton.c. NSDAE_E_CONVERGENCE: it is singular. */
 int nsdae_event_factor_border(const nsdae_event_phase *phase, nsdae_border *border, const double *y,
                               double cj);
-/* -F_S / lambda of frictional joint j that slides. */
+/* Of frictional joint j that slides: -F_S / lambda without b; F_S without lambda. */
 double nsdae_event_joint_friction(const nsdae_event_phase *phase, int j);
+double nsdae_event_dry_friction(const nsdae_event_phase *phase, int j);
 
 /* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */

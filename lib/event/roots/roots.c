@@ -94,10 +94,11 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   /* a feature that is lost may have any gap: then as far below zero as it began above */
   if (root->kind == NSDAE_ROOT_HELD) return fmax(root->size - fabs(T->gap[i]), -root->size);
   if (root->kind == NSDAE_ROOT_JAM) return jam_value(p, root);
-  double normal = m->normal_sense[i] * y[at->lambda + s->frictional_joint[i].constraint];
+  const nsdae_frictional_joint *joint = &s->frictional_joint[i];
+  double normal = joint->mu > 0 ? m->normal_sense[i] * y[at->lambda + joint->constraint] : 0;
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->frictional_joint[i] == NSDAE_MODE_STICK)
-    return s->frictional_joint[i].mu * normal - fabs(y[at->frictional_joint + i]);
+    return T->frictional_joint.bound[i] + joint->mu * normal - fabs(y[at->frictional_joint + i]);
   return m->slide_sense[i] * nsdae_terms_slide_rate(T, i, T->v);
 }
 
@@ -114,8 +115,7 @@ static unsigned terms_of(const nsdae_event_roots *r)
       terms |= NSDAE_TERM_GAP;
     if (on && root->kind == NSDAE_ROOT_TANGENT && m->contact[i] == NSDAE_MODE_SLIP)
       terms |= NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
-    if (on && root->kind == NSDAE_ROOT_SLIP && m->frictional_joint[i] == NSDAE_MODE_SLIP)
-      terms |= NSDAE_TERM_SLIDE;
+    if (on && root->kind == NSDAE_ROOT_SLIP) terms |= NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND;
   }
   return terms;
 }
@@ -262,7 +262,9 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
     return !has_row(p, NSDAE_ROW_RUBS) && !has_row(p, NSDAE_ROW_RELATED);
   if (root->kind == NSDAE_ROOT_TANGENT)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !(p->setting->system->contact[i].mu > 0);
-  return p->modes.frictional_joint[i] == NSDAE_MODE_OPEN;
+  int loaded = p->setting->system->frictional_joint[i].mu > 0;
+  return p->modes.frictional_joint[i] == NSDAE_MODE_OPEN ||
+         (root->kind == NSDAE_ROOT_SIGN && !loaded);
 }
 
 static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, const double *y,
@@ -299,9 +301,9 @@ int nsdae_event_set_roots(nsdae_event_roots *r, double t, const double *y, const
 {
   nsdae_event_setting *s = r->phase->setting;
   nsdae_event_move(s, t, y);
-  int status = nsdae_terms_need(s->here, NSDAE_TERM_FORCE | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
-                                             NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS |
-                                             NSDAE_TERM_SLIDE | NSDAE_TERM_ACCELERATION);
+  int status = nsdae_terms_need(
+      s->here, NSDAE_TERM_FORCE | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT |
+                   NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE | NSDAE_TERM_ACCELERATION | NSDAE_TERM_BOUND);
   for (int e = 0; e < r->count && status == NSDAE_OK; e++) start(r->phase, &r->entry[e], t, y, a);
   return status;
 }
