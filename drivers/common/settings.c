@@ -291,8 +291,11 @@ static int parse_one(settings *s, int argc, char **argv, int *i, int pass, nsdae
 {
   char word[NSDAE_PARAM_TEXT_SIZE * 2], *value;
   if (copy_word(word, sizeof word, argv[*i], error) < 0) return error->status;
-  if (word[0] != '-' && s->model->read)
-    return pass == WORDS ? settings_set(s, "file", word, error) : NSDAE_OK;
+  if (word[0] != '-' && s->model->read) {
+    if (pass != WORDS) return NSDAE_OK;
+    if (s->file_named++) return usage_error(error, word, "'%.90s': one FILE at a time", word);
+    return settings_set(s, "file", word, error);
+  }
   const flag *f = find_flag(word, &value, error);
   if (!f) return error->status;
   if (f->value && !value) {

@@ -9,8 +9,8 @@ typedef struct settings {
   const driver_model *model;
   nsdae_sim_options options;
   double t_end;
-  char output[NSDAE_PARAM_TEXT_SIZE];           /* "": none */
-  int output_named, projection_named, dt_named; /* by the user, not by default */
+  char output[NSDAE_PARAM_TEXT_SIZE];                       /* "": none */
+  int output_named, projection_named, dt_named, file_named; /* by the user, not by default */
   char restart[NSDAE_PARAM_TEXT_SIZE];  /* "": a new run; else the file that it goes on in */
   int every, compress;                  /* of the trajectory */
   char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */

@@ -67,6 +67,7 @@ expect 2 "no FILE given: nsdae-scene FILE.csv" "$bin/nsdae-scene"
 expect 2 "cannot read 'none.csv'" "$bin/nsdae-scene" none.csv
 sed 's/^box,/cone,/' "$data/scene_boxes.csv" >bad.csv
 expect 2 "'bad.csv' line 9, column 1 (kind): kind has no choice 'cone'" "$bin/nsdae-scene" bad.csv
+expect 2 "'b.csv': one FILE at a time" "$bin/nsdae-scene" a.csv b.csv
 expect 2 "unknown option 'arch.csv'" "$bin/nsdae-arch" arch.csv
 
 # a scene: its own step unless another is named; continued in its file; the generator writes it
