@@ -731,6 +731,20 @@ public:
   {
     return demand(nsdae_bodies_add_torsion(c(), &torsion));
   }
+  /* nsdae_bodies_add_limit. */
+  int limit(const nsdae_limit &limit) { return demand(nsdae_bodies_add_limit(c(), &limit)); }
+  /* nsdae_bodies_add_rope. */
+  int rope(const nsdae_rope &rope) { return demand(nsdae_bodies_add_rope(c(), &rope)); }
+  /* nsdae_bodies_add_coupler. */
+  int coupler(const nsdae_coupler &coupler)
+  {
+    return demand(nsdae_bodies_add_coupler(c(), &coupler));
+  }
+  /* nsdae_bodies_add_joint_spring. */
+  int joint_spring(const nsdae_joint_spring &spring)
+  {
+    return demand(nsdae_bodies_add_joint_spring(c(), &spring));
+  }
   /* nsdae_bodies_add_load: f(double t, const double *position, const double *velocity, double
    * *force, double *torque). */
   template <class F> int load(int body, const double *point, F f)

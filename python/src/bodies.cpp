@@ -36,7 +36,7 @@ int load_in_python(double t, const double position[3], const double velocity[3],
   return c.run();
 }
 
-template <std::size_t n> void fill(double (&to)[n], const std::array<double, n> &from)
+template <class T, std::size_t n> void fill(T (&to)[n], const std::array<T, n> &from)
 {
   std::copy(from.begin(), from.end(), to);
 }
@@ -118,6 +118,51 @@ int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, 
     j.user = reinterpret_cast<void *>(user);
   }
   return demand(nsdae_bodies_add_joint(handle, &j));
+}
+
+int bodies::add_limit(int joint, int coordinate, double low, double high, double e_n)
+{
+  nsdae_limit l = {};
+  l.joint = joint;
+  l.coordinate = coordinate;
+  l.low = low;
+  l.high = high;
+  l.e_n = e_n;
+  return demand(nsdae_bodies_add_limit(handle, &l));
+}
+
+int bodies::add_rope(int body0, int body1, triple point, triple end, double length, double e_n)
+{
+  nsdae_rope r = {};
+  r.body[0] = body0;
+  r.body[1] = body1;
+  r.length = length;
+  r.e_n = e_n;
+  fill(r.point, point);
+  fill(r.end, end);
+  return demand(nsdae_bodies_add_rope(handle, &r));
+}
+
+int bodies::add_coupler(std::array<int, 2> joint, std::array<int, 2> coordinate,
+                        std::array<double, NSDAE_COUPLER_COEFFICIENTS> p)
+{
+  nsdae_coupler k = {};
+  fill(k.joint, joint);
+  fill(k.coordinate, coordinate);
+  fill(k.p, p);
+  return demand(nsdae_bodies_add_coupler(handle, &k));
+}
+
+int bodies::add_joint_spring(int joint, int coordinate, double stiffness, double damping,
+                             double rest)
+{
+  nsdae_joint_spring s = {};
+  s.joint = joint;
+  s.coordinate = coordinate;
+  s.stiffness = stiffness;
+  s.damping = damping;
+  s.rest = rest;
+  return demand(nsdae_bodies_add_joint_spring(handle, &s));
 }
 
 int bodies::add_spring(int body0, int body1, triple point, triple end, double stiffness,
@@ -282,6 +327,10 @@ void bind_bodies(nb::module_ &m)
       .def("add_joint", &bodies::add_joint, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
            nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),
            nb::arg())
+      .def("add_limit", &bodies::add_limit)
+      .def("add_rope", &bodies::add_rope)
+      .def("add_coupler", &bodies::add_coupler)
+      .def("add_joint_spring", &bodies::add_joint_spring)
       .def("add_spring", &bodies::add_spring)
       .def("add_torsion", &bodies::add_torsion)
       .def("add_load", &bodies::add_load, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),

@@ -31,6 +31,11 @@ public:
   int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
                 double ratio, double mu, bool collide_connected, nb::object drive,
                 std::uintptr_t address, std::uintptr_t user);
+  int add_limit(int joint, int coordinate, double low, double high, double e_n);
+  int add_rope(int body0, int body1, triple point, triple end, double length, double e_n);
+  int add_coupler(std::array<int, 2> joint, std::array<int, 2> coordinate,
+                  std::array<double, NSDAE_COUPLER_COEFFICIENTS> p);
+  int add_joint_spring(int joint, int coordinate, double stiffness, double damping, double rest);
   int add_spring(int body0, int body1, triple point, triple end, double stiffness, double damping,
                  double rest);
   int add_torsion(int body0, int body1, triple axis, double stiffness, double damping, double rest);

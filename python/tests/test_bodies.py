@@ -45,6 +45,37 @@ def test_a_driven_crank(library, compiled):
     assert run["theta0"][-1] == pytest.approx(2, abs=1e-5)
 
 
+def test_limits_couplers_and_ropes():
+    """A rack on a pinion up to its stop; a mass that hangs on a rope; an exponential decay."""
+    world = Bodies(2, gravity=(6, 0))
+    pinion = world.add(mass=2, inertia=1)
+    rack = world.add(mass=2, inertia=1)
+    hinge = world.add_joint("revolute", GROUND, pinion)
+    rail = world.add_joint("prismatic", GROUND, rack, axis=(1, 0))
+    assert world.add_coupler(hinge, rail, (0, 0.5)) == 0
+    assert world.add_limit(rail, high=0.9) == 0
+    run = nsdae.solve(world, 2, dt=0.001)
+    assert run["x1"][500] == pytest.approx(0.25, abs=1e-2)  # 2 g / (2 + 1 / 0.25) t^2 / 2
+    assert run["x1"][-1] == pytest.approx(0.9, abs=5e-3)
+    assert run["theta0"][-1] == pytest.approx(1.8, abs=1e-2)
+
+    world = Bodies(3, gravity=(0, 0, -10))
+    ball = world.add(mass=1, inertia=(1, 1, 1), position=(0, 0, -1))
+    world.add_rope(GROUND, ball, point=(0, 0, 0), end=(0, 0, -1), length=2)
+    assert nsdae.solve(world, 1, dt=0.001)["z0"][-1] == pytest.approx(-2, abs=1e-2)
+
+    world = Bodies(3)
+    wheel = world.add(mass=1, inertia=(1, 1, 0.5), spin=(0, 0, 2))
+    axle = world.add_joint("cylindrical", GROUND, wheel, axis=(0, 0, 1))
+    world.add_joint_spring(axle, coordinate=1, damping=0.5)
+    run = nsdae.solve(world, 1, method="event", rtol=1e-10, atol=1e-12)
+    assert run["wz0"][-1] == pytest.approx(2 * math.exp(-1), abs=1e-8)
+    with pytest.raises(nsdae.ArgumentError, match="2 pi"):
+        world = Bodies(3)
+        wheel = world.add(mass=1, inertia=(1, 1, 1))
+        world.add_limit(world.add_joint("revolute", GROUND, wheel, axis=(0, 0, 1)), low=-1)
+
+
 def test_a_load_of_python():
     """A constant thrust on the centre: x = F t^2 / (2 m)."""
     def thrust(t, position, velocity, force, torque):
