@@ -313,7 +313,7 @@ static void test_ladder_in_contact(void **state)
 
 /* ---- all joints, planar and spatial, with springs, a slot with friction and a floor */
 
-enum { PLANAR_KINDS = NSDAE_JOINT_GEAR + 1, ALL_KINDS = NSDAE_JOINT_SCREW + 1 };
+enum { PLANAR_KINDS = NSDAE_JOINT_GEAR + 1, ALL_KINDS = NSDAE_JOINT_UNIVERSAL + 1 };
 
 static void add_any_joint(mechanism *m, int dimension, int kind, int a, int b, const double *at)
 {
