@@ -160,6 +160,33 @@ typedef struct nsdae_joint_spring {
   double rest;               /* s without force [m or rad] */
 } nsdae_joint_spring;
 
+/* Kinds of motors; see nsdae_motor. */
+enum nsdae_motor_kind {
+  NSDAE_MOTOR_FORCE,   /* force or torque: the target */
+  NSDAE_MOTOR_SPEED,   /* s' = target, with the force that this needs */
+  NSDAE_MOTOR_POSITION /* force kp (target - s) + kd (target' - s') */
+};
+
+/* A motor along a coordinate s of a joint. Its force is at most limit.
+ *
+ * SPEED is a frictional joint of the system with the bound limit, exact within it. With the target
+ * 0 it is dry friction of the joint or a brake. vary gives a bound that changes: a clutch.
+ * Frictional joints are numbered from 0 in the order of the calls: slots with mu > 0 and motors
+ * SPEED.
+ *
+ * The force of FORCE and POSITION is part of F, with its derivatives. In space a rotation is known
+ * up to turns: POSITION takes the way to the target of at most half a turn. */
+typedef struct nsdae_motor {
+  int joint, coordinate; /* as in nsdae_limit */
+  int kind;              /* enum nsdae_motor_kind */
+  double target;         /* if drive is NULL [N, N m; m/s, rad/s; m, rad] */
+  double limit;          /* SPEED: >= 0, finite; others: > 0, INFINITY: none [N or N m] */
+  double kp, kd;         /* POSITION: >= 0; else 0 */
+  nsdae_drive_fn drive;  /* target and its rate, f and f'; or NULL */
+  nsdae_drive_fn vary;   /* SPEED: the limit f >= 0 at t, in place of limit; or NULL */
+  void *user;            /* last argument of both */
+} nsdae_motor;
+
 enum { NSDAE_COUPLER_COEFFICIENTS = 6 }; /* of nsdae_coupler */
 
 /* A coupler of coordinates of two joints: s_1 = p[0] + p[1] s_0 + p[2] s_0^2 + ... Two rotations:
@@ -274,6 +301,7 @@ NSDAE_API int nsdae_bodies_add_limit(nsdae_bodies *bodies, const nsdae_limit *li
 NSDAE_API int nsdae_bodies_add_rope(nsdae_bodies *bodies, const nsdae_rope *rope);
 NSDAE_API int nsdae_bodies_add_coupler(nsdae_bodies *bodies, const nsdae_coupler *coupler);
 NSDAE_API int nsdae_bodies_add_joint_spring(nsdae_bodies *bodies, const nsdae_joint_spring *spring);
+NSDAE_API int nsdae_bodies_add_motor(nsdae_bodies *bodies, const nsdae_motor *motor);
 NSDAE_API int nsdae_bodies_add_spring(nsdae_bodies *bodies, const nsdae_spring *spring);
 NSDAE_API int nsdae_bodies_add_torsion(nsdae_bodies *bodies, const nsdae_torsion *torsion);
 /* Adds a force callback on the point [3] of a body, in space at the start. */

@@ -57,20 +57,26 @@ typedef struct nsdae_bodies_limit {
 
 enum { NSDAE_ROPE = -1 };
 
+/* A slot with friction, or a motor with v_S = s' - target(t). */
 typedef struct nsdae_bodies_frictional_joint {
-  int constraint, joint;
-  nsdae_primitive along; /* its coordinate along the slot */
-  double mu;
+  int constraint, joint, motor; /* of the slot; the motor's number, or -1 */
+  nsdae_primitive along;
+  double mu, bound, target;
+  nsdae_drive_fn drive, vary; /* target and bound of a motor, or NULL */
+  void *user;
 } nsdae_bodies_frictional_joint;
 
-/* Force -(stiffness s + damping s') along a coordinate. */
+/* Force stiffness (target - s) + damping (target' - s') along a coordinate, within the limit; of a
+ * force motor the target. */
 typedef struct nsdae_bodies_spring {
   nsdae_primitive value;
-  double stiffness, damping;
   int owner, number; /* NSDAE_SPRING, ..., and its number among them */
+  double stiffness, damping, limit, target;
+  nsdae_drive_fn drive; /* target(t), or NULL */
+  void *user;
 } nsdae_bodies_spring;
 
-enum { NSDAE_SPRING, NSDAE_TORSION, NSDAE_JOINT_SPRING };
+enum { NSDAE_SPRING, NSDAE_TORSION, NSDAE_JOINT_SPRING, NSDAE_FORCE_MOTOR, NSDAE_POSITION_MOTOR };
 
 typedef struct nsdae_bodies_pair {
   int material[2];
@@ -219,6 +225,16 @@ void nsdae_bodies_place(const nsdae_bodies *bodies, const int body[2], const dou
 /* Adds scale times a row of velocities to the entries of its bodies, stride apart. */
 void nsdae_bodies_scatter(const nsdae_bodies *bodies, const nsdae_places *at,
                           const nsdae_velocity_row *row, double scale, double *out, int stride);
+
+/* force[0] at the coordinate s with its rate, and -dF/ds, -dF/ds': force[1], force[2]. 0, or what
+ * the drive returned. */
+int nsdae_spring_force(const nsdae_bodies_spring *spring, double t, double s, double rate,
+                       double force[3]);
+
+/* Target speed of a frictional joint and its rate; 0, or what the drive returned. */
+int nsdae_motor_target(const nsdae_bodies_frictional_joint *joint, double t, double target[3]);
+/* Coefficients and bounds of frictional joints. */
+int nsdae_bodies_set_motors(const nsdae_bodies *bodies, nsdae_system *system);
 
 /* Forces of gravity, springs and loads, and of spinning; their energy. */
 int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,

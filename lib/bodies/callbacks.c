@@ -65,7 +65,7 @@ static int set_names(const nsdae_bodies *b, nsdae_system *system)
 }
 
 /* joint0_0, joint0_1, ... and coupler0, ... in the units of their coordinates; a frictional joint
- * is named after its joint. */
+ * is named after its joint or motor. */
 static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
 {
   const nsdae_bodies_constraint *c = b->constraint.at;
@@ -82,8 +82,10 @@ static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
                                    nsdae_primitive_unit(&c[i].value));
   }
   for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
-    snprintf(name, sizeof name, "joint%d", s[i].joint);
-    status = nsdae_system_set_name(system, NSDAE_NAME_FRICTIONAL_JOINT, i, name, "m");
+    int motor = s[i].motor >= 0;
+    snprintf(name, sizeof name, motor ? "motor%d" : "joint%d", motor ? s[i].motor : s[i].joint);
+    status = nsdae_system_set_name(system, NSDAE_NAME_FRICTIONAL_JOINT, i, name,
+                                   nsdae_primitive_unit(&s[i].along));
   }
   return status;
 }

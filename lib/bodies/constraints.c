@@ -149,7 +149,7 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
   return own->constraint_bias ? own->constraint_bias(t, q, v, phi_t + m, omega + m, own->user) : 0;
 }
 
-/* A slot does not move with v = 0: w stays 0. */
+/* A slot does not move with v = 0; w of a motor is minus its target. */
 static int joint_friction_rows(double t, const double *q, nsdae_row_list *rows, double *w,
                                void *user)
 {
@@ -157,9 +157,12 @@ static int joint_friction_rows(double t, const double *q, nsdae_row_list *rows, 
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value value;
   int code = 0;
-  (void)t, (void)w;
   for (int i = 0; i < b->frictional_joint.count && code == 0; i++) {
     row_parts parts = {.count = 0};
+    double target[3];
+    code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    if (code) return code;
+    w[i] = -target[0];
     nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, NULL, &at, &value);
     add_parts(b, &at, &value.row, 1, &parts);
     code = put_row(&parts, i, rows);
@@ -176,6 +179,10 @@ static int frictional_joint_tangent(double t, const double *q, double *W, int ld
   nsdae_primitive_value value;
   nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < f; i++, W += ldw) {
+    double target[3];
+    int code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    if (code) return code;
+    w[i] = -target[0];
     nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, NULL, &at, &value);
     nsdae_bodies_scatter(b, &at, &value.row, 1, W, 1);
   }
@@ -199,9 +206,5 @@ int nsdae_bodies_set_constraints(const nsdae_bodies *b, nsdae_system *system)
     status = own->dims.f > 0
                  ? nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent)
                  : nsdae_system_set_joint_friction_rows(system, joint_friction_rows);
-  for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
-    const nsdae_bodies_frictional_joint *s = nsdae_frictional_joint_at(b, i);
-    status = nsdae_system_set_frictional_joint(system, i, s->constraint, s->mu);
-  }
-  return status;
+  return status < 0 ? status : nsdae_bodies_set_motors(b, system);
 }

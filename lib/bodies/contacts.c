@@ -237,7 +237,10 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
   }
   for (int i = 0; i < f; i++) {
     nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, v, &c.at, &value);
-    omega_s[i] = value.phi.dd;
+    double target[3];
+    int code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    if (code) return code;
+    omega_s[i] = value.phi.dd - target[1];
   }
   if (!own->contact_acceleration) return 0;
   int some = own->dims.k > 0;

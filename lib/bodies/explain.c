@@ -28,6 +28,12 @@ static void joint_words(const nsdae_bodies *b, int i, char *text, size_t size)
            of_bodies(joint->body, bodies));
 }
 
+static void motor_words(int i, const int body[2], char *text, size_t size)
+{
+  char bodies[WORDS];
+  snprintf(text, size, "motor %d of %s", i, of_bodies(body, bodies));
+}
+
 static void constraint_words(const nsdae_bodies *b, int i, char *text, size_t size)
 {
   const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
@@ -91,7 +97,13 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
   int constraint = kind == NSDAE_NAME_CONSTRAINT && i < b->constraint.count;
   int frictional = kind == NSDAE_NAME_FRICTIONAL_JOINT && i < b->frictional_joint.count;
   if (constraint) constraint_words(b, (int)i, text, size);
-  if (frictional) joint_words(b, nsdae_frictional_joint_at(b, (int)i)->joint, text, size);
+  if (frictional) {
+    const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, (int)i);
+    if (f->motor < 0)
+      joint_words(b, f->joint, text, size);
+    else
+      motor_words(f->motor, f->along.body, text, size);
+  }
   return constraint || frictional;
 }
 
@@ -100,7 +112,8 @@ static int exact(const void *of, int kind, int i)
 {
   const nsdae_bodies *b = of;
   if (kind == NSDAE_NAME_CONTACT) return i < nsdae_bodies_fixed(b);
-  if (kind == NSDAE_NAME_FRICTIONAL_JOINT) return i < b->frictional_joint.count;
+  if (kind == NSDAE_NAME_FRICTIONAL_JOINT)
+    return i < b->frictional_joint.count && !nsdae_frictional_joint_at(b, i)->drive;
   return kind == NSDAE_NAME_CONSTRAINT && i < b->constraint.count &&
          !nsdae_constraint_at(b, i)->drive;
 }
@@ -120,37 +133,59 @@ static int has_no_length(const nsdae_bodies *b, const nsdae_primitive *e, const 
   return e->kind == NSDAE_PRIMITIVE_DISTANCE && coincide(x[0], x[1]);
 }
 
-/* A drive that failed or is not finite, or a distance without a direction; 0 if it is none of
- * these. */
-static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
+/* A drive that failed or is not finite; 0 if it is neither. */
+static int explain_drive(nsdae_drive_fn drive, void *user, double t, const char *words,
+                         nsdae_reason *r)
 {
   static const char *const rate[3] = {"f", "f'", "f''"};
-  const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
-  const nsdae_primitive *e = &c->value;
-  char joint[2 * WORDS];
   double f[3] = {0, 0, 0};
+  int code = drive ? drive(t, f, user) : 0, j = 0;
+  while (j < 3 && isfinite(f[j])) j++;
+  if (code)
+    snprintf(r->text, sizeof r->text, "the drive of %s returned %d", words, code);
+  else if (j < 3)
+    snprintf(r->text, sizeof r->text, "the drive of %s gave %s = %g", words, rate[j], f[j]);
+  return code || j < 3;
+}
+
+/* Its drive, or a distance without a direction; 0 if it is neither. */
+static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
+{
+  const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
+  char joint[2 * WORDS];
   if (c->joint < 0) return 0; /* a coupler has neither */
-  int code = c->drive ? c->drive(t, f, c->user) : 0, j = 0;
   joint_words(b, c->joint, joint, sizeof joint);
   r->element = "joint";
   r->index = c->joint;
-  while (j < 3 && isfinite(f[j])) j++;
-  if (code)
-    snprintf(r->text, sizeof r->text, "the drive of %s returned %d", joint, code);
-  else if (j < 3)
-    snprintf(r->text, sizeof r->text, "the drive of %s gave %s = %g", joint, rate[j], f[j]);
-  else if (has_no_length(b, e, q))
-    snprintf(r->text, sizeof r->text, "%s: its ends coincide, it has no direction", joint);
-  return code || j < 3 || has_no_length(b, e, q);
+  if (explain_drive(c->drive, c->user, t, joint, r)) return 1;
+  if (!has_no_length(b, &c->value, q)) return 0;
+  snprintf(r->text, sizeof r->text, "%s: its ends coincide, it has no direction", joint);
+  return 1;
 }
 
-static int explain_spring(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
+static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r)
 {
-  const nsdae_primitive *e = &nsdae_spring_at(b, i)->value;
-  char bodies[WORDS];
+  const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
+  char motor[2 * WORDS];
+  if (f->motor < 0) return 0; /* a slot */
+  motor_words(f->motor, f->along.body, motor, sizeof motor);
+  r->element = "motor";
+  r->index = f->motor;
+  return explain_drive(f->drive, f->user, t, motor, r) ||
+         explain_drive(f->vary, f->user, t, motor, r);
+}
+
+/* Of a motor the drive. */
+static int explain_spring(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
+{
+  const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+  const nsdae_primitive *e = &s->value;
+  char bodies[WORDS], motor[2 * WORDS];
+  r->element = s->owner >= NSDAE_FORCE_MOTOR ? "motor" : "spring";
+  r->index = s->number;
+  motor_words(s->number, e->body, motor, sizeof motor);
+  if (explain_drive(s->drive, s->user, t, motor, r)) return 1;
   if (!has_no_length(b, e, q)) return 0;
-  r->element = "spring";
-  r->index = nsdae_spring_at(b, i)->number;
   snprintf(r->text, sizeof r->text,
            "spring %d of %s: its ends coincide, its force has no direction", r->index,
            of_bodies(e->body, bodies));
@@ -205,9 +240,11 @@ static int explain(const void *of, const char *callback, double t, const double 
   if (strncmp(callback, "constraint", strlen("constraint")) == 0)
     for (int i = 0; i < b->constraint.count && !found; i++) found = explain_joint(b, i, t, q, r);
   if (strcmp(callback, "force") == 0) {
-    for (int i = 0; i < b->spring.count && !found; i++) found = explain_spring(b, i, q, r);
+    for (int i = 0; i < b->spring.count && !found; i++) found = explain_spring(b, i, t, q, r);
     for (int i = 0; i < b->load.count && !found; i++) found = explain_load(b, i, t, q, v, r);
   }
+  if (strstr(callback, "joint") || strcmp(callback, "contact_acceleration") == 0)
+    for (int i = 0; i < b->frictional_joint.count && !found; i++) found = explain_motor(b, i, t, r);
   if (strcmp(callback, "gap_normal") == 0)
     for (int i = 0; i < nsdae_bodies_fixed(b) - b->limit.count && !found; i++)
       found = explain_contact(b, i, q, r);

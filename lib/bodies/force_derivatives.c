@@ -1,6 +1,6 @@
-/* D = -dF/dv and K = -(dF/dq) H by blocks. A spring gives its two bodies F = f g with g the row of
- * s', f = -(k s + c g.v), and a load F = B^T (force, torque). Along a direction e of the
- * velocities, q' = H e and ' by jets:
+/* D = -dF/dv and K = -(dF/dq) H by blocks. A spring or motor gives its two bodies F = f g with g
+ * the row of s', f = k (target - s) - c g.v (k = c = 0 at the limit of a motor), and a load F = B^T
+ * (force, torque). Along a direction e of the velocities, q' = H e and ' by jets:
  *
  *   spring    D e = c (g.e) g,   -K e = f' g + f g',   f' = -(k s' + c g'.v)
  *   load      -D e = B^T f_v B e,   -K e = B^T (f_x B e + f_v (B v)') + B'^T f
@@ -85,11 +85,14 @@ static int add_blocks(const nsdae_bodies *b, const nsdae_places *e, double X[12]
 
 /* X[j]: column j of D, or of K */
 static int add_spring(const nsdae_bodies *b, const nsdae_bodies_spring *spring, int along_q,
-                      const double *q, const double *v, nsdae_block_list *list)
+                      double t, const double *q, const double *v, nsdae_block_list *list)
 {
   nsdae_places e = nsdae_nowhere;
-  nsdae_bodies_place(b, spring->value.body, q, v, &e);
-  double k = spring->stiffness, c = spring->damping, X[12][12] = {{0}};
+  nsdae_primitive_value s;
+  double force[3], X[12][12] = {{0}};
+  nsdae_bodies_coordinate(b, &spring->value, q, v, &e, &s);
+  int code = nsdae_spring_force(spring, t, s.phi.x, s.phi.d, force);
+  if (code) return code;
   int nv = nsdae_body_nv(b),
       first = e.body[0] == NSDAE_GROUND ? 6 : 0; /* D takes g alone, of any direction */
   coordinate_jet jet = {.s = {0, 0, 0}};
@@ -101,16 +104,16 @@ static int add_spring(const nsdae_bodies *b, const nsdae_bodies_spring *spring, 
                                   along_column(b, &e.pose[1], side == 1 ? column : -1)};
       jet = jet_of(b, &spring->value, pose);
     }
-    double rate = 0, turned = 0; /* g.v, g'.v */
+    double turned = 0; /* g'.v */
     for (int i = 0; i < 2 * nv && along_q; i++) {
       if (e.body[i / nv] == NSDAE_GROUND) continue;
       double u = v[nv * e.body[i / nv] + i % nv];
-      rate += jet.g[i / nv][i % nv].x * u;
       turned += jet.g[i / nv][i % nv].d * u;
     }
-    double rise = along_q ? k * jet.s.d + c * turned : c * jet.g[side][column].x;
-    double f = along_q ? k * jet.s.x + c * rate : 0;
-    for (int i = 0; i < 12; i++) X[j][i] = rise * jet.g[i / 6][i % 6].x + f * jet.g[i / 6][i % 6].d;
+    double rise =
+        along_q ? force[1] * jet.s.d + force[2] * turned : force[2] * jet.g[side][column].x;
+    double f = along_q ? force[0] : 0;
+    for (int i = 0; i < 12; i++) X[j][i] = rise * jet.g[i / 6][i % 6].x - f * jet.g[i / 6][i % 6].d;
   }
   return add_blocks(b, &e, X, list);
 }
@@ -182,7 +185,7 @@ static int add_elements(const nsdae_bodies *b, int along_q, double t, const doub
   const nsdae_load *load = b->load.at;
   int status = 0;
   for (int i = 0; i < b->spring.count && status == 0; i++)
-    status = add_spring(b, nsdae_spring_at(b, i), along_q, q, v, list);
+    status = add_spring(b, nsdae_spring_at(b, i), along_q, t, q, v, list);
   for (int i = 0; i < b->load.count && status == 0; i++)
     status = add_load(b, load + i, along_q, t, q, v, list);
   return status;

@@ -1,4 +1,4 @@
-/* Generalised forces: gravity, springs, the user's loads, and in space those of spinning,
+/* Generalised forces: gravity, springs, motors, the user's loads, and in space those of spinning,
  *
  *   M v' = F,   own axes:  J omega' = torque - omega x J omega */
 #include "bodies_impl.h"
@@ -50,12 +50,14 @@ int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const 
     nsdae_cross3(momentum, w, torque);
     for (int j = 0; j < 3; j++) F[nv * i + 3 + j] += torque[j];
   }
-  /* ---- F = -(stiffness s + damping s') along the row of s' */
+  /* ---- springs and motors: F(s, s') along the row of s' */
   for (int i = 0; i < b->spring.count; i++) {
     const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
+    double force[3];
     nsdae_bodies_coordinate(b, &spring->value, q, v, &at, &s);
-    double force = -spring->stiffness * s.phi.x - spring->damping * s.phi.d;
-    nsdae_bodies_scatter(b, &at, &s.row, force, F, 1);
+    int code = nsdae_spring_force(spring, t, s.phi.x, s.phi.d, force);
+    if (code) return code;
+    nsdae_bodies_scatter(b, &at, &s.row, force[0], F, 1);
   }
   return loads(b, t, q, v, F);
 }
@@ -69,8 +71,10 @@ double nsdae_bodies_energy(const nsdae_bodies *b, const double *q)
     for (int j = 0; j < b->dimension; j++)
       energy -= nsdae_body_at(b, i)->mass * b->gravity[j] * q[i * nsdae_body_nq(b) + j];
   for (int i = 0; i < b->spring.count; i++) {
-    nsdae_bodies_coordinate(b, &nsdae_spring_at(b, i)->value, q, NULL, &at, &s);
-    energy += nsdae_spring_at(b, i)->stiffness * s.phi.x * s.phi.x / 2;
+    const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
+    if (spring->owner >= NSDAE_FORCE_MOTOR) continue; /* its work comes from outside */
+    nsdae_bodies_coordinate(b, &spring->value, q, NULL, &at, &s);
+    energy += spring->stiffness * s.phi.x * s.phi.x / 2;
   }
   return energy;
 }

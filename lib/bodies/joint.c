@@ -197,7 +197,12 @@ static void add_joint(const assembly *s)
   if (joint.coordinates > 0 && j->drive) set_drive(s, add_row(s, joint.coordinate[0]));
   if (j->mu > 0) { /* a slot: the velocity of sliding is the rate of its coordinate */
     nsdae_bodies_frictional_joint *f = nsdae_list_add(b, &b->frictional_joint, sizeof *f);
-    if (f) *f = (nsdae_bodies_frictional_joint){first, b->joint.count, joint.coordinate[0], j->mu};
+    if (f)
+      *f = (nsdae_bodies_frictional_joint){.constraint = first,
+                                           .joint = b->joint.count,
+                                           .motor = -1,
+                                           .along = joint.coordinate[0],
+                                           .mu = j->mu};
   }
   nsdae_bodies_joint *added = nsdae_list_add(b, &b->joint, sizeof *added);
   if (added) *added = joint;

@@ -16,11 +16,17 @@ static int check_spring(nsdae_bodies *b, const char *what, int index, double sti
   return b->error.status;
 }
 
-static int add(nsdae_bodies *b, nsdae_bodies_spring spring)
+static int add(nsdae_bodies *b, int owner, int number, nsdae_primitive value, double stiffness,
+               double damping)
 {
   nsdae_bodies_spring *s = nsdae_list_add(b, &b->spring, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
-  *s = spring;
+  *s = (nsdae_bodies_spring){.value = value,
+                             .owner = owner,
+                             .number = number,
+                             .stiffness = stiffness,
+                             .damping = damping,
+                             .limit = INFINITY};
   return NSDAE_OK;
 }
 
@@ -47,8 +53,7 @@ int nsdae_bodies_add_spring(nsdae_bodies *b, const nsdae_spring *spring)
   if (status < 0) return status;
   nsdae_primitive length = nsdae_bodies_distance(b, spring->body, spring->point, spring->end);
   length.offset = spring->rest;
-  status = add(
-      b, (nsdae_bodies_spring){length, spring->stiffness, spring->damping, NSDAE_SPRING, index});
+  status = add(b, NSDAE_SPRING, index, length, spring->stiffness, spring->damping);
   return status < 0 ? status : index;
 }
 
@@ -79,8 +84,7 @@ int nsdae_bodies_add_torsion(nsdae_bodies *b, const nsdae_torsion *torsion)
   nsdae_bodies_own_direction(b, torsion->body[0], zero, angle.a);
   nsdae_bodies_own_direction(b, torsion->body[0], quarter, angle.b);
   nsdae_bodies_own_direction(b, torsion->body[1], zero, angle.c);
-  status = add(
-      b, (nsdae_bodies_spring){angle, torsion->stiffness, torsion->damping, NSDAE_TORSION, index});
+  status = add(b, NSDAE_TORSION, index, angle, torsion->stiffness, torsion->damping);
   return status < 0 ? status : index;
 }
 
@@ -102,8 +106,7 @@ int nsdae_bodies_add_joint_spring(nsdae_bodies *b, const nsdae_joint_spring *spr
   for (int i = 0; i < (value.kind == NSDAE_PRIMITIVE_SPIN ? 3 : 1) && status == NSDAE_OK; i++) {
     if (value.kind == NSDAE_PRIMITIVE_SPIN)
       for (int j = 0; j < 3; j++) value.a[j] = i == j;
-    status = add(b, (nsdae_bodies_spring){value, spring->stiffness, spring->damping,
-                                          NSDAE_JOINT_SPRING, index});
+    status = add(b, NSDAE_JOINT_SPRING, index, value, spring->stiffness, spring->damping);
   }
   return status < 0 ? status : index;
 }

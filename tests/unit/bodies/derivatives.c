@@ -74,6 +74,7 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
 {
   nsdae_joint j = {.kind = kind, .ratio = uniform(-2, 2), .user = size};
   pair_of(bodies, j.body);
+  if (kind == NSDAE_JOINT_SCREW) j.ratio += copysign(3, j.ratio); /* off by less than half a turn */
   vector(d, 1, j.point);
   vector(d, 1, j.end);
   j.end[0] += 2; /* the curvature of a distance is of order one, as the differences want */
@@ -89,8 +90,8 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
   assert_true(nsdae_bodies_add_joint(b, &j) >= 0);
 }
 
-/* Limits, springs, couplers of all coordinates that there are, and a rope. */
-static void add_parts_of_joints(nsdae_bodies *b, int d, int bodies)
+/* Limits, springs, motors, couplers of all coordinates that there are, and a rope. */
+static void add_parts_of_joints(nsdae_bodies *b, int d, int bodies, double *size)
 {
   int place[4], count = 0;
   for (int i = 0; i < 2 * b->joint.count; i++) {
@@ -102,13 +103,21 @@ static void add_parts_of_joints(nsdae_bodies *b, int d, int bodies)
     assert_true(nsdae_bodies_add_joint_spring(b, &s) >= 0);
     if (spherical) continue;
     place[count++] = i;
+    for (int kind = NSDAE_MOTOR_FORCE; kind <= NSDAE_MOTOR_POSITION; kind++) {
+      int position = kind == NSDAE_MOTOR_POSITION;
+      nsdae_motor m = {.joint = i / 2, .coordinate = i % 2, .kind = kind, .target = 0.4};
+      m.limit = below(2) ? 0.1 : 50;
+      if (position) m.kp = 2, m.kd = 0.5;
+      if (below(2)) m.drive = drive, m.user = size;
+      assert_true(nsdae_bodies_add_motor(b, &m) >= 0);
+    }
     assert_true(nsdae_bodies_add_limit(b, &(nsdae_limit){i / 2, i % 2, -2, 3, 0.5}) >= 0);
   }
   if (count > 1) {
     int first = place[0], second = place[count - 1];
     nsdae_coupler c = {.joint = {first / 2, second / 2}, .coordinate = {first % 2, second % 2}};
     c.p[0] = uniform(-0.1, 0.1);
-    c.p[1] = round(uniform(1, 9)) / round(uniform(1, 5));
+    c.p[1] = round(uniform(1, 9)) / (1 + below(2));
     if (below(2)) c.p[2] = 0.3, c.p[4] = -0.2;
     assert_int_equal(nsdae_bodies_add_coupler(b, &c), 0);
   }
@@ -184,7 +193,7 @@ static nsdae_bodies *mechanism(int d, int index, int by_list, double *size)
   add_joint(b, d, bodies, index % (d == 2 ? 6 : 4), by_list ? 0 : 0.2, size);
   add_joint(b, d, bodies, d == 2 ? 2 * (index % 3) : (const int[]){6, 7, 8, 9, 0, 1}[index % 6], 0,
             size);
-  add_parts_of_joints(b, d, bodies);
+  add_parts_of_joints(b, d, bodies, size);
   if (by_list)
     add_pairs(b, d, bodies, index);
   else
