@@ -177,14 +177,14 @@ enum nsdae_motor_kind {
  * The force of FORCE and POSITION is part of F, with its derivatives. In space a rotation is known
  * up to turns: POSITION takes the way to the target of at most half a turn. */
 typedef struct nsdae_motor {
-  int joint, coordinate; /* as in nsdae_limit */
-  int kind;              /* enum nsdae_motor_kind */
-  double target;         /* if drive is NULL [N, N m; m/s, rad/s; m, rad] */
-  double limit;          /* SPEED: >= 0, finite; others: > 0, INFINITY: none [N or N m] */
-  double kp, kd;         /* POSITION: >= 0; else 0 */
-  nsdae_drive_fn drive;  /* target and its rate, f and f'; or NULL */
-  nsdae_drive_fn vary;   /* SPEED: the limit f >= 0 at t, in place of limit; or NULL */
-  void *user;            /* last argument of both */
+  int joint, coordinate;  /* as in nsdae_limit */
+  int kind;               /* enum nsdae_motor_kind */
+  double target;          /* if drive is NULL [N, N m; m/s, rad/s; m, rad] */
+  double limit;           /* SPEED: >= 0, finite; others: > 0, INFINITY: none [N or N m] */
+  double kp, kd;          /* POSITION: >= 0; else 0 */
+  nsdae_drive_fn drive;   /* target and its rate, f and f'; or NULL */
+  nsdae_drive_fn vary;    /* SPEED: the limit f >= 0 at t, in place of limit; or NULL */
+  void *user, *vary_user; /* last arguments of drive and vary */
 } nsdae_motor;
 
 enum { NSDAE_COUPLER_COEFFICIENTS = 6 }; /* of nsdae_coupler */

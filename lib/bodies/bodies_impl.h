@@ -63,7 +63,7 @@ typedef struct nsdae_bodies_frictional_joint {
   nsdae_primitive along;
   double mu, bound, target;
   nsdae_drive_fn drive, vary; /* target and bound of a motor, or NULL */
-  void *user;
+  void *user, *vary_user;
 } nsdae_bodies_frictional_joint;
 
 /* Force stiffness (target - s) + damping (target' - s') along a coordinate, within the limit; of a

@@ -172,7 +172,7 @@ static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r
   r->element = "motor";
   r->index = f->motor;
   return explain_drive(f->drive, f->user, t, motor, r) ||
-         explain_drive(f->vary, f->user, t, motor, r);
+         explain_drive(f->vary, f->vary_user, t, motor, r);
 }
 
 /* Of a motor the drive. */

@@ -86,7 +86,8 @@ int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
                                          .target = m->target,
                                          .drive = m->drive,
                                          .vary = m->vary,
-                                         .user = m->user};
+                                         .user = m->user,
+                                         .vary_user = m->vary_user};
     return index;
   }
   nsdae_bodies_spring *s = nsdae_list_add(b, &b->spring, sizeof *s);
@@ -120,7 +121,7 @@ static int bounds(double t, const double *q, const double *v, double *bound, voi
   for (int i = 0; i < b->frictional_joint.count; i++) {
     const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
     double limit[3] = {0, 0, 0};
-    int code = f->vary ? f->vary(t, limit, f->user) : 0;
+    int code = f->vary ? f->vary(t, limit, f->vary_user) : 0;
     if (code) return code;
     bound[i] = limit[0];
   }

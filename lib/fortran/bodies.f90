@@ -16,7 +16,7 @@ module nsdae_f_bodies
   private
 
   ! Materials are 0 .. NSDAE_MATERIALS - 1.
-  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_ NSDAE_COUPLER_
+  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_ NSDAE_COUPLER_ NSDAE_MOTOR_
 
   ! A rigid body at the start.
   type, bind(C), public :: nsdae_rigid_body
@@ -86,6 +86,17 @@ module nsdae_f_bodies
   type, bind(C), public :: nsdae_coupler
     integer(c_int) :: joint(2) = 0, coordinate(2) = 0
     real(c_double) :: p(NSDAE_COUPLER_COEFFICIENTS) = 0
+  end type
+
+  ! A motor of a coordinate of a joint.
+  type, bind(C), public :: nsdae_motor
+    integer(c_int) :: joint = 0, coordinate = 0
+    integer(c_int) :: kind = NSDAE_MOTOR_FORCE
+    real(c_double) :: target = 0  ! without a drive
+    real(c_double) :: limit = 0   ! of its force
+    real(c_double) :: kp = 0, kd = 0  ! POSITION
+    type(c_funptr) :: drive = c_null_funptr, vary = c_null_funptr  ! nsdae_drive_fn: target, limit
+    type(c_ptr) :: user = c_null_ptr, vary_user = c_null_ptr
   end type
 
   ! A spring and damper between two points.
@@ -167,7 +178,7 @@ module nsdae_f_bodies
   public :: nsdae_drive_fn, nsdae_load_fn
   public :: nsdae_bodies_create, nsdae_bodies_destroy, nsdae_bodies_add, nsdae_bodies_add_joint, &
             nsdae_bodies_add_limit, nsdae_bodies_add_rope, nsdae_bodies_add_coupler, &
-            nsdae_bodies_add_joint_spring, &
+            nsdae_bodies_add_joint_spring, nsdae_bodies_add_motor, &
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
@@ -176,7 +187,7 @@ module nsdae_f_bodies
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
-    ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring
+    ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
     ! headers: functions nsdae_bodies_ add_scene
@@ -215,7 +226,7 @@ contains
   ! Each adds one thing: its number, or a status < 0, which is remembered: later calls return it too,
   ! and so does nsdae_bodies_system, so that it is enough to look there.
   ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
-  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring
+  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
 
   ! Adds a force callback on the point of a body, in space at the start.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)

@@ -13,6 +13,7 @@ from ._system import System
 from ._trajectory import Shape
 
 GROUND = -1
+MOTORS = ("force", "speed", "position")
 JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal",
           "screw")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
@@ -314,6 +315,39 @@ class Bodies:
             Number of the coupler.
         """
         return self._core.add_coupler((joint0, joint1), tuple(coordinates), _numbers("p", p, 6))
+
+    def add_motor(self, joint: int, kind: str, target: Any = 0, *, coordinate: int = 0, limit: Any = math.inf,
+                  kp: float = 0, kd: float = 0) -> int:
+        """Adds a motor along a coordinate s of a joint.
+
+        Parameters
+        ----------
+        joint : int
+            Number of the joint.
+        kind : str
+            "force": the force or torque is the target. "speed": s' is the target. "position": the force is
+            kp (target - s) + kd (target' - s').
+        target : float or callable
+            A number, or ``target(t, f)``, which writes it and its two rates to f, shape (3,).
+        coordinate : int
+            See `add_limit`.
+        limit : float or callable
+            Largest force or torque. "speed" needs one, and may have ``limit(t, f)``, which writes it to f[0]. With the
+            target 0 it is dry friction or a brake, and a clutch if the limit varies.
+        kp, kd : float
+            Gains of "position".
+
+        Returns
+        -------
+        int
+            Number of the motor.
+        """
+        target_function, target_pointer = self._callback("drive", target if callable(target) else None, None)
+        limit_function, limit_pointer = self._callback("drive", limit if callable(limit) else None, None)
+        return self._core.add_motor(joint, coordinate, _one_of("kind", kind, MOTORS),
+                                    0.0 if callable(target) else float(target),
+                                    0.0 if callable(limit) else float(limit), float(kp), float(kd), target_function,
+                                    *target_pointer, limit_function, *limit_pointer)
 
     def add_joint_spring(self, joint: int, *, coordinate: int = 0, stiffness: float = 0, damping: float = 0,
                          rest: float = 0) -> int:

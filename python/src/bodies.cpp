@@ -94,6 +94,20 @@ int bodies::add(double mass, triple inertia, triple position, double angle, quad
   return demand(nsdae_bodies_add(handle, &b));
 }
 
+// A function of Python, or a compiled one at the address; none: NULL.
+void bodies::set_drive(nb::object function, std::uintptr_t address, std::uintptr_t given,
+                       nsdae_drive_fn &drive, void *&user)
+{
+  if (!function.is_none()) {
+    functions.emplace_back().set_function(function.ptr(), {{3, 0, true}}, false);
+    drive = drive_in_python;
+    user = &functions.back();
+  } else if (address) {
+    drive = reinterpret_cast<nsdae_drive_fn>(address);
+    user = reinterpret_cast<void *>(given);
+  }
+}
+
 int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, triple axis,
                       triple cross, double ratio, double mu, bool collide_connected,
                       nb::object drive, std::uintptr_t address, std::uintptr_t user)
@@ -109,14 +123,7 @@ int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, 
   fill(j.end, end);
   fill(j.axis, axis);
   fill(j.cross, cross);
-  if (!drive.is_none()) {
-    functions.emplace_back().set_function(drive.ptr(), {{3, 0, true}}, false);
-    j.drive = drive_in_python;
-    j.user = &functions.back();
-  } else if (address) {
-    j.drive = reinterpret_cast<nsdae_drive_fn>(address);
-    j.user = reinterpret_cast<void *>(user);
-  }
+  set_drive(drive, address, user, j.drive, j.user);
   return demand(nsdae_bodies_add_joint(handle, &j));
 }
 
@@ -151,6 +158,23 @@ int bodies::add_coupler(std::array<int, 2> joint, std::array<int, 2> coordinate,
   fill(k.coordinate, coordinate);
   fill(k.p, p);
   return demand(nsdae_bodies_add_coupler(handle, &k));
+}
+
+int bodies::add_motor(int joint, int coordinate, int kind, double target, double limit, double kp,
+                      double kd, nb::object drive, std::uintptr_t address, std::uintptr_t user,
+                      nb::object vary, std::uintptr_t vary_address, std::uintptr_t vary_user)
+{
+  nsdae_motor m = {};
+  m.joint = joint;
+  m.coordinate = coordinate;
+  m.kind = kind;
+  m.target = target;
+  m.limit = limit;
+  m.kp = kp;
+  m.kd = kd;
+  set_drive(drive, address, user, m.drive, m.user);
+  set_drive(vary, vary_address, vary_user, m.vary, m.vary_user);
+  return demand(nsdae_bodies_add_motor(handle, &m));
 }
 
 int bodies::add_joint_spring(int joint, int coordinate, double stiffness, double damping,
@@ -330,6 +354,9 @@ void bind_bodies(nb::module_ &m)
       .def("add_limit", &bodies::add_limit)
       .def("add_rope", &bodies::add_rope)
       .def("add_coupler", &bodies::add_coupler)
+      .def("add_motor", &bodies::add_motor, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
+           nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none(),
+           nb::arg(), nb::arg())
       .def("add_joint_spring", &bodies::add_joint_spring)
       .def("add_spring", &bodies::add_spring)
       .def("add_torsion", &bodies::add_torsion)

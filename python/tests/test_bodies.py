@@ -76,6 +76,44 @@ def test_limits_couplers_and_ropes():
         world.add_limit(world.add_joint("revolute", GROUND, wheel, axis=(0, 0, 1)), low=-1)
 
 
+def test_motors():
+    """A wheel by torque, by speed and by a brake; a clutch that engages; a position."""
+    def wheel(world, spin=0.0):
+        body = world.add(mass=1, inertia=0.5, spin=spin)
+        return world.add_joint("revolute", GROUND, body)
+
+    def turn(world, t=1.0):
+        run = nsdae.solve(world, t, method="event", rtol=1e-11, atol=1e-12)
+        return run["theta0"][-1]
+
+    world = Bodies(2)
+    world.add_motor(wheel(world), "force", 5, limit=3)
+    assert turn(world) == pytest.approx(3, abs=1e-9)
+    world = Bodies(2)
+    world.add_motor(wheel(world), "speed", 2, limit=4)  # after 0.25 s
+    assert turn(world) == pytest.approx(0.25 + 1.5, abs=1e-9)
+    world = Bodies(2)
+    world.add_motor(wheel(world, 2), "speed", limit=4)
+    assert turn(world) == pytest.approx(0.25, abs=1e-9)
+    world = Bodies(2)
+
+    def ramp(t, f):
+        f[0] = 6 * t * t
+
+    world.add_motor(wheel(world, 2), "speed", limit=ramp)  # 2 - 4 t^3 to t_1^3 = 1/2
+    assert turn(world) == pytest.approx(1.5 * 0.5 ** (1 / 3), abs=1e-9)
+
+    def sine(t, f):
+        f[:] = math.sin(t), math.cos(t), -math.sin(t)
+
+    world = Bodies(2)
+    world.add_motor(wheel(world, 1), "position", sine, kp=100, kd=10)
+    assert turn(world) == pytest.approx(math.sin(1), abs=0.01)
+    with pytest.raises(nsdae.ArgumentError, match="limit"):
+        world = Bodies(2)
+        world.add_motor(wheel(world), "speed", 2)
+
+
 def test_a_load_of_python():
     """A constant thrust on the centre: x = F t^2 / (2 m)."""
     def thrust(t, position, velocity, force, torque):

@@ -839,6 +839,18 @@ static void test_couplers()
   nsdae_joint_spring damper = nsdae_joint_spring();
   damper.damping = 1e-6;
   EXPECT(world.joint_spring(damper) == 0);
+  nsdae_motor motor = nsdae_motor();
+  motor.joint = 1;
+  motor.target = motor.limit = 12;
+  EXPECT(world.motor(motor) == 0);
+  motor.kind = NSDAE_MOTOR_SPEED; /* dry friction */
+  motor.target = 0;
+  const auto still = [](double, double *) { return 0; };
+  const auto most = [](double, double *f) {
+    f[0] = 12;
+    return 0;
+  };
+  EXPECT(world.motor(motor, still, most) == 1);
   nsdae::system made = world.system();
   nsdae::sim sim(made);
   sim.init(0, world.start().first, world.start().second);

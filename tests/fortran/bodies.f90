@@ -215,6 +215,7 @@ contains
     type(nsdae_rope) :: rope
     type(nsdae_coupler) :: coupler
     type(nsdae_joint_spring) :: damper
+    type(nsdae_motor) :: motor
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
@@ -241,6 +242,13 @@ contains
     rope%length = 3
     call is_int(nsdae_bodies_add_rope(bodies, rope), 2_c_int, 'rope')
     call is_int(nsdae_bodies_add_joint_spring(bodies, damper), 0_c_int, 'damper')
+    motor%joint = 1
+    motor%target = 12
+    motor%limit = 12
+    call is_int(nsdae_bodies_add_motor(bodies, motor), 0_c_int, 'motor')
+    motor%kind = NSDAE_MOTOR_SPEED
+    motor%target = 0
+    call is_int(nsdae_bodies_add_motor(bodies, motor), 1_c_int, 'dry friction')
     call start(bodies, system, sim)
     call is_int(nsdae_sim_run(sim, 0.5d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')

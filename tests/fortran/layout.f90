@@ -51,6 +51,7 @@ program layout
   call limit_fields
   call rope_fields
   call joint_spring_fields
+  call motor_fields
   call coupler_fields
   call torsion_fields
   call trajectory_info_fields
@@ -539,6 +540,21 @@ contains
     call same_place('nsdae_joint_spring%stiffness', c_loc(x), c_loc(x%stiffness))
     call same_place('nsdae_joint_spring%damping', c_loc(x), c_loc(x%damping))
     call same_place('nsdae_joint_spring%rest', c_loc(x), c_loc(x%rest))
+  end subroutine
+
+  subroutine motor_fields()
+    type(nsdae_motor), target :: x
+    call same_size('nsdae_motor', c_sizeof(x))
+    call same_place('nsdae_motor%coordinate', c_loc(x), c_loc(x%coordinate))
+    call same_place('nsdae_motor%kind', c_loc(x), c_loc(x%kind))
+    call same_place('nsdae_motor%target', c_loc(x), c_loc(x%target))
+    call same_place('nsdae_motor%limit', c_loc(x), c_loc(x%limit))
+    call same_place('nsdae_motor%kp', c_loc(x), c_loc(x%kp))
+    call same_place('nsdae_motor%kd', c_loc(x), c_loc(x%kd))
+    call same_place('nsdae_motor%drive', c_loc(x), c_loc(x%drive))
+    call same_place('nsdae_motor%vary', c_loc(x), c_loc(x%vary))
+    call same_place('nsdae_motor%user', c_loc(x), c_loc(x%user))
+    call same_place('nsdae_motor%vary_user', c_loc(x), c_loc(x%vary_user))
   end subroutine
 
   subroutine coupler_fields()

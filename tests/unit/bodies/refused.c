@@ -198,6 +198,33 @@ static void refuse_joint_spring(int d, nsdae_joint_spring s, int status, const c
   expect(b, nsdae_bodies_add_joint_spring(b, &s), status, argument);
 }
 
+static void refuse_motor(nsdae_motor m, int status, const char *argument)
+{
+  nsdae_bodies *b = jointed(3);
+  expect(b, nsdae_bodies_add_motor(b, &m), status, argument);
+}
+
+static void test_motors(void **state)
+{
+  (void)state;
+  const int speed = NSDAE_MOTOR_SPEED, position = NSDAE_MOTOR_POSITION;
+  refuse_motor((nsdae_motor){.joint = 3, .limit = 1}, NSDAE_E_ARGUMENT, "joint");
+  refuse_motor((nsdae_motor){.joint = 1, .limit = 1}, NSDAE_E_ARGUMENT, "coordinate");
+  refuse_motor((nsdae_motor){.kind = 3, .limit = 1}, NSDAE_E_ARGUMENT, "kind");
+  refuse_motor((nsdae_motor){.kind = -1, .limit = 1}, NSDAE_E_ARGUMENT, "kind");
+  refuse_motor((nsdae_motor){.target = NAN, .limit = 1}, NSDAE_E_NONFINITE, "target");
+  refuse_motor((nsdae_motor){.target = 1}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.limit = NAN}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .limit = INFINITY}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .limit = -1}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .limit = 1, .kp = 1}, NSDAE_E_ARGUMENT, "kp");
+  refuse_motor((nsdae_motor){.limit = 1, .kd = 1}, NSDAE_E_ARGUMENT, "kp");
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1, .kp = -1}, NSDAE_E_ARGUMENT, "kp");
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1, .kd = NAN}, NSDAE_E_ARGUMENT, "kd");
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1, .vary = drive}, NSDAE_E_ARGUMENT,
+               "vary");
+}
+
 static void test_couplers(void **state)
 {
   (void)state;
@@ -538,23 +565,16 @@ static void test_inertia_refused(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_inertia_refused),
-                                     cmocka_unit_test(test_create),
-                                     cmocka_unit_test(test_bodies),
-                                     cmocka_unit_test(test_joints),
-                                     cmocka_unit_test(test_limits),
-                                     cmocka_unit_test(test_ropes),
-                                     cmocka_unit_test(test_couplers),
-                                     cmocka_unit_test(test_solids),
-                                     cmocka_unit_test(test_polygons),
-                                     cmocka_unit_test(test_endless),
-                                     cmocka_unit_test(test_contacts),
-                                     cmocka_unit_test(test_forces),
-                                     cmocka_unit_test(test_made),
-                                     cmocka_unit_test(test_springs),
-                                     cmocka_unit_test(test_more_solids),
-                                     cmocka_unit_test(test_pairs),
-                                     cmocka_unit_test(test_asked),
-                                     cmocka_unit_test(test_inertia)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_inertia_refused), cmocka_unit_test(test_create),
+      cmocka_unit_test(test_bodies),          cmocka_unit_test(test_joints),
+      cmocka_unit_test(test_limits),          cmocka_unit_test(test_ropes),
+      cmocka_unit_test(test_couplers),        cmocka_unit_test(test_motors),
+      cmocka_unit_test(test_solids),          cmocka_unit_test(test_polygons),
+      cmocka_unit_test(test_endless),         cmocka_unit_test(test_contacts),
+      cmocka_unit_test(test_forces),          cmocka_unit_test(test_made),
+      cmocka_unit_test(test_springs),         cmocka_unit_test(test_more_solids),
+      cmocka_unit_test(test_pairs),           cmocka_unit_test(test_asked),
+      cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
