@@ -14,7 +14,7 @@
  * - planar coordinates: x0, y0, theta0, x1, ...
  * - spatial coordinates: x0, y0, z0, qw0, qx0, qy0, qz0, x1, ...
  * - spatial velocities: vx0, vy0, vz0, wx0, wy0, wz0, vx1, ...
- * - constraints: joint0_0, joint0_1, ... for the rows of joint 0
+ * - constraints: joint0_0, joint0_1, ... for the rows of joint 0; coupler0, coupler1, ...
  *
  * x, y, z is the centre of mass. Vectors are arrays of three; in planar models z is 0. Bodies,
  * solids, joints and contacts are numbered from 0 in the order of the calls that add them. */
@@ -94,16 +94,28 @@ enum nsdae_joint_kind {
   NSDAE_JOINT_GEAR,        /* planar: rotation of body 1 = ratio x rotation of body 0 */
   NSDAE_JOINT_SPHERICAL,   /* spatial: common point */
   NSDAE_JOINT_CYLINDRICAL, /* spatial: translation along axis and rotation about it */
-  NSDAE_JOINT_UNIVERSAL /* spatial: common point; axis of body 0 perpendicular to cross of body 1 */
+  NSDAE_JOINT_UNIVERSAL,   /* spatial: common point; axis of body 0 perpendicular to cross of body
+                              1 */
+  NSDAE_JOINT_SCREW        /* spatial: cylindrical, displacement = pitch x turns about axis */
 };
 
 /* Prescribed motion: drive[0..2] := f(t), f'(t), f''(t). Returns the codes of every callback. */
 typedef int (*nsdae_drive_fn)(double t, double drive[3], void *user);
 
-/* A joint; points and axes are in space at the start. drive prescribes one relative motion f:
+/* A joint; points and axes are in space at the start. The coordinates of a joint are the motion of
+ * body 1 relative to body 0 since the start:
  *
- * - REVOLUTE: angle of body 1 relative to body 0 since the start [rad]
- * - PRISMATIC, SLOT (mu = 0), CYLINDRICAL: displacement along axis [m]
+ *   kind                       coordinate 0                  coordinate 1
+ *   REVOLUTE                   rotation [rad]
+ *   PRISMATIC                  displacement along axis [m]
+ *   SLOT, CYLINDRICAL, SCREW   displacement along axis [m]   rotation [rad]
+ *   UNIVERSAL                  rotation about axis [rad]     rotation about cross [rad]
+ *
+ * The other kinds have none. Turns of a rotation are counted in planar models; in space it is an
+ * angle in (-pi, pi].
+ *
+ * drive prescribes coordinate 0 as f (SLOT: mu = 0), or:
+ *
  * - DISTANCE: the distance [m]
  * - GEAR: angle of body 1 in addition to the gear's [rad] */
 typedef struct nsdae_joint {
@@ -111,15 +123,84 @@ typedef struct nsdae_joint {
   int body[2];           /* NSDAE_GROUND or a body's number; two different ones */
   double point[3];       /* [m] */
   double end[3];         /* DISTANCE: point of body 1 [m] */
-  double axis[3];        /* PRISMATIC, SLOT, CYLINDRICAL, UNIVERSAL, spatial REVOLUTE: of any
-                            length > 0 */
+  double axis[3];        /* PRISMATIC, SLOT, CYLINDRICAL, UNIVERSAL, SCREW, spatial REVOLUTE: of
+                            any length > 0 */
   double cross[3];       /* UNIVERSAL: perpendicular to axis */
-  double ratio;          /* GEAR: not 0 */
+  double ratio;          /* GEAR: not 0; SCREW: pitch, displacement per turn, not 0 [m] */
   nsdae_drive_fn drive;  /* NULL: free; other kinds cannot be driven */
   void *user;            /* last argument of drive */
   double mu;             /* SLOT: coefficient of friction, >= 0; else 0 */
   int collide_connected; /* not 0: its bodies touch by nsdae_bodies_set_pair */
 } nsdae_joint;
+
+/* Ends of a coordinate of a joint: contacts without friction, with the gaps coordinate - low and
+ * high - coordinate. An infinite end is free. A rotation in space has no count of its turns: it
+ * needs both ends, with high - low < 2 pi. */
+typedef struct nsdae_limit {
+  int joint;        /* a joint's number */
+  int coordinate;   /* 0 or 1, of nsdae_joint */
+  double low, high; /* low < high; -INFINITY or INFINITY: none [m or rad] */
+  double e_n;       /* restitution 0 .. 1 */
+} nsdae_limit;
+
+/* A rope between a point of body 0 and a point of body 1: a contact without friction, with the gap
+ * length - distance. */
+typedef struct nsdae_rope {
+  int body[2];             /* NSDAE_GROUND or a body's number; two different ones */
+  double point[3], end[3]; /* in space at the start [m] */
+  double length;           /* > 0 [m] */
+  double e_n;              /* restitution 0 .. 1 */
+} nsdae_rope;
+
+/* A spring and damper of a coordinate of a joint: force or torque -stiffness (s - rest) - damping
+ * s'. SPHERICAL has damping only: torque -damping (omega_1 - omega_0). */
+typedef struct nsdae_joint_spring {
+  int joint, coordinate;     /* as in nsdae_limit; SPHERICAL: coordinate 0 */
+  double stiffness, damping; /* >= 0 */
+  double rest;               /* s without force [m or rad] */
+} nsdae_joint_spring;
+
+/* Kinds of motors; see nsdae_motor. */
+enum nsdae_motor_kind {
+  NSDAE_MOTOR_FORCE,   /* force or torque: the target */
+  NSDAE_MOTOR_SPEED,   /* s' = target, with the force that this needs */
+  NSDAE_MOTOR_POSITION /* force kp (target - s) + kd (target' - s') */
+};
+
+/* A motor along a coordinate s of a joint. Its force is at most limit.
+ *
+ * SPEED is a frictional joint of the system with the bound limit, exact within it. With the target
+ * 0 it is dry friction of the joint or a brake. vary gives a bound that changes: a clutch.
+ * Frictional joints are numbered from 0 in the order of the calls: slots with mu > 0 and motors
+ * SPEED.
+ *
+ * The force of FORCE and POSITION is part of F, with its derivatives. In space a rotation is known
+ * up to turns: POSITION takes the way to the target of at most half a turn. */
+typedef struct nsdae_motor {
+  int joint, coordinate;  /* as in nsdae_limit */
+  int kind;               /* enum nsdae_motor_kind */
+  double target;          /* if drive is NULL [N, N m; m/s, rad/s; m, rad] */
+  double limit;           /* SPEED: >= 0, finite; others: > 0, INFINITY: none [N or N m] */
+  double kp, kd;          /* POSITION: >= 0; else 0 */
+  nsdae_drive_fn drive;   /* target and its rate, f and f'; or NULL */
+  nsdae_drive_fn vary;    /* SPEED: the limit f >= 0 at t, in place of limit; or NULL */
+  void *user, *vary_user; /* last arguments of drive and vary */
+} nsdae_motor;
+
+enum { NSDAE_COUPLER_COEFFICIENTS = 6 }; /* of nsdae_coupler */
+
+/* A coupler of coordinates of two joints: s_1 = p[0] + p[1] s_0 + p[2] s_0^2 + ... Two rotations:
+ * gears with the ratio p[1]. A displacement s_1 and a rotation s_0: rack and pinion of radius p[1].
+ *
+ * In space rotations are known up to turns, and so is the coupler:
+ *
+ * - gears: p[1] must be a fraction n/m, such as the numbers of teeth, with m <= 256
+ * - a rotation s_0 with p[2], p[3], ... not 0: it is in (-pi, pi] */
+typedef struct nsdae_coupler {
+  int joint[2];      /* numbers of joints */
+  int coordinate[2]; /* of each joint, 0 or 1 */
+  double p[NSDAE_COUPLER_COEFFICIENTS];
+} nsdae_coupler;
 
 /* A spring and damper between a point of body 0 and a point of body 1, in space at the start. The
  * force acts along the line between the points: F = stiffness (l - rest) + damping l'. */
@@ -212,6 +293,15 @@ NSDAE_API void nsdae_bodies_destroy(nsdae_bodies **bodies);
  * - NSDAE_E_MEMORY */
 NSDAE_API int nsdae_bodies_add(nsdae_bodies *bodies, const nsdae_rigid_body *body);
 NSDAE_API int nsdae_bodies_add_joint(nsdae_bodies *bodies, const nsdae_joint *joint);
+/* Adds the contacts of the ends that are given: first low, then high. Limits and ropes are numbered
+ * from 0 together, one for each contact; returns the number of the first one. Limit i is the
+ * contact K + i behind the contacts 0 .. K - 1 of nsdae_bodies_add_contact. In a contact list its
+ * id is L + i: see nsdae_bodies_set_pair. */
+NSDAE_API int nsdae_bodies_add_limit(nsdae_bodies *bodies, const nsdae_limit *limit);
+NSDAE_API int nsdae_bodies_add_rope(nsdae_bodies *bodies, const nsdae_rope *rope);
+NSDAE_API int nsdae_bodies_add_coupler(nsdae_bodies *bodies, const nsdae_coupler *coupler);
+NSDAE_API int nsdae_bodies_add_joint_spring(nsdae_bodies *bodies, const nsdae_joint_spring *spring);
+NSDAE_API int nsdae_bodies_add_motor(nsdae_bodies *bodies, const nsdae_motor *motor);
 NSDAE_API int nsdae_bodies_add_spring(nsdae_bodies *bodies, const nsdae_spring *spring);
 NSDAE_API int nsdae_bodies_add_torsion(nsdae_bodies *bodies, const nsdae_torsion *torsion);
 /* Adds a force callback on the point [3] of a body, in space at the start. */
@@ -242,6 +332,7 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
  *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
  *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12, else 0).
+ *  Limit i has the id L + i with L = K + S^2 C.
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,

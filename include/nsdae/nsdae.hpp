@@ -731,6 +731,38 @@ public:
   {
     return demand(nsdae_bodies_add_torsion(c(), &torsion));
   }
+  /* nsdae_bodies_add_limit. */
+  int limit(const nsdae_limit &limit) { return demand(nsdae_bodies_add_limit(c(), &limit)); }
+  /* nsdae_bodies_add_rope. */
+  int rope(const nsdae_rope &rope) { return demand(nsdae_bodies_add_rope(c(), &rope)); }
+  /* nsdae_bodies_add_coupler. */
+  int coupler(const nsdae_coupler &coupler)
+  {
+    return demand(nsdae_bodies_add_coupler(c(), &coupler));
+  }
+  /* nsdae_bodies_add_motor. */
+  int motor(const nsdae_motor &motor) { return demand(nsdae_bodies_add_motor(c(), &motor)); }
+  /* nsdae_bodies_add_motor with a target: f(double t, double *drive [3]). */
+  template <class F> int motor(nsdae_motor motor, F f)
+  {
+    guts_->drives.emplace_back(std::move(f));
+    motor.drive = detail::bodies_guts::run_drive;
+    motor.user = &guts_->drives.back();
+    return demand(nsdae_bodies_add_motor(c(), &motor));
+  }
+  /* The same with a limit that varies: f(double t, double *drive [3]). */
+  template <class F, class G> int motor(nsdae_motor motor, F target, G limit)
+  {
+    guts_->drives.emplace_back(std::move(limit));
+    motor.vary = detail::bodies_guts::run_drive;
+    motor.vary_user = &guts_->drives.back();
+    return this->motor(motor, std::move(target));
+  }
+  /* nsdae_bodies_add_joint_spring. */
+  int joint_spring(const nsdae_joint_spring &spring)
+  {
+    return demand(nsdae_bodies_add_joint_spring(c(), &spring));
+  }
   /* nsdae_bodies_add_load: f(double t, const double *position, const double *velocity, double
    * *force, double *torque). */
   template <class F> int load(int body, const double *point, F f)

@@ -90,6 +90,38 @@ static int list_named(listing *l)
   return status;
 }
 
+long nsdae_bodies_limit_id(const nsdae_bodies *b)
+{
+  return b->feature.count + (long)b->solid.count * b->solid.count * nsdae_broad_features(b);
+}
+
+/* The limits whose gap is at most reach; their tangents are zero. */
+static int list_limits(const listing *l)
+{
+  const nsdae_bodies *b = l->broad->b;
+  long first = nsdae_bodies_limit_id(b);
+  int status = 0;
+  for (int i = 0; i < b->limit.count && status >= 0; i++) {
+    const nsdae_bodies_limit *limit = nsdae_limit_at(b, i);
+    const int *body = limit->value.body;
+    const nsdae_pose pose[2] = {*nsdae_broad_pose(l->broad, body[0]),
+                                *nsdae_broad_pose(l->broad, body[1])};
+    nsdae_primitive_value value;
+    nsdae_bodies_limit_value(limit, pose, &value);
+    if (value.phi.x > l->reach) continue;
+    nsdae_contact c = {.id = first + i,
+                       .block = {body[0], body[1]},
+                       .gap = value.phi.x,
+                       .e_n = limit->e_n,
+                       .omega = {value.phi.dd},
+                       .omega_given = l->omega};
+    for (int j = 0; j < 2; j++)
+      if (body[j] != NSDAE_GROUND) nsdae_bodies_part(b, &value.row, j, &pose[j], c.direction[j][0]);
+    status = nsdae_contact_add(l->list, &c);
+  }
+  return status;
+}
+
 static int contacts(double t, const double *q, const double *v, double reach,
                     nsdae_contact_list *list, void *user)
 {
@@ -101,6 +133,7 @@ static int contacts(double t, const double *q, const double *v, double reach,
   nsdae_broad_place(broad, q, l.omega ? v : NULL);
   int status = list_named(&l);
   if (status >= 0) status = nsdae_broad_pairs(broad, reach, list_pair, &l);
+  if (status >= 0) status = list_limits(&l);
   nsdae_broad_give_back(b, broad);
   if (status < 0) return -1;
   return b->own.contacts ? b->own.contacts(t, q, v, reach, list, b->own.user) : 0;
@@ -133,7 +166,7 @@ static double largest_arm(const nsdae_bodies *b, const nsdae_solid_of *s, const 
   return most;
 }
 
-/* The sum over the two fastest bodies. */
+/* The sum over the two fastest bodies, and the rates of limits. */
 static int contact_speed(double t, const double *q, const double *v, double *speed, void *user)
 {
   const nsdae_bodies *b = user;
@@ -154,6 +187,13 @@ static int contact_speed(double t, const double *q, const double *v, double *spe
     if (this > first) first = this, fastest = s->body;
   }
   *speed = first + second;
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value value;
+  for (int i = 0; i < b->limit.count; i++) {
+    nsdae_bodies_place(b, nsdae_limit_at(b, i)->value.body, q, v, &at);
+    nsdae_bodies_limit_value(nsdae_limit_at(b, i), at.pose, &value);
+    *speed = fmax(*speed, fabs(value.phi.d));
+  }
   return 0;
 }
 

@@ -33,8 +33,8 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
   for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
-  nsdae_list *lists[] = {&b->body,    &b->element, &b->frictional_joint, &b->solid,
-                         &b->feature, &b->spring,  &b->torsion,          &b->load,
+  nsdae_list *lists[] = {&b->body,    &b->constraint, &b->frictional_joint, &b->solid,
+                         &b->feature, &b->limit,      &b->spring,           &b->load,
                          &b->pair,    &b->joint};
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
@@ -278,9 +278,9 @@ int nsdae_bodies_get_dims(const nsdae_bodies *b, nsdae_dims *dims)
   int k = nsdae_bodies_fixed(b) + own->k;
   *dims = (nsdae_dims){.nq = b->body.count * nsdae_body_nq(b) + own->nq,
                        .nv = b->body.count * nsdae_body_nv(b) + own->nv,
-                       .m = b->element.count + own->m,
+                       .m = b->constraint.count + own->m,
                        .k = k,
-                       .nt = nsdae_bodies_has_list(b) || k > 0 ? b->dimension - 1 : 0,
+                       .nt = nsdae_bodies_nt(b),
                        .f = b->frictional_joint.count + own->f};
   return NSDAE_OK;
 }

@@ -25,27 +25,58 @@ typedef struct nsdae_load {
   void *user;
 } nsdae_load;
 
+/* Degree of the polynomial of a coupler. */
+enum { NSDAE_DEGREE = NSDAE_COUPLER_COEFFICIENTS - 1 };
+
+/* A row of Phi: the coordinate s is held at f(t), or at p(s_0) of the coordinate s_0 of a joint,
+ *
+ *   Phi = s - f(t),   Phi = s - p(s_0),   up to a multiple of the period if it is above 0 */
+typedef struct nsdae_bodies_constraint {
+  nsdae_primitive value;
+  int joint;                  /* that it is of, or -1 - number of a coupler */
+  nsdae_drive_fn drive;       /* f, or NULL: 0 */
+  void *user;                 /* its last argument */
+  int master;                 /* s_0: NSDAE_COORDINATES x joint + coordinate, or -1: none */
+  double p[NSDAE_DEGREE + 1]; /* p(s) = sum_i p_i s^i */
+  double period;
+} nsdae_bodies_constraint;
+
+/* A joint with its coordinates: number `coordinates` of them are. */
+enum { NSDAE_COORDINATES = 2 };
+typedef struct nsdae_bodies_joint {
+  int kind, body[2], collide_connected, coordinates;
+  nsdae_primitive coordinate[NSDAE_COORDINATES];
+} nsdae_bodies_joint;
+
+/* An end of a coordinate: the contact sign (s - bound) >= 0 without friction. */
+typedef struct nsdae_bodies_limit {
+  nsdae_primitive value;
+  int joint; /* that it is of, or NSDAE_ROPE */
+  double sign, bound, e_n;
+} nsdae_bodies_limit;
+
+enum { NSDAE_ROPE = -1 };
+
+/* A slot with friction, or a motor with v_S = s' - target(t). */
 typedef struct nsdae_bodies_frictional_joint {
-  int constraint;
-  nsdae_primitive along; /* its coordinate along the slot */
-  double mu;
+  int constraint, joint, motor; /* of the slot; the motor's number, or -1 */
+  nsdae_primitive along;
+  double mu, bound, target;
+  nsdae_drive_fn drive, vary; /* target and bound of a motor, or NULL */
+  void *user, *vary_user;
 } nsdae_bodies_frictional_joint;
 
+/* Force stiffness (target - s) + damping (target' - s') along a coordinate, within the limit; of a
+ * force motor the target. */
 typedef struct nsdae_bodies_spring {
-  nsdae_primitive length; /* l - rest */
-  double stiffness, damping;
+  nsdae_primitive value;
+  int owner, number; /* NSDAE_SPRING, ..., and its number among them */
+  double stiffness, damping, limit, target;
+  nsdae_drive_fn drive; /* target(t), or NULL */
+  void *user;
 } nsdae_bodies_spring;
 
-typedef struct nsdae_bodies_torsion {
-  int body[2];
-  double axis[3], zero[3]; /* in the frame of body 0: the axis, and where phi = 0 */
-  double hand[3];          /* in the frame of body 1: at right angles to the axis */
-  double stiffness, damping, rest, offset;
-} nsdae_bodies_torsion;
-
-typedef struct nsdae_bodies_joint {
-  int body[2], collide_connected;
-} nsdae_bodies_joint;
+enum { NSDAE_SPRING, NSDAE_TORSION, NSDAE_JOINT_SPRING, NSDAE_FORCE_MOTOR, NSDAE_POSITION_MOTOR };
 
 typedef struct nsdae_bodies_pair {
   int material[2];
@@ -62,12 +93,12 @@ struct nsdae_bodies {
   nsdae_error error; /* of the first call that failed */
   double gravity[3];
   nsdae_list body;                            /* nsdae_rigid_body */
-  nsdae_list element;                         /* nsdae_primitive: the constraints */
+  nsdae_list constraint;                      /* nsdae_bodies_constraint */
   nsdae_list frictional_joint;                /* nsdae_bodies_frictional_joint */
   nsdae_list solid;                           /* nsdae_solid_of */
   nsdae_list feature;                         /* nsdae_feature: the contacts */
+  nsdae_list limit;                           /* nsdae_bodies_limit: contacts behind those */
   nsdae_list spring;                          /* nsdae_bodies_spring */
-  nsdae_list torsion;                         /* nsdae_bodies_torsion */
   nsdae_list load;                            /* nsdae_load */
   nsdae_list pair;                            /* nsdae_bodies_pair */
   _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
@@ -80,9 +111,19 @@ static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i
   return (const nsdae_rigid_body *)b->body.at + i;
 }
 
-static inline const nsdae_primitive *nsdae_element_at(const nsdae_bodies *b, int i)
+static inline const nsdae_bodies_constraint *nsdae_constraint_at(const nsdae_bodies *b, int i)
 {
-  return (const nsdae_primitive *)b->element.at + i;
+  return (const nsdae_bodies_constraint *)b->constraint.at + i;
+}
+
+static inline const nsdae_bodies_joint *nsdae_joint_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_bodies_joint *)b->joint.at + i;
+}
+
+static inline const nsdae_bodies_limit *nsdae_limit_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_bodies_limit *)b->limit.at + i;
 }
 
 static inline const nsdae_bodies_frictional_joint *nsdae_frictional_joint_at(const nsdae_bodies *b,
@@ -106,21 +147,23 @@ static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, 
   return (const nsdae_bodies_spring *)b->spring.at + i;
 }
 
-static inline const nsdae_bodies_joint *nsdae_joint_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_joint *)b->joint.at + i;
-}
-
 /* Whether the system has a contact list, which then has all contacts; else they are fixed. */
 static inline int nsdae_bodies_has_list(const nsdae_bodies *b)
 {
   return b->pair.count > 0 || b->own.contacts;
 }
 
-/* Fixed contacts of nsdae_bodies_add_contact. */
+/* Fixed contacts: of nsdae_bodies_add_contact, then limits. */
 static inline int nsdae_bodies_fixed(const nsdae_bodies *b)
 {
-  return nsdae_bodies_has_list(b) ? 0 : b->feature.count;
+  return nsdae_bodies_has_list(b) ? 0 : b->feature.count + b->limit.count;
+}
+
+/* Tangential directions: limits have none. */
+static inline int nsdae_bodies_nt(const nsdae_bodies *b)
+{
+  int rough = nsdae_bodies_has_list(b) || b->feature.count + b->own.dims.k > 0;
+  return rough ? b->dimension - 1 : 0;
 }
 
 /* Coordinates and velocities of a body. */
@@ -183,7 +226,17 @@ void nsdae_bodies_place(const nsdae_bodies *bodies, const int body[2], const dou
 void nsdae_bodies_scatter(const nsdae_bodies *bodies, const nsdae_places *at,
                           const nsdae_velocity_row *row, double scale, double *out, int stride);
 
-/* Forces of gravity, springs, torsions and loads, and of spinning; their energy. */
+/* force[0] at the coordinate s with its rate, and -dF/ds, -dF/ds': force[1], force[2]. 0, or what
+ * the drive returned. */
+int nsdae_spring_force(const nsdae_bodies_spring *spring, double t, double s, double rate,
+                       double force[3]);
+
+/* Target speed of a frictional joint and its rate; 0, or what the drive returned. */
+int nsdae_motor_target(const nsdae_bodies_frictional_joint *joint, double t, double target[3]);
+/* Coefficients and bounds of frictional joints. */
+int nsdae_bodies_set_motors(const nsdae_bodies *bodies, nsdae_system *system);
+
+/* Forces of gravity, springs and loads, and of spinning; their energy. */
 int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,
                         double *F);
 double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
@@ -198,16 +251,29 @@ int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t
 /* "revolute" */
 const char *nsdae_joint_name(int kind);
 
+/* Coordinate 0 or 1 of a joint; NULL if there is none, with the record filled. any: the rotation
+ * of a spherical joint, too, which has rates alone. */
+const nsdae_primitive *nsdae_bodies_joint_coordinate(nsdae_bodies *bodies, const char *what,
+                                                     int index, int joint, int coordinate, int any);
+/* The distance of two points in space at the start. */
+nsdae_primitive nsdae_bodies_distance(const nsdae_bodies *bodies, const int body[2],
+                                      const double *point, const double *end);
+
 /* Makes the bodies the maker of the system: see maker.h. */
 void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
 
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);
 
-/* An element where it is: the poses of its bodies and its value; 0 or what a drive returned. */
-int nsdae_bodies_element(const nsdae_bodies *bodies, const nsdae_primitive *element, double t,
-                         const double *q, const double *v, nsdae_places *places,
-                         nsdae_primitive_value *value);
+/* A coordinate where it is: the poses of its bodies and its value. */
+void nsdae_bodies_coordinate(const nsdae_bodies *bodies, const nsdae_primitive *primitive,
+                             const double *q, const double *v, nsdae_places *places,
+                             nsdae_primitive_value *value);
+
+/* A limit where it is: gap, omega, and the row of g', in value. A rope without length is slack: its
+ * row is zero. */
+void nsdae_bodies_limit_value(const nsdae_bodies_limit *limit, const nsdae_pose pose[2],
+                              nsdae_primitive_value *value);
 
 /* Sets every callback and coefficient; those of constraints, frictional joints, contacts. */
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
@@ -219,6 +285,9 @@ int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_blocks(const nsdae_bodies *bodies, nsdae_system *system);
 /* In place of fixed contacts. */
 int nsdae_bodies_set_contact_list(nsdae_bodies *bodies, nsdae_system *system);
+
+/* Id of limit 0 in a contact list, behind those of all pairs of solids. */
+long nsdae_bodies_limit_id(const nsdae_bodies *bodies);
 
 /* Bodies and the first rows directions of a contact; its omega, from poses with velocities. */
 void nsdae_bodies_contact_rows(int dimension, const nsdae_couple *two, const nsdae_still *at,

@@ -64,26 +64,28 @@ static int set_names(const nsdae_bodies *b, nsdae_system *system)
   return status;
 }
 
-/* joint0_0, joint0_1, ... in the units of their elements; a frictional joint is named after its
- * joint. */
+/* joint0_0, joint0_1, ... and coupler0, ... in the units of their coordinates; a frictional joint
+ * is named after its joint or motor. */
 static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
 {
-  static const char *const unit[] = {[NSDAE_PRIMITIVE_ALONG] = "m",
-                                     [NSDAE_PRIMITIVE_BETWEEN] = "1",
-                                     [NSDAE_PRIMITIVE_DISTANCE] = "m",
-                                     [NSDAE_PRIMITIVE_TURN] = "rad"};
-  const nsdae_primitive *e = b->element.at;
+  const nsdae_bodies_constraint *c = b->constraint.at;
   const nsdae_bodies_frictional_joint *s = b->frictional_joint.at;
   int status = NSDAE_OK, row = 0;
   char name[NSDAE_NAME_SIZE];
-  for (int i = 0; i < b->element.count && status == NSDAE_OK; i++) {
-    row = i > 0 && e[i].joint == e[i - 1].joint ? row + 1 : 0;
-    snprintf(name, sizeof name, "joint%d_%d", e[i].joint, row);
-    status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, i, name, unit[e[i].kind]);
+  for (int i = 0; i < b->constraint.count && status == NSDAE_OK; i++) {
+    row = i > 0 && c[i].joint == c[i - 1].joint ? row + 1 : 0;
+    if (c[i].joint < 0)
+      snprintf(name, sizeof name, "coupler%d", -1 - c[i].joint);
+    else
+      snprintf(name, sizeof name, "joint%d_%d", c[i].joint, row);
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONSTRAINT, i, name,
+                                   nsdae_primitive_unit(&c[i].value));
   }
   for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
-    snprintf(name, sizeof name, "joint%d", s[i].along.joint);
-    status = nsdae_system_set_name(system, NSDAE_NAME_FRICTIONAL_JOINT, i, name, "m");
+    int motor = s[i].motor >= 0;
+    snprintf(name, sizeof name, motor ? "motor%d" : "joint%d", motor ? s[i].motor : s[i].joint);
+    status = nsdae_system_set_name(system, NSDAE_NAME_FRICTIONAL_JOINT, i, name,
+                                   nsdae_primitive_unit(&s[i].along));
   }
   return status;
 }

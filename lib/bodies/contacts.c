@@ -129,6 +129,15 @@ static void find(const nsdae_bodies *b, int i, const double *q, const double *v,
   c->far = !nsdae_feature_closest(f, &c->met, &c->closest);
 }
 
+/* Limit i, a contact behind the features. */
+static void place_limit(const nsdae_bodies *b, int i, const double *q, const double *v,
+                        nsdae_places *at, nsdae_primitive_value *value)
+{
+  const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
+  nsdae_bodies_place(b, l->value.body, q, v, at);
+  nsdae_bodies_limit_value(l, at->pose, value);
+}
+
 static int gap(double t, const double *q, double *g, void *user)
 {
   const nsdae_bodies *b = user;
@@ -139,7 +148,12 @@ static int gap(double t, const double *q, double *g, void *user)
     g[i] = c.far ? c.two.solid[0]->size + c.two.solid[1]->size
                  : nsdae_closest_still(&c.closest, &c.two).gap;
   }
-  return own->gap ? own->gap(t, q, g + b->feature.count, own->user) : 0;
+  nsdae_primitive_value value;
+  for (int i = 0; i < b->limit.count; i++) {
+    place_limit(b, i, q, NULL, &c.at, &value);
+    g[b->feature.count + i] = value.phi.x;
+  }
+  return own->gap ? own->gap(t, q, g + nsdae_bodies_fixed(b), own->user) : 0;
 }
 
 /* Columns of W of all features, for directions from first to rows - 1. */
@@ -168,7 +182,13 @@ static double *put_columns(const nsdae_bodies *b, const double *q, int first, in
 static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 {
   const nsdae_bodies *b = user;
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value value;
   W = put_columns(b, q, 0, 1, W, ldw);
+  for (int i = 0; i < b->limit.count; i++, W += ldw) {
+    place_limit(b, i, q, NULL, &at, &value);
+    nsdae_bodies_scatter(b, &at, &value.row, 1, W, 1);
+  }
   return b->own.gap_normal ? b->own.gap_normal(t, q, W, ldw, b->own.user) : 0;
 }
 
@@ -176,6 +196,7 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
 {
   const nsdae_bodies *b = user;
   W = put_columns(b, q, 1, b->dimension, W, ldw);
+  W += b->limit.count * (b->dimension - 1) * ldw; /* without friction: zero */
   return b->own.gap_tangent ? b->own.gap_tangent(t, q, W, ldw, b->own.user) : 0;
 }
 
@@ -184,7 +205,7 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
-  int k = b->feature.count, nt = b->dimension - 1;
+  int k = nsdae_bodies_fixed(b), nt = b->dimension - 1;
   return own->contact_bias ? own->contact_bias(t, q, w_n + k, w_t + k * nt, own->user) : 0;
 }
 
@@ -194,11 +215,12 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
 {
   const nsdae_bodies *b = user;
   const nsdae_user_rows *own = &b->own;
-  int k = nsdae_bodies_fixed(b), f = b->frictional_joint.count, nt = b->dimension - 1;
+  int k = nsdae_bodies_fixed(b), f = b->frictional_joint.count, nt = nsdae_bodies_nt(b);
+  int features = k > 0 ? b->feature.count : 0;
   nsdae_primitive_value value;
   fixed c = {.at = nsdae_nowhere};
   double omega[3];
-  for (int i = 0; i < k; i++) {
+  for (int i = 0; i < features; i++) {
     find(b, i, q, v, &c);
     memset(omega, 0, sizeof omega);
     if (!c.far) {
@@ -208,9 +230,17 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
     omega_n[i] = omega[0];
     for (int j = 0; j < nt; j++) omega_t[i * nt + j] = omega[1 + j];
   }
+  for (int i = features; i < k; i++) {
+    place_limit(b, i - features, q, v, &c.at, &value);
+    omega_n[i] = value.phi.dd;
+    for (int j = 0; j < nt; j++) omega_t[i * nt + j] = 0;
+  }
   for (int i = 0; i < f; i++) {
-    nsdae_bodies_element(b, &nsdae_frictional_joint_at(b, i)->along, t, q, v, &c.at, &value);
-    omega_s[i] = value.phi.dd;
+    nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, v, &c.at, &value);
+    double target[3];
+    int code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    if (code) return code;
+    omega_s[i] = value.phi.dd - target[1];
   }
   if (!own->contact_acceleration) return 0;
   int some = own->dims.k > 0;
@@ -228,7 +258,8 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
   if (k > 0) status = nsdae_system_set_gap(system, gap);
   if (k > 0 && status == NSDAE_OK && (none || own->gap_normal))
     status = nsdae_system_set_gap_normal(system, gap_normal);
-  if (k > 0 && status == NSDAE_OK) status = nsdae_system_set_gap_tangent(system, gap_tangent);
+  if (k > 0 && nsdae_bodies_nt(b) > 0 && status == NSDAE_OK)
+    status = nsdae_system_set_gap_tangent(system, gap_tangent);
   if (k > 0 && status == NSDAE_OK && (none || own->contact_bias))
     status = nsdae_system_set_contact_bias(system, contact_bias);
   none = own->dims.k + own->dims.f == 0;
@@ -236,8 +267,10 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
       (none || own->contact_acceleration))
     status = nsdae_system_set_contact_acceleration(system, contact_acceleration);
   for (int i = 0; i < nsdae_bodies_fixed(b) && status == NSDAE_OK; i++) {
-    const nsdae_feature *f = nsdae_feature_at(b, i);
-    status = nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t);
+    const nsdae_feature *f = i < b->feature.count ? nsdae_feature_at(b, i) : NULL;
+    status =
+        f ? nsdae_system_set_contact(system, i, f->mu, f->e_n, f->e_t)
+          : nsdae_system_set_contact(system, i, 0, nsdae_limit_at(b, i - b->feature.count)->e_n, 0);
   }
   return status;
 }

@@ -20,11 +20,42 @@ static const char *of_bodies(const int body[2], char text[WORDS])
   return text;
 }
 
-static void joint_words(const nsdae_primitive *e, char *text, size_t size)
+static void joint_words(const nsdae_bodies *b, int i, char *text, size_t size)
+{
+  const nsdae_bodies_joint *joint = nsdae_joint_at(b, i);
+  char bodies[WORDS];
+  snprintf(text, size, "%s joint %d of %s", nsdae_joint_name(joint->kind), i,
+           of_bodies(joint->body, bodies));
+}
+
+static void motor_words(int i, const int body[2], char *text, size_t size)
 {
   char bodies[WORDS];
-  snprintf(text, size, "%s joint %d of %s", nsdae_joint_name(e->joint_kind), e->joint,
-           of_bodies(e->body, bodies));
+  snprintf(text, size, "motor %d of %s", i, of_bodies(body, bodies));
+}
+
+static void constraint_words(const nsdae_bodies *b, int i, char *text, size_t size)
+{
+  const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
+  char joint[2 * WORDS];
+  if (c->joint >= 0) {
+    joint_words(b, c->joint, text, size);
+    return;
+  }
+  joint_words(b, c->master / NSDAE_COORDINATES, joint, sizeof joint);
+  snprintf(text, size, "coupler %d, from %s", -1 - c->joint, joint);
+}
+
+static void limit_words(const nsdae_bodies *b, int i, char *text, size_t size)
+{
+  const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
+  char of[2 * WORDS];
+  if (l->joint == NSDAE_ROPE) {
+    snprintf(text, size, "rope %d of %s", i, of_bodies(l->value.body, of));
+    return;
+  }
+  joint_words(b, l->joint, of, sizeof of);
+  snprintf(text, size, "%s limit %d of %s", l->sign > 0 ? "low" : "high", i, of);
 }
 
 static const char *solid_words(const nsdae_bodies *b, int i, char text[WORDS])
@@ -51,6 +82,11 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
     contact_words(b, nsdae_feature_at(b, (int)i)->solid, text, size);
     return 1;
   }
+  long limit = i - (nsdae_bodies_has_list(b) ? nsdae_bodies_limit_id(b) : b->feature.count);
+  if (kind == NSDAE_NAME_CONTACT && limit >= 0 && limit < b->limit.count) {
+    limit_words(b, (int)limit, text, size);
+    return 1;
+  }
   if (kind == NSDAE_NAME_CONTACT && nsdae_bodies_has_list(b)) {
     long pair = (i - b->feature.count) / nsdae_broad_features(b), solids = b->solid.count;
     if (i < 0 || pair >= solids * solids) return 0; /* < 0: of the user rows */
@@ -58,12 +94,17 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
     contact_words(b, solid, text, size);
     return 1;
   }
-  const nsdae_primitive *e = NULL;
-  if (kind == NSDAE_NAME_CONSTRAINT && i < b->element.count) e = nsdae_element_at(b, (int)i);
-  if (kind == NSDAE_NAME_FRICTIONAL_JOINT && i < b->frictional_joint.count)
-    e = &nsdae_frictional_joint_at(b, (int)i)->along;
-  if (e) joint_words(e, text, size);
-  return e != NULL;
+  int constraint = kind == NSDAE_NAME_CONSTRAINT && i < b->constraint.count;
+  int frictional = kind == NSDAE_NAME_FRICTIONAL_JOINT && i < b->frictional_joint.count;
+  if (constraint) constraint_words(b, (int)i, text, size);
+  if (frictional) {
+    const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, (int)i);
+    if (f->motor < 0)
+      joint_words(b, f->joint, text, size);
+    else
+      motor_words(f->motor, f->along.body, text, size);
+  }
+  return constraint || frictional;
 }
 
 /* A drive is the user's, and so are its derivatives. */
@@ -71,8 +112,10 @@ static int exact(const void *of, int kind, int i)
 {
   const nsdae_bodies *b = of;
   if (kind == NSDAE_NAME_CONTACT) return i < nsdae_bodies_fixed(b);
-  if (kind == NSDAE_NAME_FRICTIONAL_JOINT) return i < b->frictional_joint.count;
-  return kind == NSDAE_NAME_CONSTRAINT && i < b->element.count && !nsdae_element_at(b, i)->drive;
+  if (kind == NSDAE_NAME_FRICTIONAL_JOINT)
+    return i < b->frictional_joint.count && !nsdae_frictional_joint_at(b, i)->drive;
+  return kind == NSDAE_NAME_CONSTRAINT && i < b->constraint.count &&
+         !nsdae_constraint_at(b, i)->drive;
 }
 
 /* ---- degenerate elements */
@@ -90,37 +133,61 @@ static int has_no_length(const nsdae_bodies *b, const nsdae_primitive *e, const 
   return e->kind == NSDAE_PRIMITIVE_DISTANCE && coincide(x[0], x[1]);
 }
 
-/* A drive that failed or is not finite, or a distance without a direction; 0 if it is none of
- * these. */
-static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
+/* A drive that failed or is not finite; 0 if it is neither. */
+static int explain_drive(nsdae_drive_fn drive, void *user, double t, const char *words,
+                         nsdae_reason *r)
 {
   static const char *const rate[3] = {"f", "f'", "f''"};
-  const nsdae_primitive *e = nsdae_element_at(b, i);
-  char joint[2 * WORDS];
-  double f[3] = {e->rest, 0, 0};
-  int code = e->drive ? e->drive(t, f, e->user) : 0, j = 0;
-  joint_words(e, joint, sizeof joint);
-  r->element = "joint";
-  r->index = e->joint;
+  double f[3] = {0, 0, 0};
+  int code = drive ? drive(t, f, user) : 0, j = 0;
   while (j < 3 && isfinite(f[j])) j++;
   if (code)
-    snprintf(r->text, sizeof r->text, "the drive of %s returned %d", joint, code);
+    snprintf(r->text, sizeof r->text, "the drive of %s returned %d", words, code);
   else if (j < 3)
-    snprintf(r->text, sizeof r->text, "the drive of %s gave %s = %g", joint, rate[j], f[j]);
-  else if (has_no_length(b, e, q))
-    snprintf(r->text, sizeof r->text, "%s: its ends coincide, it has no direction", joint);
-  return code || j < 3 || has_no_length(b, e, q);
+    snprintf(r->text, sizeof r->text, "the drive of %s gave %s = %g", words, rate[j], f[j]);
+  return code || j < 3;
 }
 
-static int explain_spring(const nsdae_bodies *b, int i, const double *q, nsdae_reason *r)
+/* Its drive, or a distance without a direction; 0 if it is neither. */
+static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
 {
-  const nsdae_primitive *e = &nsdae_spring_at(b, i)->length;
-  char bodies[WORDS];
+  const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
+  char joint[2 * WORDS];
+  if (c->joint < 0) return 0; /* a coupler has neither */
+  joint_words(b, c->joint, joint, sizeof joint);
+  r->element = "joint";
+  r->index = c->joint;
+  if (explain_drive(c->drive, c->user, t, joint, r)) return 1;
+  if (!has_no_length(b, &c->value, q)) return 0;
+  snprintf(r->text, sizeof r->text, "%s: its ends coincide, it has no direction", joint);
+  return 1;
+}
+
+static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r)
+{
+  const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
+  char motor[2 * WORDS];
+  if (f->motor < 0) return 0; /* a slot */
+  motor_words(f->motor, f->along.body, motor, sizeof motor);
+  r->element = "motor";
+  r->index = f->motor;
+  return explain_drive(f->drive, f->user, t, motor, r) ||
+         explain_drive(f->vary, f->vary_user, t, motor, r);
+}
+
+/* Of a motor the drive. */
+static int explain_spring(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
+{
+  const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+  const nsdae_primitive *e = &s->value;
+  char bodies[WORDS], motor[2 * WORDS];
+  r->element = s->owner >= NSDAE_FORCE_MOTOR ? "motor" : "spring";
+  r->index = s->number;
+  motor_words(s->number, e->body, motor, sizeof motor);
+  if (explain_drive(s->drive, s->user, t, motor, r)) return 1;
   if (!has_no_length(b, e, q)) return 0;
-  r->element = "spring";
-  r->index = i;
   snprintf(r->text, sizeof r->text,
-           "spring %d of %s: its ends coincide, its force has no direction", i,
+           "spring %d of %s: its ends coincide, its force has no direction", r->index,
            of_bodies(e->body, bodies));
   return 1;
 }
@@ -171,13 +238,16 @@ static int explain(const void *of, const char *callback, double t, const double 
   const nsdae_bodies *b = of;
   int found = 0;
   if (strncmp(callback, "constraint", strlen("constraint")) == 0)
-    for (int i = 0; i < b->element.count && !found; i++) found = explain_joint(b, i, t, q, r);
+    for (int i = 0; i < b->constraint.count && !found; i++) found = explain_joint(b, i, t, q, r);
   if (strcmp(callback, "force") == 0) {
-    for (int i = 0; i < b->spring.count && !found; i++) found = explain_spring(b, i, q, r);
+    for (int i = 0; i < b->spring.count && !found; i++) found = explain_spring(b, i, t, q, r);
     for (int i = 0; i < b->load.count && !found; i++) found = explain_load(b, i, t, q, v, r);
   }
+  if (strstr(callback, "joint") || strcmp(callback, "contact_acceleration") == 0)
+    for (int i = 0; i < b->frictional_joint.count && !found; i++) found = explain_motor(b, i, t, r);
   if (strcmp(callback, "gap_normal") == 0)
-    for (int i = 0; i < nsdae_bodies_fixed(b) && !found; i++) found = explain_contact(b, i, q, r);
+    for (int i = 0; i < nsdae_bodies_fixed(b) - b->limit.count && !found; i++)
+      found = explain_contact(b, i, q, r);
   return found;
 }
 

@@ -1,8 +1,8 @@
-/* D = -dF/dv and K = -(dF/dq) H by blocks. An element gives its two bodies F = f g with g the row
- * of phi', f = -(k phi + c g.v), and a load F = B^T (force, torque). Along a direction e of the
- * velocities, q' = H e and ' by jets:
+/* D = -dF/dv and K = -(dF/dq) H by blocks. A spring or motor gives its two bodies F = f g with g
+ * the row of s', f = k (target - s) - c g.v (k = c = 0 at the limit of a motor), and a load F = B^T
+ * (force, torque). Along a direction e of the velocities, q' = H e and ' by jets:
  *
- *   element   D e = c (g.e) g,   -K e = f' g + f g',   f' = -(k phi' + c g'.v)
+ *   spring    D e = c (g.e) g,   -K e = f' g + f g',   f' = -(k s' + c g'.v)
  *   load      -D e = B^T f_v B e,   -K e = B^T (f_x B e + f_v (B v)') + B'^T f
  *   gyroscopic   F = (J omega) x omega,   -D e = (J e) x omega + (J omega) x e
  *
@@ -12,10 +12,10 @@
 
 #include "bodies_impl.h"
 
-/* The value and row of an element as jets along a direction. */
-typedef struct element_jet {
-  nsdae_jet phi, g[2][6];
-} element_jet;
+/* A coordinate and its row as jets along a direction. */
+typedef struct coordinate_jet {
+  nsdae_jet s, g[2][6];
+} coordinate_jet;
 
 /* The pose that moves along velocity `column` alone, at rest if it is < 0. */
 static nsdae_pose along_column(const nsdae_bodies *b, const nsdae_pose *pose, int column)
@@ -40,58 +40,34 @@ static nsdae_jet3 own_axes(const nsdae_pose *pose, nsdae_jet3 x)
   return s;
 }
 
-/* Generalised force of a force at the point s and a torque, both in space: g = (force, s x R^T
- * force
- * + R^T torque). */
-static void generalised(const nsdae_bodies *b, const nsdae_pose *pose, const double *s, double sign,
+/* Generalised force of a force at the point x and a torque, all in space: g = (force, R^T ((x - r)
+ * x force + torque)). */
+static void generalised(const nsdae_bodies *b, const nsdae_pose *pose, nsdae_jet3 x, double sign,
                         nsdae_jet3 force, nsdae_jet3 torque, nsdae_jet g[6])
 {
-  nsdae_jet3 moment = nsdae_jet3_add(nsdae_jet3_cross(nsdae_jet3_of(s), own_axes(pose, force)),
-                                     own_axes(pose, torque));
+  const double centre[3] = {0, 0, 0};
+  nsdae_jet3 arm = nsdae_jet3_sub(x, nsdae_pose_point(pose, centre));
+  nsdae_jet3 moment = own_axes(pose, nsdae_jet3_add(nsdae_jet3_cross(arm, force), torque));
   for (int i = 0; i < b->dimension; i++) g[i] = nsdae_jet_scale(sign, force.at[i]);
   for (int i = b->dimension; i < nsdae_body_nv(b); i++)
     g[i] = nsdae_jet_scale(sign, moment.at[b->dimension == 2 ? 2 : i - 3]);
 }
 
-/* phi = |x_1 - x_0| - rest,  g = (-n, n) at the points */
-static element_jet spring_jet(const nsdae_bodies *b, const nsdae_primitive *s,
-                              const nsdae_pose *pose)
+/* s and g: its wrench */
+static coordinate_jet jet_of(const nsdae_bodies *b, const nsdae_primitive *s,
+                             const nsdae_pose *pose)
 {
-  const double none[3] = {0, 0, 0};
-  nsdae_jet3 d = nsdae_jet3_sub(nsdae_pose_point(&pose[1], s->point[1]),
-                                nsdae_pose_point(&pose[0], s->point[0]));
-  nsdae_jet length = nsdae_jet3_length(d);
-  nsdae_jet3 n = nsdae_jet3_times(nsdae_jet_inverse(length), d);
-  element_jet jet = {.phi = nsdae_jet_sub(length, nsdae_jet_of(s->rest))};
+  nsdae_primitive_value value;
+  nsdae_primitive_evaluate(s, pose, &value);
+  const nsdae_wrench *w = &value.wrench;
+  coordinate_jet jet = {.s = value.phi};
   for (int i = 0; i < 2; i++)
-    generalised(b, &pose[i], s->point[i], i ? 1 : -1, n, nsdae_jet3_of(none), jet.g[i]);
+    generalised(b, &pose[i], w->at[i], i ? 1 : -1, w->force,
+                nsdae_jet3_scale(i ? 1 : w->ratio, w->torque), jet.g[i]);
   return jet;
 }
 
-/* phi of the plane: theta_1 - theta_0 - offset - rest; in space atan2(h . (u x z), h . z) - rest
- * with axis u and zero z of body 0, hand h of body 1; g = (-u, u) as a torque */
-static element_jet torsion_jet(const nsdae_bodies *b, const nsdae_bodies_torsion *s,
-                               const nsdae_pose *pose)
-{
-  const double none[3] = {0, 0, 0};
-  nsdae_jet3 u = nsdae_pose_direction(&pose[0], s->axis);
-  element_jet jet = {.phi = {0, 0, 0}};
-  for (int i = 0; i < 2; i++)
-    generalised(b, &pose[i], none, i ? 1 : -1, nsdae_jet3_of(none), u, jet.g[i]);
-  if (b->dimension == 2) {
-    jet.phi = (nsdae_jet){pose[1].angle - pose[0].angle - s->offset - s->rest,
-                          pose[1].w[2] - pose[0].w[2], 0};
-    return jet;
-  }
-  nsdae_jet3 z = nsdae_pose_direction(&pose[0], s->zero),
-             h = nsdae_pose_direction(&pose[1], s->hand);
-  nsdae_jet x = nsdae_jet3_dot(h, z), y = nsdae_jet3_dot(h, nsdae_jet3_cross(u, z));
-  jet.phi =
-      (nsdae_jet){atan2(y.x, x.x) - s->rest, (x.x * y.d - y.x * x.d) / (x.x * x.x + y.x * y.x), 0};
-  return jet;
-}
-
-/* The blocks of a matrix over the velocities of an element's bodies, 6 of each. */
+/* The blocks of a matrix over the velocities of two bodies, 6 of each. */
 static int add_blocks(const nsdae_bodies *b, const nsdae_places *e, double X[12][12],
                       nsdae_block_list *list)
 {
@@ -107,36 +83,37 @@ static int add_blocks(const nsdae_bodies *b, const nsdae_places *e, double X[12]
   return status;
 }
 
-/* spring or torsion, the other NULL; X[j]: column j of D, or of K */
-static int add_element(const nsdae_bodies *b, const nsdae_bodies_spring *spring,
-                       const nsdae_bodies_torsion *torsion, int along_q, const double *q,
-                       const double *v, nsdae_block_list *list)
+/* X[j]: column j of D, or of K */
+static int add_spring(const nsdae_bodies *b, const nsdae_bodies_spring *spring, int along_q,
+                      double t, const double *q, const double *v, nsdae_block_list *list)
 {
   nsdae_places e = nsdae_nowhere;
-  nsdae_bodies_place(b, spring ? spring->length.body : torsion->body, q, v, &e);
-  double k = spring ? spring->stiffness : torsion->stiffness, X[12][12] = {{0}};
-  double c = spring ? spring->damping : torsion->damping;
+  nsdae_primitive_value s;
+  double force[3], X[12][12] = {{0}};
+  nsdae_bodies_coordinate(b, &spring->value, q, v, &e, &s);
+  int code = nsdae_spring_force(spring, t, s.phi.x, s.phi.d, force);
+  if (code) return code;
   int nv = nsdae_body_nv(b),
       first = e.body[0] == NSDAE_GROUND ? 6 : 0; /* D takes g alone, of any direction */
-  element_jet jet = {.phi = {0, 0, 0}};
+  coordinate_jet jet = {.s = {0, 0, 0}};
   for (int j = first; j < 12; j++) {
     int side = j / 6, column = j % 6;
     if (e.body[side] == NSDAE_GROUND || column >= nv) continue;
     if (j == first || along_q) {
       const nsdae_pose pose[2] = {along_column(b, &e.pose[0], side == 0 ? column : -1),
                                   along_column(b, &e.pose[1], side == 1 ? column : -1)};
-      jet = spring ? spring_jet(b, &spring->length, pose) : torsion_jet(b, torsion, pose);
+      jet = jet_of(b, &spring->value, pose);
     }
-    double rate = 0, turned = 0; /* g.v, g'.v */
+    double turned = 0; /* g'.v */
     for (int i = 0; i < 2 * nv && along_q; i++) {
       if (e.body[i / nv] == NSDAE_GROUND) continue;
       double u = v[nv * e.body[i / nv] + i % nv];
-      rate += jet.g[i / nv][i % nv].x * u;
       turned += jet.g[i / nv][i % nv].d * u;
     }
-    double rise = along_q ? k * jet.phi.d + c * turned : c * jet.g[side][column].x;
-    double f = along_q ? k * jet.phi.x + c * rate : 0;
-    for (int i = 0; i < 12; i++) X[j][i] = rise * jet.g[i / 6][i % 6].x + f * jet.g[i / 6][i % 6].d;
+    double rise =
+        along_q ? force[1] * jet.s.d + force[2] * turned : force[2] * jet.g[side][column].x;
+    double f = along_q ? force[0] : 0;
+    for (int i = 0; i < 12; i++) X[j][i] = rise * jet.g[i / 6][i % 6].x - f * jet.g[i / 6][i % 6].d;
   }
   return add_blocks(b, &e, X, list);
 }
@@ -193,7 +170,8 @@ static int add_load(const nsdae_bodies *b, const nsdae_load *load, int along_q, 
     }
     /* ---- along v the body stands still */
     const nsdae_pose still = along_column(b, &e.pose[1], -1);
-    generalised(b, along_q ? &pose : &still, load->point, 1, force, torque, g);
+    generalised(b, along_q ? &pose : &still,
+                along_q ? moved : nsdae_pose_point(&still, load->point), 1, force, torque, g);
     for (int i = 0; i < nsdae_body_nv(b); i++) X[6 + column][6 + i] = -g[i].d;
   }
   return code ? code : add_blocks(b, &e, X, list);
@@ -204,13 +182,10 @@ static int add_load(const nsdae_bodies *b, const nsdae_load *load, int along_q, 
 static int add_elements(const nsdae_bodies *b, int along_q, double t, const double *q,
                         const double *v, nsdae_block_list *list)
 {
-  const nsdae_bodies_torsion *torsion = b->torsion.at;
   const nsdae_load *load = b->load.at;
   int status = 0;
   for (int i = 0; i < b->spring.count && status == 0; i++)
-    status = add_element(b, nsdae_spring_at(b, i), NULL, along_q, q, v, list);
-  for (int i = 0; i < b->torsion.count && status == 0; i++)
-    status = add_element(b, NULL, torsion + i, along_q, q, v, list);
+    status = add_spring(b, nsdae_spring_at(b, i), along_q, t, q, v, list);
   for (int i = 0; i < b->load.count && status == 0; i++)
     status = add_load(b, load + i, along_q, t, q, v, list);
   return status;

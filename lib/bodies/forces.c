@@ -1,26 +1,7 @@
-/* Generalised forces: gravity, springs, torsions, the user's loads, and in space those of spinning,
+/* Generalised forces: gravity, springs, motors, the user's loads, and in space those of spinning,
  *
  *   M v' = F,   own axes:  J omega' = torque - omega x J omega */
 #include "bodies_impl.h"
-
-/* phi - rest of a torsion and the row of phi'. In space phi is the angle of a direction of body 1
- * in the frame of body 0, in (-pi, pi]. */
-static double torsion_angle(const nsdae_bodies *b, const nsdae_bodies_torsion *s,
-                            const nsdae_pose pose[2], nsdae_velocity_row *row)
-{
-  double u[3], zero[3], hand[3], quarter[3];
-  nsdae_turn(pose[0].R, s->axis, u);
-  *row = (nsdae_velocity_row){.linear = {{0}}};
-  for (int i = 0; i < 3; i++) {
-    row->angular[0][i] = -u[i];
-    row->angular[1][i] = u[i];
-  }
-  if (b->dimension == 2) return pose[1].angle - pose[0].angle - s->offset - s->rest;
-  nsdae_turn(pose[0].R, s->zero, zero);
-  nsdae_turn(pose[1].R, s->hand, hand);
-  nsdae_cross3(u, zero, quarter);
-  return atan2(nsdae_dot3(hand, quarter), nsdae_dot3(hand, zero)) - s->rest;
-}
 
 int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t, double x[3],
                         double gave[6])
@@ -56,10 +37,8 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
 int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const double *v,
                         double *F)
 {
-  const nsdae_bodies_torsion *torsion = b->torsion.at;
   nsdae_places at = nsdae_nowhere;
-  nsdae_primitive_value l;
-  nsdae_velocity_row row;
+  nsdae_primitive_value s;
   /* ---- gravity and spinning */
   for (int i = 0, nv = nsdae_body_nv(b); i < b->body.count; i++) {
     const nsdae_rigid_body *body = nsdae_body_at(b, i);
@@ -71,41 +50,31 @@ int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const 
     nsdae_cross3(momentum, w, torque);
     for (int j = 0; j < 3; j++) F[nv * i + 3 + j] += torque[j];
   }
-  /* ---- F = -(stiffness (l - rest) + damping l') along the row of l', the same of angles */
+  /* ---- springs and motors: F(s, s') along the row of s' */
   for (int i = 0; i < b->spring.count; i++) {
-    const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
-    nsdae_bodies_element(b, &s->length, t, q, v, &at, &l);
-    double force = -s->stiffness * l.phi.x - s->damping * l.phi.d;
-    nsdae_bodies_scatter(b, &at, &l.row, force, F, 1);
-  }
-  for (int i = 0; i < b->torsion.count; i++, torsion++) {
-    nsdae_bodies_place(b, torsion->body, q, v, &at);
-    double angle = torsion_angle(b, torsion, at.pose, &row);
-    double rate =
-        nsdae_dot3(row.angular[0], at.pose[0].w) + nsdae_dot3(row.angular[1], at.pose[1].w);
-    nsdae_bodies_scatter(b, &at, &row, -torsion->stiffness * angle - torsion->damping * rate, F, 1);
+    const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
+    double force[3];
+    nsdae_bodies_coordinate(b, &spring->value, q, v, &at, &s);
+    int code = nsdae_spring_force(spring, t, s.phi.x, s.phi.d, force);
+    if (code) return code;
+    nsdae_bodies_scatter(b, &at, &s.row, force[0], F, 1);
   }
   return loads(b, t, q, v, F);
 }
 
 double nsdae_bodies_energy(const nsdae_bodies *b, const double *q)
 {
-  const nsdae_bodies_torsion *torsion = b->torsion.at;
   nsdae_places at = nsdae_nowhere;
-  nsdae_primitive_value l;
-  nsdae_velocity_row row;
+  nsdae_primitive_value s;
   double energy = 0;
   for (int i = 0; i < b->body.count; i++)
     for (int j = 0; j < b->dimension; j++)
       energy -= nsdae_body_at(b, i)->mass * b->gravity[j] * q[i * nsdae_body_nq(b) + j];
   for (int i = 0; i < b->spring.count; i++) {
-    nsdae_bodies_element(b, &nsdae_spring_at(b, i)->length, 0, q, NULL, &at, &l);
-    energy += nsdae_spring_at(b, i)->stiffness * l.phi.x * l.phi.x / 2;
-  }
-  for (int i = 0; i < b->torsion.count; i++, torsion++) {
-    nsdae_bodies_place(b, torsion->body, q, NULL, &at);
-    double angle = torsion_angle(b, torsion, at.pose, &row);
-    energy += torsion->stiffness * angle * angle / 2;
+    const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
+    if (spring->owner >= NSDAE_FORCE_MOTOR) continue; /* its work comes from outside */
+    nsdae_bodies_coordinate(b, &spring->value, q, NULL, &at, &s);
+    energy += spring->stiffness * s.phi.x * s.phi.x / 2;
   }
   return energy;
 }

@@ -185,10 +185,11 @@ static int show(portrait *p, nsdae_system *system, const char *what, int number)
   return nsdae_system_add_body(system, &p->body);
 }
 
-/* A line from the point of the one body to that of the other. */
-static int show_line(const nsdae_bodies *b, nsdae_system *system, const nsdae_primitive *e,
-                     const char *what, int number)
+/* A distance: a line from the point of the one body to that of the other. */
+static int show_length(const nsdae_bodies *b, nsdae_system *system, const nsdae_primitive *e,
+                       const char *what, int number)
 {
+  if (e->kind != NSDAE_PRIMITIVE_DISTANCE) return NSDAE_OK;
   portrait p = {.body = {.shape = NSDAE_SHAPE_SEGMENT}};
   set_position(&p, b, e->body[0], e->point[0]);
   set_point(b, e->body[1], e->point[1], p.end, p.body.end);
@@ -252,10 +253,14 @@ int nsdae_bodies_show(const nsdae_bodies *b, nsdae_system *system)
   for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) status = show_solid(b, system, i);
   if (status == NSDAE_OK) status = show_bare(b, system);
   for (int i = 0; i < b->spring.count && status == NSDAE_OK; i++)
-    status = show_line(b, system, &nsdae_spring_at(b, i)->length, "spring", i);
-  for (int i = 0, rods = 0; i < b->element.count && status == NSDAE_OK; i++) {
-    const nsdae_primitive *e = nsdae_element_at(b, i);
-    if (e->kind == NSDAE_PRIMITIVE_DISTANCE) status = show_line(b, system, e, "rod", rods++);
+    status = show_length(b, system, &nsdae_spring_at(b, i)->value, "spring",
+                         nsdae_spring_at(b, i)->number);
+  for (int i = 0, rods = 0; i < b->constraint.count && status == NSDAE_OK; i++) {
+    const nsdae_primitive *p = &nsdae_constraint_at(b, i)->value;
+    status = show_length(b, system, p, "rod", rods);
+    rods += p->kind == NSDAE_PRIMITIVE_DISTANCE;
   }
+  for (int i = 0; i < b->limit.count && status == NSDAE_OK; i++)
+    status = show_length(b, system, &nsdae_limit_at(b, i)->value, "rope", i);
   return status;
 }

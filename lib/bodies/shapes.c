@@ -6,8 +6,6 @@
 #include "errors.h"
 #include "bodies_impl.h"
 
-static const double pi = 3.14159265358979323846;
-
 /* Solids in the plane, in space; their corners (a polygon has its own number), and what is above 0:
  * the radius, bit i of lengths for length[i]. */
 static const struct {
@@ -355,7 +353,7 @@ static int polygon_inertia(const nsdae_solid *s, double density, double *mass, d
  */
 static void capsule_inertia(double r, double l, double density, double *mass, double *inertia)
 {
-  double cylinder = density * pi * r * r * l, ball = density * 4 * pi * r * r * r / 3;
+  double cylinder = density * nsdae_pi * r * r * l, ball = density * 4 * nsdae_pi * r * r * r / 3;
   *mass = cylinder + ball;
   inertia[2] = cylinder * r * r / 2 + ball * 2 * r * r / 5;
   inertia[0] = inertia[1] =
@@ -386,11 +384,11 @@ int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, doub
   if (s->shape == NSDAE_SHAPE_POLYGON) return polygon_inertia(s, density, mass, inertia, error);
   if (s->shape == NSDAE_SHAPE_CAPSULE) capsule_inertia(r, l[2], density, mass, inertia);
   if (s->shape == NSDAE_SHAPE_DISC) {
-    *mass = density * pi * r * r;
+    *mass = density * nsdae_pi * r * r;
     inertia[2] = *mass * r * r / 2;
   }
   if (s->shape == NSDAE_SHAPE_SPHERE) {
-    *mass = density * 4 * pi * r * r * r / 3;
+    *mass = density * 4 * nsdae_pi * r * r * r / 3;
     inertia[0] = inertia[1] = inertia[2] = *mass * 2 * r * r / 5;
   }
   if (s->shape == NSDAE_SHAPE_BOX) {

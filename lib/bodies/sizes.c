@@ -1,5 +1,5 @@
 /* Lengths that overlap and drift are measured by (nsdae_system_set_size): of a body, how wide its
- * narrowest solid is; of an element, the arm of its points about their bodies' centres, or 1 where
+ * narrowest solid is; of a constraint, the arm of its points about their bodies' centres, or 1 if
  * it holds an angle. */
 #include "bodies_impl.h"
 
@@ -49,16 +49,17 @@ int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
         least = fmin(least, width_of(nsdae_solid_at(b, i), d));
     status = set_size(system, NSDAE_NAME_CONTACT, body, least);
   }
-  for (int i = 0; i < nsdae_bodies_fixed(b) && status == NSDAE_OK; i++) {
+  for (int i = 0; i < nsdae_bodies_fixed(b) - b->limit.count && status == NSDAE_OK; i++) {
     const int *solid = nsdae_feature_at(b, i)->solid;
     double first = width_of(nsdae_solid_at(b, solid[0]), d);
     double second = width_of(nsdae_solid_at(b, solid[1]), d);
     status = set_size(system, NSDAE_NAME_CONTACT, i, fmin(first, second));
   }
-  for (int i = 0; i < b->element.count && status == NSDAE_OK; i++) {
-    const nsdae_primitive *e = nsdae_element_at(b, i);
-    int angle = e->kind == NSDAE_PRIMITIVE_BETWEEN || e->kind == NSDAE_PRIMITIVE_TURN;
-    double arm = e->kind == NSDAE_PRIMITIVE_DISTANCE ? fabs(e->rest) : angle;
+  for (int i = 0; i < b->constraint.count && status == NSDAE_OK; i++) {
+    const nsdae_primitive *e = &nsdae_constraint_at(b, i)->value;
+    int length = e->kind == NSDAE_PRIMITIVE_DISTANCE;
+    int angle = !length && e->kind != NSDAE_PRIMITIVE_ALONG;
+    double arm = length ? nsdae_constraint_at(b, i)->p[0] : angle;
     for (int j = 0; j < 2 && !angle; j++)
       if (e->body[j] != NSDAE_GROUND) arm = fmax(arm, sqrt(nsdae_dot3(e->point[j], e->point[j])));
     status = set_size(system, NSDAE_NAME_CONSTRAINT, i, arm);

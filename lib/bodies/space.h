@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+static const double nsdae_pi = 3.14159265358979323846;
+
 static inline double nsdae_dot3(const double *a, const double *b)
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -20,6 +22,14 @@ static inline void nsdae_cross3(const double *a, const double *b, double *c)
   c[0] = a[1] * b[2] - a[2] * b[1];
   c[1] = a[2] * b[0] - a[0] * b[2];
   c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* The unit vector a along x; 0 if x has no direction. */
+static inline int nsdae_unit_vector(const double *x, double *a)
+{
+  double length = sqrt(nsdae_dot3(x, x));
+  for (int i = 0; i < 3; i++) a[i] = x[i] / length;
+  return length > 0 && isfinite(length);
 }
 
 /* x := R s */

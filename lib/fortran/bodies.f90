@@ -16,7 +16,7 @@ module nsdae_f_bodies
   private
 
   ! Materials are 0 .. NSDAE_MATERIALS - 1.
-  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_
+  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_ NSDAE_COUPLER_ NSDAE_MOTOR_
 
   ! A rigid body at the start.
   type, bind(C), public :: nsdae_rigid_body
@@ -53,11 +53,50 @@ module nsdae_f_bodies
     real(c_double) :: end(3) = 0    ! DISTANCE: of the second body
     real(c_double) :: axis(3) = 0
     real(c_double) :: cross(3) = 0  ! UNIVERSAL
-    real(c_double) :: ratio = 0     ! GEAR
+    real(c_double) :: ratio = 0     ! GEAR; SCREW: pitch
     type(c_funptr) :: drive = c_null_funptr  ! a nsdae_drive_fn; null: free
     type(c_ptr) :: user = c_null_ptr
     real(c_double) :: mu = 0        ! SLOT
     integer(c_int) :: collide_connected = 0  ! not 0: its bodies touch by nsdae_bodies_set_pair
+  end type
+
+  ! Ends of a coordinate of a joint, as contacts without friction; an infinite end is free.
+  type, bind(C), public :: nsdae_limit
+    integer(c_int) :: joint = 0, coordinate = 0
+    real(c_double) :: low = 0, high = 0
+    real(c_double) :: e_n = 0
+  end type
+
+  ! A rope between two points: the contact length - distance >= 0.
+  type, bind(C), public :: nsdae_rope
+    integer(c_int) :: body(2) = NSDAE_GROUND
+    real(c_double) :: point(3) = 0, end(3) = 0
+    real(c_double) :: length = 0
+    real(c_double) :: e_n = 0
+  end type
+
+  ! A spring and damper of a coordinate of a joint.
+  type, bind(C), public :: nsdae_joint_spring
+    integer(c_int) :: joint = 0, coordinate = 0
+    real(c_double) :: stiffness = 0, damping = 0
+    real(c_double) :: rest = 0  ! coordinate without force
+  end type
+
+  ! Coordinates of two joints: s_1 = p(1) + p(2) s_0 + p(3) s_0**2 + ...
+  type, bind(C), public :: nsdae_coupler
+    integer(c_int) :: joint(2) = 0, coordinate(2) = 0
+    real(c_double) :: p(NSDAE_COUPLER_COEFFICIENTS) = 0
+  end type
+
+  ! A motor of a coordinate of a joint.
+  type, bind(C), public :: nsdae_motor
+    integer(c_int) :: joint = 0, coordinate = 0
+    integer(c_int) :: kind = NSDAE_MOTOR_FORCE
+    real(c_double) :: target = 0  ! without a drive
+    real(c_double) :: limit = 0   ! of its force
+    real(c_double) :: kp = 0, kd = 0  ! POSITION
+    type(c_funptr) :: drive = c_null_funptr, vary = c_null_funptr  ! nsdae_drive_fn: target, limit
+    type(c_ptr) :: user = c_null_ptr, vary_user = c_null_ptr
   end type
 
   ! A spring and damper between two points.
@@ -138,6 +177,8 @@ module nsdae_f_bodies
 
   public :: nsdae_drive_fn, nsdae_load_fn
   public :: nsdae_bodies_create, nsdae_bodies_destroy, nsdae_bodies_add, nsdae_bodies_add_joint, &
+            nsdae_bodies_add_limit, nsdae_bodies_add_rope, nsdae_bodies_add_coupler, &
+            nsdae_bodies_add_joint_spring, nsdae_bodies_add_motor, &
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
@@ -146,6 +187,7 @@ module nsdae_f_bodies
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
+    ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
     ! headers: functions nsdae_bodies_ add_scene
@@ -184,6 +226,7 @@ contains
   ! Each adds one thing: its number, or a status < 0, which is remembered: later calls return it too,
   ! and so does nsdae_bodies_system, so that it is enough to look there.
   ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
+  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
 
   ! Adds a force callback on the point of a body, in space at the start.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)

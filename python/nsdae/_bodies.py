@@ -13,7 +13,9 @@ from ._system import System
 from ._trajectory import Shape
 
 GROUND = -1
-JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal")
+MOTORS = ("force", "speed", "position")
+JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal",
+          "screw")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
 
 
@@ -210,7 +212,8 @@ class Bodies:
         Parameters
         ----------
         kind : str
-            "revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical" or "universal".
+            "revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal" or
+            "screw".
         body0, body1 : int
             Numbers of the bodies, or `GROUND`.
         point : array_like
@@ -220,7 +223,7 @@ class Bodies:
         axis, cross : array_like
             Axes of the joint in space at the start.
         ratio : float
-            Joint "gear": theta of body1 per theta of body0.
+            Joint "gear": theta of body1 per theta of body0. Joint "screw": pitch, displacement per turn [m].
         mu : float
             Joint "slot": coefficient of friction (a frictional joint).
         collide_connected : bool
@@ -247,6 +250,128 @@ class Bodies:
         self._kept += [function, user]
         pointer = _pointers.compiled(name, function, user)
         return (function, (0, 0)) if pointer is None else (None, pointer)
+
+    def add_limit(self, joint: int, low: float = -math.inf, high: float = math.inf, *, coordinate: int = 0,
+                  e_n: float = 0) -> int:
+        """Adds the ends of a coordinate of a joint, as contacts without friction.
+
+        Parameters
+        ----------
+        joint : int
+            Number of the joint.
+        low, high : float
+            Ends [m or rad]. In space a rotation needs both, with high - low < 2 pi.
+        coordinate : int
+            0: rotation of "revolute", displacement of "prismatic", "slot", "cylindrical", "screw", rotation about
+            axis of "universal". 1: rotation of "slot", "cylindrical", "screw", rotation about cross of "universal".
+        e_n : float
+            Restitution.
+
+        Returns
+        -------
+        int
+            Number of the first of its contacts among all limits and ropes.
+        """
+        return self._core.add_limit(joint, coordinate, float(low), float(high), float(e_n))
+
+    def add_rope(self, body0: int, body1: int, *, point: Any, end: Any, length: float, e_n: float = 0) -> int:
+        """Adds a rope: the distance of two points is at most its length.
+
+        Parameters
+        ----------
+        body0, body1 : int
+            Numbers of the bodies, or `GROUND`.
+        point, end : array_like
+            Its ends on body0 and body1, in space at the start [m].
+        length : float
+            [m]
+        e_n : float
+            Restitution.
+
+        Returns
+        -------
+        int
+            Number of its contact among all limits and ropes.
+        """
+        return self._core.add_rope(body0, body1, _numbers("point", point, 3), _numbers("end", end, 3), float(length),
+                                   float(e_n))
+
+    def add_coupler(self, joint0: int, joint1: int, p: Sequence[float], *, coordinates: Sequence[int] = (0, 0)) -> int:
+        """Couples coordinates of two joints: s1 = p[0] + p[1] s0 + p[2] s0**2 + ...
+
+        Parameters
+        ----------
+        joint0, joint1 : int
+            Numbers of the joints.
+        p : array_like
+            At most six coefficients. Two rotations: gears of ratio p[1], in space a fraction of numbers of teeth. A
+            displacement s1 and a rotation s0: rack and pinion of radius p[1].
+        coordinates : (int, int)
+            Coordinate of each joint, see `add_limit`.
+
+        Returns
+        -------
+        int
+            Number of the coupler.
+        """
+        return self._core.add_coupler((joint0, joint1), tuple(coordinates), _numbers("p", p, 6))
+
+    def add_motor(self, joint: int, kind: str, target: Any = 0, *, coordinate: int = 0, limit: Any = math.inf,
+                  kp: float = 0, kd: float = 0) -> int:
+        """Adds a motor along a coordinate s of a joint.
+
+        Parameters
+        ----------
+        joint : int
+            Number of the joint.
+        kind : str
+            "force": the force or torque is the target. "speed": s' is the target. "position": the force is
+            kp (target - s) + kd (target' - s').
+        target : float or callable
+            A number, or ``target(t, f)``, which writes it and its two rates to f, shape (3,).
+        coordinate : int
+            See `add_limit`.
+        limit : float or callable
+            Largest force or torque. "speed" needs one, and may have ``limit(t, f)``, which writes it to f[0]. With the
+            target 0 it is dry friction or a brake, and a clutch if the limit varies.
+        kp, kd : float
+            Gains of "position".
+
+        Returns
+        -------
+        int
+            Number of the motor.
+        """
+        target_function, target_pointer = self._callback("drive", target if callable(target) else None, None)
+        limit_function, limit_pointer = self._callback("drive", limit if callable(limit) else None, None)
+        return self._core.add_motor(joint, coordinate, _one_of("kind", kind, MOTORS),
+                                    0.0 if callable(target) else float(target),
+                                    0.0 if callable(limit) else float(limit), float(kp), float(kd), target_function,
+                                    *target_pointer, limit_function, *limit_pointer)
+
+    def add_joint_spring(self, joint: int, *, coordinate: int = 0, stiffness: float = 0, damping: float = 0,
+                         rest: float = 0) -> int:
+        """Adds a spring with damper along a coordinate of a joint.
+
+        Parameters
+        ----------
+        joint : int
+            Number of the joint. "spherical" has damping only.
+        coordinate : int
+            See `add_limit`.
+        stiffness : float
+            [N/m or N m/rad]
+        damping : float
+            [N s/m or N m s/rad]
+        rest : float
+            Coordinate without force [m or rad].
+
+        Returns
+        -------
+        int
+            Number of the spring.
+        """
+        return self._core.add_joint_spring(joint, coordinate, float(stiffness), float(damping), float(rest))
 
     def add_spring(self, body0: int, body1: int, *, point: Any, end: Any, stiffness: float = 0, damping: float = 0,
                    rest: float = 0) -> int:

@@ -36,7 +36,7 @@ int load_in_python(double t, const double position[3], const double velocity[3],
   return c.run();
 }
 
-template <std::size_t n> void fill(double (&to)[n], const std::array<double, n> &from)
+template <class T, std::size_t n> void fill(T (&to)[n], const std::array<T, n> &from)
 {
   std::copy(from.begin(), from.end(), to);
 }
@@ -94,6 +94,20 @@ int bodies::add(double mass, triple inertia, triple position, double angle, quad
   return demand(nsdae_bodies_add(handle, &b));
 }
 
+// A function of Python, or a compiled one at the address; none: NULL.
+void bodies::set_drive(nb::object function, std::uintptr_t address, std::uintptr_t given,
+                       nsdae_drive_fn &drive, void *&user)
+{
+  if (!function.is_none()) {
+    functions.emplace_back().set_function(function.ptr(), {{3, 0, true}}, false);
+    drive = drive_in_python;
+    user = &functions.back();
+  } else if (address) {
+    drive = reinterpret_cast<nsdae_drive_fn>(address);
+    user = reinterpret_cast<void *>(given);
+  }
+}
+
 int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, triple axis,
                       triple cross, double ratio, double mu, bool collide_connected,
                       nb::object drive, std::uintptr_t address, std::uintptr_t user)
@@ -109,15 +123,70 @@ int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, 
   fill(j.end, end);
   fill(j.axis, axis);
   fill(j.cross, cross);
-  if (!drive.is_none()) {
-    functions.emplace_back().set_function(drive.ptr(), {{3, 0, true}}, false);
-    j.drive = drive_in_python;
-    j.user = &functions.back();
-  } else if (address) {
-    j.drive = reinterpret_cast<nsdae_drive_fn>(address);
-    j.user = reinterpret_cast<void *>(user);
-  }
+  set_drive(drive, address, user, j.drive, j.user);
   return demand(nsdae_bodies_add_joint(handle, &j));
+}
+
+int bodies::add_limit(int joint, int coordinate, double low, double high, double e_n)
+{
+  nsdae_limit l = {};
+  l.joint = joint;
+  l.coordinate = coordinate;
+  l.low = low;
+  l.high = high;
+  l.e_n = e_n;
+  return demand(nsdae_bodies_add_limit(handle, &l));
+}
+
+int bodies::add_rope(int body0, int body1, triple point, triple end, double length, double e_n)
+{
+  nsdae_rope r = {};
+  r.body[0] = body0;
+  r.body[1] = body1;
+  r.length = length;
+  r.e_n = e_n;
+  fill(r.point, point);
+  fill(r.end, end);
+  return demand(nsdae_bodies_add_rope(handle, &r));
+}
+
+int bodies::add_coupler(std::array<int, 2> joint, std::array<int, 2> coordinate,
+                        std::array<double, NSDAE_COUPLER_COEFFICIENTS> p)
+{
+  nsdae_coupler k = {};
+  fill(k.joint, joint);
+  fill(k.coordinate, coordinate);
+  fill(k.p, p);
+  return demand(nsdae_bodies_add_coupler(handle, &k));
+}
+
+int bodies::add_motor(int joint, int coordinate, int kind, double target, double limit, double kp,
+                      double kd, nb::object drive, std::uintptr_t address, std::uintptr_t user,
+                      nb::object vary, std::uintptr_t vary_address, std::uintptr_t vary_user)
+{
+  nsdae_motor m = {};
+  m.joint = joint;
+  m.coordinate = coordinate;
+  m.kind = kind;
+  m.target = target;
+  m.limit = limit;
+  m.kp = kp;
+  m.kd = kd;
+  set_drive(drive, address, user, m.drive, m.user);
+  set_drive(vary, vary_address, vary_user, m.vary, m.vary_user);
+  return demand(nsdae_bodies_add_motor(handle, &m));
+}
+
+int bodies::add_joint_spring(int joint, int coordinate, double stiffness, double damping,
+                             double rest)
+{
+  nsdae_joint_spring s = {};
+  s.joint = joint;
+  s.coordinate = coordinate;
+  s.stiffness = stiffness;
+  s.damping = damping;
+  s.rest = rest;
+  return demand(nsdae_bodies_add_joint_spring(handle, &s));
 }
 
 int bodies::add_spring(int body0, int body1, triple point, triple end, double stiffness,
@@ -282,6 +351,13 @@ void bind_bodies(nb::module_ &m)
       .def("add_joint", &bodies::add_joint, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
            nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),
            nb::arg())
+      .def("add_limit", &bodies::add_limit)
+      .def("add_rope", &bodies::add_rope)
+      .def("add_coupler", &bodies::add_coupler)
+      .def("add_motor", &bodies::add_motor, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
+           nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none(),
+           nb::arg(), nb::arg())
+      .def("add_joint_spring", &bodies::add_joint_spring)
       .def("add_spring", &bodies::add_spring)
       .def("add_torsion", &bodies::add_torsion)
       .def("add_load", &bodies::add_load, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),

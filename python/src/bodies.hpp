@@ -31,6 +31,14 @@ public:
   int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
                 double ratio, double mu, bool collide_connected, nb::object drive,
                 std::uintptr_t address, std::uintptr_t user);
+  int add_limit(int joint, int coordinate, double low, double high, double e_n);
+  int add_rope(int body0, int body1, triple point, triple end, double length, double e_n);
+  int add_coupler(std::array<int, 2> joint, std::array<int, 2> coordinate,
+                  std::array<double, NSDAE_COUPLER_COEFFICIENTS> p);
+  int add_motor(int joint, int coordinate, int kind, double target, double limit, double kp,
+                double kd, nb::object drive, std::uintptr_t address, std::uintptr_t user,
+                nb::object vary, std::uintptr_t vary_address, std::uintptr_t vary_user);
+  int add_joint_spring(int joint, int coordinate, double stiffness, double damping, double rest);
   int add_spring(int body0, int body1, triple point, triple end, double stiffness, double damping,
                  double rest);
   int add_torsion(int body0, int body1, triple axis, double stiffness, double damping, double rest);
@@ -50,6 +58,8 @@ public:
 
 private:
   int demand(int status) const;
+  void set_drive(nb::object function, std::uintptr_t address, std::uintptr_t given,
+                 nsdae_drive_fn &drive, void *&user);
   bool listed = false; // contact list
 };
 

@@ -45,6 +45,75 @@ def test_a_driven_crank(library, compiled):
     assert run["theta0"][-1] == pytest.approx(2, abs=1e-5)
 
 
+def test_limits_couplers_and_ropes():
+    """A rack on a pinion up to its stop; a mass that hangs on a rope; an exponential decay."""
+    world = Bodies(2, gravity=(6, 0))
+    pinion = world.add(mass=2, inertia=1)
+    rack = world.add(mass=2, inertia=1)
+    hinge = world.add_joint("revolute", GROUND, pinion)
+    rail = world.add_joint("prismatic", GROUND, rack, axis=(1, 0))
+    assert world.add_coupler(hinge, rail, (0, 0.5)) == 0
+    assert world.add_limit(rail, high=0.9) == 0
+    run = nsdae.solve(world, 2, dt=0.001)
+    assert run["x1"][500] == pytest.approx(0.25, abs=1e-2)  # 2 g / (2 + 1 / 0.25) t^2 / 2
+    assert run["x1"][-1] == pytest.approx(0.9, abs=5e-3)
+    assert run["theta0"][-1] == pytest.approx(1.8, abs=1e-2)
+
+    world = Bodies(3, gravity=(0, 0, -10))
+    ball = world.add(mass=1, inertia=(1, 1, 1), position=(0, 0, -1))
+    world.add_rope(GROUND, ball, point=(0, 0, 0), end=(0, 0, -1), length=2)
+    assert nsdae.solve(world, 1, dt=0.001)["z0"][-1] == pytest.approx(-2, abs=1e-2)
+
+    world = Bodies(3)
+    wheel = world.add(mass=1, inertia=(1, 1, 0.5), spin=(0, 0, 2))
+    axle = world.add_joint("cylindrical", GROUND, wheel, axis=(0, 0, 1))
+    world.add_joint_spring(axle, coordinate=1, damping=0.5)
+    run = nsdae.solve(world, 1, method="event", rtol=1e-10, atol=1e-12)
+    assert run["wz0"][-1] == pytest.approx(2 * math.exp(-1), abs=1e-8)
+    with pytest.raises(nsdae.ArgumentError, match="2 pi"):
+        world = Bodies(3)
+        wheel = world.add(mass=1, inertia=(1, 1, 1))
+        world.add_limit(world.add_joint("revolute", GROUND, wheel, axis=(0, 0, 1)), low=-1)
+
+
+def test_motors():
+    """A wheel by torque, by speed and by a brake; a clutch that engages; a position."""
+    def wheel(world, spin=0.0):
+        body = world.add(mass=1, inertia=0.5, spin=spin)
+        return world.add_joint("revolute", GROUND, body)
+
+    def turn(world, t=1.0):
+        run = nsdae.solve(world, t, method="event", rtol=1e-11, atol=1e-12)
+        return run["theta0"][-1]
+
+    world = Bodies(2)
+    world.add_motor(wheel(world), "force", 5, limit=3)
+    assert turn(world) == pytest.approx(3, abs=1e-9)
+    world = Bodies(2)
+    world.add_motor(wheel(world), "speed", 2, limit=4)  # after 0.25 s
+    assert turn(world) == pytest.approx(0.25 + 1.5, abs=1e-9)
+    world = Bodies(2)
+    world.add_motor(wheel(world, 2), "speed", limit=4)
+    assert turn(world) == pytest.approx(0.25, abs=1e-9)
+    world = Bodies(2)
+
+    def ramp(t, f):
+        f[0] = 6 * t * t
+
+    world.add_motor(wheel(world, 2), "speed", limit=ramp)  # 2 - 4 t^3 to t_1^3 = 1/2
+    assert turn(world) == pytest.approx(1.5 * 0.5 ** (1 / 3), abs=1e-9)
+
+    def sine(t, f):
+        f[:] = math.sin(t), math.cos(t), -math.sin(t)
+
+    world = Bodies(2)
+    world.add_motor(wheel(world, 1), "position", sine, kp=100, kd=10)
+    assert turn(world) == pytest.approx(math.sin(1), abs=0.01)
+    with pytest.raises(nsdae.ArgumentError, match="limit"):
+        world = Bodies(2)
+        world.add_motor(wheel(world), "speed", 2)
+
+
 def test_a_load_of_python():
     """A constant thrust on the centre: x = F t^2 / (2 m)."""
     def thrust(t, position, velocity, force, torque):

@@ -807,6 +807,60 @@ static void test_springs()
   EXPECT(std::fabs(sim.record().q[2] - 0.2 * (1 - std::cos(2))) < 1e-5);
 }
 
+/* A rack of 2 kg on a pinion of 1 kg m^2 and radius 0.5 m, damped, with a stop; and a rope. */
+static void test_couplers()
+{
+  nsdae::bodies world(2);
+  nsdae_rigid_body body = nsdae_rigid_body();
+  body.mass = 2;
+  body.inertia[2] = 1;
+  world.gravity(6, 0);
+  nsdae_coupler coupler = nsdae_coupler();
+  for (int i = 0; i < 2; i++) {
+    nsdae_joint joint = nsdae_joint();
+    joint.kind = i ? NSDAE_JOINT_PRISMATIC : NSDAE_JOINT_REVOLUTE;
+    joint.body[0] = NSDAE_GROUND;
+    joint.body[1] = world.add(body);
+    joint.axis[0] = 1;
+    coupler.joint[i] = world.joint(joint);
+  }
+  coupler.p[1] = 0.5;
+  EXPECT(world.coupler(coupler) == 0);
+  nsdae_limit limit = nsdae_limit();
+  limit.joint = 1;
+  limit.low = -1;
+  limit.high = 0.2;
+  EXPECT(world.limit(limit) == 0);
+  nsdae_rope rope = nsdae_rope();
+  rope.body[0] = NSDAE_GROUND;
+  rope.body[1] = 1;
+  rope.length = 3;
+  EXPECT(world.rope(rope) == 2);
+  nsdae_joint_spring damper = nsdae_joint_spring();
+  damper.damping = 1e-6;
+  EXPECT(world.joint_spring(damper) == 0);
+  nsdae_motor motor = nsdae_motor();
+  motor.joint = 1;
+  motor.target = motor.limit = 12;
+  EXPECT(world.motor(motor) == 0);
+  motor.kind = NSDAE_MOTOR_SPEED; /* dry friction */
+  motor.target = 0;
+  const auto still = [](double, double *) { return 0; };
+  const auto most = [](double, double *f) {
+    f[0] = 12;
+    return 0;
+  };
+  EXPECT(world.motor(motor, still, most) == 1);
+  nsdae::system made = world.system();
+  nsdae::sim sim(made);
+  sim.init(0, world.start().first, world.start().second);
+  sim.run(0.2); /* 2 g / (2 + 1 / 0.25) = 2 */
+  EXPECT(std::fabs(sim.record().q[3] - 0.04) < 1e-3);
+  EXPECT(std::fabs(sim.record().q[3] - 0.5 * sim.record().q[2]) < 1e-5);
+  sim.run(1);
+  EXPECT(std::fabs(sim.record().q[3] - 0.2) < 1e-3);
+}
+
 /* Squares on a floor, one on the other, with contacts by number and by material: both rest. */
 static void test_solids(bool by_material)
 {
@@ -918,6 +972,7 @@ int main(int argc, char **argv)
   test_springs();
   test_neighbours(false);
   test_neighbours(true);
+  test_couplers();
   test_solids(false);
   test_solids(true);
   test_joint();

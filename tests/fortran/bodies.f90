@@ -69,6 +69,7 @@ program mechanism
   call carried_body
   call box_on_floor
   call spring_and_torsion
+  call limits_and_couplers
   call discs_by_material
   call neighbours(0_c_int)
   call neighbours(1_c_int)
@@ -200,6 +201,62 @@ contains
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_true(all(record%v == 0), 'a box at rest has no velocity at all')
+    call nsdae_sim_destroy(sim)
+    call nsdae_system_destroy(system)
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! A rack of 2 kg on a pinion of 1 kg m^2 and radius 0.5 m with a damper, up to its stop; a rope.
+  subroutine limits_and_couplers()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_rigid_body) :: body
+    type(nsdae_joint) :: joint
+    type(nsdae_limit) :: limit
+    type(nsdae_rope) :: rope
+    type(nsdae_coupler) :: coupler
+    type(nsdae_joint_spring) :: damper
+    type(nsdae_motor) :: motor
+    type(nsdae_system) :: system
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_set_gravity(bodies, [6d0, 0d0, 0d0]), NSDAE_OK, 'gravity')
+    body%mass = 2
+    body%inertia(3) = 1
+    call is_int(nsdae_bodies_add(bodies, body), 0_c_int, 'pinion')
+    call is_int(nsdae_bodies_add(bodies, body), 1_c_int, 'rack')
+    joint%body(2) = 0
+    call is_int(nsdae_bodies_add_joint(bodies, joint), 0_c_int, 'hinge')
+    joint%kind = NSDAE_JOINT_PRISMATIC
+    joint%body(2) = 1
+    joint%axis(1) = 1
+    call is_int(nsdae_bodies_add_joint(bodies, joint), 1_c_int, 'rail')
+    coupler%joint = [0_c_int, 1_c_int]
+    coupler%p(2) = 0.5d0
+    call is_int(nsdae_bodies_add_coupler(bodies, coupler), 0_c_int, 'coupler')
+    limit%joint = 1
+    limit%low = -1
+    limit%high = 0.9d0
+    call is_int(nsdae_bodies_add_limit(bodies, limit), 0_c_int, 'limit')
+    rope%body(2) = 1
+    rope%length = 3
+    call is_int(nsdae_bodies_add_rope(bodies, rope), 2_c_int, 'rope')
+    call is_int(nsdae_bodies_add_joint_spring(bodies, damper), 0_c_int, 'damper')
+    motor%joint = 1
+    motor%target = 12
+    motor%limit = 12
+    call is_int(nsdae_bodies_add_motor(bodies, motor), 0_c_int, 'motor')
+    motor%kind = NSDAE_MOTOR_SPEED
+    motor%target = 0
+    call is_int(nsdae_bodies_add_motor(bodies, motor), 1_c_int, 'dry friction')
+    call start(bodies, system, sim)
+    call is_int(nsdae_sim_run(sim, 0.5d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(abs(record%q(4) - 0.25d0) < 1d-2, 'half of 2 g / (2 + 1 / 0.25) t^2')
+    call is_true(abs(record%q(4) - 0.5d0 * record%q(3)) < 1d-5, 'the rack follows')
+    call is_int(nsdae_sim_run(sim, 2d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(abs(record%q(4) - 0.9d0) < 1d-2, 'the rack is at its stop')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)

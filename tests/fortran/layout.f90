@@ -48,6 +48,11 @@ program layout
   call solid_fields
   call joint_fields
   call spring_fields
+  call limit_fields
+  call rope_fields
+  call joint_spring_fields
+  call motor_fields
+  call coupler_fields
   call torsion_fields
   call trajectory_info_fields
   call body_fields
@@ -508,6 +513,55 @@ contains
     call same_place('nsdae_spring%stiffness', c_loc(x), c_loc(x%stiffness))
     call same_place('nsdae_spring%damping', c_loc(x), c_loc(x%damping))
     call same_place('nsdae_spring%rest', c_loc(x), c_loc(x%rest))
+  end subroutine
+
+  subroutine limit_fields()
+    type(nsdae_limit), target :: x
+    call same_size('nsdae_limit', c_sizeof(x))
+    call same_place('nsdae_limit%coordinate', c_loc(x), c_loc(x%coordinate))
+    call same_place('nsdae_limit%low', c_loc(x), c_loc(x%low))
+    call same_place('nsdae_limit%high', c_loc(x), c_loc(x%high))
+    call same_place('nsdae_limit%e_n', c_loc(x), c_loc(x%e_n))
+  end subroutine
+
+  subroutine rope_fields()
+    type(nsdae_rope), target :: x
+    call same_size('nsdae_rope', c_sizeof(x))
+    call same_place('nsdae_rope%point', c_loc(x), c_loc(x%point))
+    call same_place('nsdae_rope%end', c_loc(x), c_loc(x%end))
+    call same_place('nsdae_rope%length', c_loc(x), c_loc(x%length))
+    call same_place('nsdae_rope%e_n', c_loc(x), c_loc(x%e_n))
+  end subroutine
+
+  subroutine joint_spring_fields()
+    type(nsdae_joint_spring), target :: x
+    call same_size('nsdae_joint_spring', c_sizeof(x))
+    call same_place('nsdae_joint_spring%coordinate', c_loc(x), c_loc(x%coordinate))
+    call same_place('nsdae_joint_spring%stiffness', c_loc(x), c_loc(x%stiffness))
+    call same_place('nsdae_joint_spring%damping', c_loc(x), c_loc(x%damping))
+    call same_place('nsdae_joint_spring%rest', c_loc(x), c_loc(x%rest))
+  end subroutine
+
+  subroutine motor_fields()
+    type(nsdae_motor), target :: x
+    call same_size('nsdae_motor', c_sizeof(x))
+    call same_place('nsdae_motor%coordinate', c_loc(x), c_loc(x%coordinate))
+    call same_place('nsdae_motor%kind', c_loc(x), c_loc(x%kind))
+    call same_place('nsdae_motor%target', c_loc(x), c_loc(x%target))
+    call same_place('nsdae_motor%limit', c_loc(x), c_loc(x%limit))
+    call same_place('nsdae_motor%kp', c_loc(x), c_loc(x%kp))
+    call same_place('nsdae_motor%kd', c_loc(x), c_loc(x%kd))
+    call same_place('nsdae_motor%drive', c_loc(x), c_loc(x%drive))
+    call same_place('nsdae_motor%vary', c_loc(x), c_loc(x%vary))
+    call same_place('nsdae_motor%user', c_loc(x), c_loc(x%user))
+    call same_place('nsdae_motor%vary_user', c_loc(x), c_loc(x%vary_user))
+  end subroutine
+
+  subroutine coupler_fields()
+    type(nsdae_coupler), target :: x
+    call same_size('nsdae_coupler', c_sizeof(x))
+    call same_place('nsdae_coupler%coordinate', c_loc(x), c_loc(x%coordinate))
+    call same_place('nsdae_coupler%p', c_loc(x), c_loc(x%p))
   end subroutine
 
   subroutine torsion_fields()

@@ -74,6 +74,7 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
 {
   nsdae_joint j = {.kind = kind, .ratio = uniform(-2, 2), .user = size};
   pair_of(bodies, j.body);
+  if (kind == NSDAE_JOINT_SCREW) j.ratio += copysign(3, j.ratio); /* off by less than half a turn */
   vector(d, 1, j.point);
   vector(d, 1, j.end);
   j.end[0] += 2; /* the curvature of a distance is of order one, as the differences want */
@@ -83,11 +84,49 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
     int k = (i + 1) % 3, l = (i + 2) % 3;
     j.cross[i] = d == 2 ? 0 : j.axis[k] * other[l] - j.axis[l] * other[k];
   }
-  int fixed =
-      kind == NSDAE_JOINT_WELD || kind == NSDAE_JOINT_SPHERICAL || kind == NSDAE_JOINT_UNIVERSAL;
+  int fixed = kind == NSDAE_JOINT_WELD || kind == NSDAE_JOINT_SPHERICAL;
   if (!fixed && below(2)) j.drive = drive;
   if (kind == NSDAE_JOINT_SLOT && !j.drive) j.mu = mu;
   assert_true(nsdae_bodies_add_joint(b, &j) >= 0);
+}
+
+/* Limits, springs, motors, couplers of all coordinates that there are, and a rope. */
+static void add_parts_of_joints(nsdae_bodies *b, int d, int bodies, double *size)
+{
+  int place[4], count = 0;
+  for (int i = 0; i < 2 * b->joint.count; i++) {
+    const nsdae_bodies_joint *joint = nsdae_joint_at(b, i / 2);
+    nsdae_joint_spring s = {i / 2, i % 2, 2, 0.3, 0.2};
+    if (i % 2 >= joint->coordinates) continue;
+    int spherical = joint->kind == NSDAE_JOINT_SPHERICAL;
+    if (spherical) s.stiffness = 0;
+    assert_true(nsdae_bodies_add_joint_spring(b, &s) >= 0);
+    if (spherical) continue;
+    place[count++] = i;
+    for (int kind = NSDAE_MOTOR_FORCE; kind <= NSDAE_MOTOR_POSITION; kind++) {
+      int position = kind == NSDAE_MOTOR_POSITION;
+      nsdae_motor m = {.joint = i / 2, .coordinate = i % 2, .kind = kind, .target = 0.4};
+      m.limit = below(2) ? 0.1 : 50;
+      if (position) m.kp = 2, m.kd = 0.5;
+      if (below(2)) m.drive = drive, m.user = size;
+      assert_true(nsdae_bodies_add_motor(b, &m) >= 0);
+    }
+    assert_true(nsdae_bodies_add_limit(b, &(nsdae_limit){i / 2, i % 2, -2, 3, 0.5}) >= 0);
+  }
+  if (count > 1) {
+    int first = place[0], second = place[count - 1];
+    nsdae_coupler c = {.joint = {first / 2, second / 2}, .coordinate = {first % 2, second % 2}};
+    c.p[0] = uniform(-0.1, 0.1);
+    c.p[1] = round(uniform(1, 9)) / (1 + below(2));
+    if (below(2)) c.p[2] = 0.3, c.p[4] = -0.2;
+    assert_int_equal(nsdae_bodies_add_coupler(b, &c), 0);
+  }
+  nsdae_rope rope = {.length = uniform(2, 5), .e_n = 0.2};
+  pair_of(bodies, rope.body);
+  vector(d, 1, rope.point);
+  vector(d, 1, rope.end);
+  rope.end[0] += 2;
+  assert_true(nsdae_bodies_add_rope(b, &rope) >= 0);
 }
 
 static const double corners[8] = {-0.5, -0.4, 0.6, -0.3, 0.5, 0.5, -0.4, 0.3};
@@ -152,7 +191,9 @@ static nsdae_bodies *mechanism(int d, int index, int by_list, double *size)
   for (int i = 0; i < bodies; i++) add_body(b, d);
   *size = 0.7;
   add_joint(b, d, bodies, index % (d == 2 ? 6 : 4), by_list ? 0 : 0.2, size);
-  if (d == 3) add_joint(b, d, bodies, (const int[]){6, 7, 8, 0, 1}[index % 5], 0, size);
+  add_joint(b, d, bodies, d == 2 ? 2 * (index % 3) : (const int[]){6, 7, 8, 9, 0, 1}[index % 6], 0,
+            size);
+  add_parts_of_joints(b, d, bodies, size);
   if (by_list)
     add_pairs(b, d, bodies, index);
   else
@@ -216,7 +257,7 @@ static void check_directions(const nsdae_bodies *b, const nsdae_system *system, 
   system->call.gap_tangent(0, q, W[1], dims.nv, system->user);
   memcpy(qdot, v, (size_t)dims.nv * sizeof *v);
   if (system->call.kinematics) system->call.kinematics(0, q, v, qdot, system->user);
-  for (int i = 0; i < dims.k; i++) {
+  for (int i = 0; i < b->feature.count; i++) {
     const nsdae_feature *f = (const nsdae_feature *)b->feature.at + i;
     const nsdae_solid_of *s = b->solid.at;
     const int body[2] = {s[f->solid[0]].body, s[f->solid[1]].body};
@@ -284,6 +325,7 @@ static void check_list(const nsdae_bodies *b, const nsdae_system *system, const 
   assert_int_equal(system->call.contacts(0.4, q, v, 0.3, &list, system->user), 0);
   assert_true(nsdae_room_enough(&list.room, &list.taken));
   for (int i = 0; i < list.count; i++) {
+    if (list.id[i] >= nsdae_bodies_limit_id(b)) continue;
     double n[2][3][3], x[2][3] = {{0}}, apart[3];
     int known[2];
     for (int side = 0; side < 2; side++) {

@@ -52,19 +52,19 @@ static double way(int d, const double *q, const double *axis)
   return sum;
 }
 
-/* The angle of body 1's y axis against that of body 0, about z of body 0. */
+/* The angle of body 1's x axis against that of body 0, about z of body 0. */
 static double angle_about_z(const double *q)
 {
   const double x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
-  double x0[3], y0[3], y1[3], along = 0, across = 0;
+  double x0[3], y0[3], x1[3], along = 0, across = 0;
   turned(3, q, x, x0);
   turned(3, q, y, y0);
-  turned(3, q + 7, y, y1);
+  turned(3, q + 7, x, x1);
   for (int i = 0; i < 3; i++) {
-    along += y1[i] * y0[i];
-    across += y1[i] * x0[i];
+    along += x1[i] * x0[i];
+    across += x1[i] * y0[i];
   }
-  return atan2(-across, along);
+  return atan2(across, along);
 }
 
 static double motion(int d, int kind, const double *q)
@@ -74,6 +74,8 @@ static double motion(int d, int kind, const double *q)
   switch (kind) {
   case NSDAE_JOINT_REVOLUTE:
     return d == 2 ? q[5] - q[2] : angle_about_z(q);
+  case NSDAE_JOINT_UNIVERSAL:
+    return angle_about_z(q);
   case NSDAE_JOINT_DISTANCE:
     for (int i = 0; i < d; i++) square += pow(q[(d == 2 ? 3 : 7) + i] - q[i], 2);
     return sqrt(square);
@@ -104,6 +106,7 @@ static void follow(int d, int kind, int method, double dt, double tol)
                                            .body = {0, 1},
                                            .end = {from},
                                            .axis = {d == 2, 0, d == 3},
+                                           .cross = {d == 3},
                                            .ratio = ratio,
                                            .drive = drive,
                                            .user = &from});
@@ -140,7 +143,8 @@ static const struct {
   int d, kind;
 } cases[] = {{2, NSDAE_JOINT_REVOLUTE},  {2, NSDAE_JOINT_PRISMATIC}, {2, NSDAE_JOINT_DISTANCE},
              {2, NSDAE_JOINT_SLOT},      {2, NSDAE_JOINT_GEAR},      {3, NSDAE_JOINT_REVOLUTE},
-             {3, NSDAE_JOINT_PRISMATIC}, {3, NSDAE_JOINT_DISTANCE},  {3, NSDAE_JOINT_CYLINDRICAL}};
+             {3, NSDAE_JOINT_PRISMATIC}, {3, NSDAE_JOINT_DISTANCE},  {3, NSDAE_JOINT_CYLINDRICAL},
+             {3, NSDAE_JOINT_UNIVERSAL}, {3, NSDAE_JOINT_SCREW}};
 
 static void test_follow(void **state)
 {
@@ -202,6 +206,7 @@ static const struct {
                {3, NSDAE_JOINT_REVOLUTE, POINT | AXIS, 5},
                {3, NSDAE_JOINT_PRISMATIC, LINE | TURN, 5},
                {3, NSDAE_JOINT_CYLINDRICAL, LINE | AXIS, 4},
+               {3, NSDAE_JOINT_SCREW, LINE | AXIS, 5},
                {3, NSDAE_JOINT_UNIVERSAL, POINT | SQUARE, 4},
                {3, NSDAE_JOINT_WELD, POINT | TURN, 6},
                {3, NSDAE_JOINT_DISTANCE, LENGTH, 1}};

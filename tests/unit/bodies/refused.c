@@ -113,6 +113,7 @@ static void test_joints(void **state)
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_PRISMATIC, .body = {0, 1}}, "axis");
   refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}}, "axis");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_GEAR, .body = {0, 1}}, "ratio");
+  refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_SCREW, .body = {0, 1}, .axis = {1}}, "ratio");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_DISTANCE, .body = {0, 1}}, "end");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .mu = 0.1}, "mu");
   refuse_joint(
@@ -124,6 +125,128 @@ static void test_joints(void **state)
       (nsdae_joint){
           .kind = NSDAE_JOINT_UNIVERSAL, .body = {0, 1}, .axis = {1, 0, 0}, .cross = {1, 1, 0}},
       "cross");
+}
+
+/* ---- parts of joints: a revolute joint 0, a spherical joint 1 in space, a weld in the plane */
+
+static nsdae_bodies *jointed(int d)
+{
+  nsdae_bodies *b = world(d);
+  nsdae_joint j = {.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .axis = {0, 0, d == 3}};
+  assert_int_equal(nsdae_bodies_add_joint(b, &j), 0);
+  j.kind = d == 2 ? NSDAE_JOINT_WELD : NSDAE_JOINT_SPHERICAL;
+  assert_int_equal(nsdae_bodies_add_joint(b, &j), 1);
+  j.kind = NSDAE_JOINT_REVOLUTE;
+  assert_int_equal(nsdae_bodies_add_joint(b, &j), 2);
+  return b;
+}
+
+static void refuse_limit(int d, nsdae_limit l, const char *argument)
+{
+  nsdae_bodies *b = jointed(d);
+  expect(b, nsdae_bodies_add_limit(b, &l), NSDAE_E_ARGUMENT, argument);
+}
+
+static void test_limits(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++) {
+    refuse_limit(d, (nsdae_limit){3, 0, -1, 1, 0}, "joint");
+    refuse_limit(d, (nsdae_limit){-1, 0, -1, 1, 0}, "joint");
+    refuse_limit(d, (nsdae_limit){0, 1, -1, 1, 0}, "coordinate");
+    refuse_limit(d, (nsdae_limit){0, -1, -1, 1, 0}, "coordinate");
+    refuse_limit(d, (nsdae_limit){1, 0, -1, 1, 0}, "coordinate");
+    refuse_limit(d, (nsdae_limit){0, 0, 1, 1, 0}, "low");
+    refuse_limit(d, (nsdae_limit){0, 0, NAN, 1, 0}, "low");
+    refuse_limit(d, (nsdae_limit){0, 0, -INFINITY, INFINITY, 0}, "low");
+    refuse_limit(d, (nsdae_limit){0, 0, -1, 1, 1.5}, "e_n");
+    refuse_limit(d, (nsdae_limit){0, 0, -1, 1, NAN}, "e_n");
+  }
+  refuse_limit(3, (nsdae_limit){0, 0, -1, INFINITY, 0}, "high");
+  refuse_limit(3, (nsdae_limit){0, 0, -3.2, 3.2, 0}, "high");
+  nsdae_bodies *b = jointed(2);
+  expect(b, nsdae_bodies_add_limit(b, NULL), NSDAE_E_ARGUMENT, "limit");
+}
+
+static void refuse_rope(nsdae_rope r, int status, const char *argument)
+{
+  nsdae_bodies *b = world(2);
+  expect(b, nsdae_bodies_add_rope(b, &r), status, argument);
+}
+
+static void test_ropes(void **state)
+{
+  (void)state;
+  refuse_rope((nsdae_rope){.body = {1, 1}, .length = 1}, NSDAE_E_ARGUMENT, "body");
+  refuse_rope((nsdae_rope){.body = {0, 1}}, NSDAE_E_ARGUMENT, "length");
+  refuse_rope((nsdae_rope){.body = {0, 1}, .length = INFINITY}, NSDAE_E_ARGUMENT, "length");
+  refuse_rope((nsdae_rope){.body = {0, 1}, .length = 1, .e_n = -1}, NSDAE_E_ARGUMENT, "e_n");
+  refuse_rope((nsdae_rope){.body = {0, 1}, .length = 1, .end = {0, 0, 1}}, NSDAE_E_ARGUMENT, "end");
+  refuse_rope((nsdae_rope){.body = {0, 1}, .length = 1, .point = {NAN}}, NSDAE_E_NONFINITE,
+              "point");
+}
+
+static void refuse_coupler(int d, nsdae_coupler c, int status, const char *argument)
+{
+  nsdae_bodies *b = jointed(d);
+  expect(b, nsdae_bodies_add_coupler(b, &c), status, argument);
+}
+
+static void refuse_joint_spring(int d, nsdae_joint_spring s, int status, const char *argument)
+{
+  nsdae_bodies *b = jointed(d);
+  expect(b, nsdae_bodies_add_joint_spring(b, &s), status, argument);
+}
+
+static void refuse_motor(nsdae_motor m, int status, const char *argument)
+{
+  nsdae_bodies *b = jointed(3);
+  expect(b, nsdae_bodies_add_motor(b, &m), status, argument);
+}
+
+static void test_motors(void **state)
+{
+  (void)state;
+  const int speed = NSDAE_MOTOR_SPEED, position = NSDAE_MOTOR_POSITION;
+  refuse_motor((nsdae_motor){.joint = 3, .limit = 1}, NSDAE_E_ARGUMENT, "joint");
+  refuse_motor((nsdae_motor){.joint = 1, .limit = 1}, NSDAE_E_ARGUMENT, "coordinate");
+  refuse_motor((nsdae_motor){.kind = 3, .limit = 1}, NSDAE_E_ARGUMENT, "kind");
+  refuse_motor((nsdae_motor){.kind = -1, .limit = 1}, NSDAE_E_ARGUMENT, "kind");
+  refuse_motor((nsdae_motor){.target = NAN, .limit = 1}, NSDAE_E_NONFINITE, "target");
+  refuse_motor((nsdae_motor){.target = 1}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.limit = NAN}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .limit = INFINITY}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .limit = -1}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .limit = 1, .kp = 1}, NSDAE_E_ARGUMENT, "kp");
+  refuse_motor((nsdae_motor){.limit = 1, .kd = 1}, NSDAE_E_ARGUMENT, "kp");
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1, .kp = -1}, NSDAE_E_ARGUMENT, "kp");
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1, .kd = NAN}, NSDAE_E_ARGUMENT, "kd");
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1, .vary = drive}, NSDAE_E_ARGUMENT,
+               "vary");
+}
+
+static void test_couplers(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++) {
+    refuse_coupler(d, (nsdae_coupler){.joint = {0, 3}, .p = {0, 1}}, NSDAE_E_ARGUMENT, "joint");
+    refuse_coupler(d, (nsdae_coupler){.joint = {0, 0}, .p = {0, 1}}, NSDAE_E_ARGUMENT, "joint");
+    refuse_coupler(d, (nsdae_coupler){.joint = {0, 1}, .p = {0, 1}}, NSDAE_E_ARGUMENT,
+                   "coordinate");
+    refuse_coupler(d, (nsdae_coupler){.joint = {0, 2}, .p = {1}}, NSDAE_E_ARGUMENT, "p");
+    refuse_coupler(d, (nsdae_coupler){.joint = {0, 2}, .p = {NAN, 1}}, NSDAE_E_NONFINITE, "p");
+    refuse_joint_spring(d, (nsdae_joint_spring){.joint = 4}, NSDAE_E_ARGUMENT, "joint");
+    refuse_joint_spring(d, (nsdae_joint_spring){1, 0, 1, 1, 0}, NSDAE_E_ARGUMENT, "coordinate");
+    refuse_joint_spring(d, (nsdae_joint_spring){0, 0, -1, 1, 0}, NSDAE_E_ARGUMENT, "stiffness");
+    refuse_joint_spring(d, (nsdae_joint_spring){0, 0, 1, -1, 0}, NSDAE_E_ARGUMENT, "damping");
+    refuse_joint_spring(d, (nsdae_joint_spring){0, 0, 1, 1, NAN}, NSDAE_E_NONFINITE, "rest");
+  }
+  /* gears in space have numbers of teeth */
+  refuse_coupler(3, (nsdae_coupler){.joint = {0, 2}, .p = {0, 1.41421356}}, NSDAE_E_ARGUMENT, "p");
+  nsdae_bodies *b = jointed(3);
+  nsdae_coupler c = {.joint = {0, 2}, .p = {0, -17. / 256}};
+  assert_int_equal(nsdae_bodies_add_coupler(b, &c), 0);
+  nsdae_bodies_destroy(&b);
 }
 
 static void refuse_solid(int d, int body, nsdae_solid solid, const char *argument)
@@ -445,6 +568,8 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_inertia_refused), cmocka_unit_test(test_create),
       cmocka_unit_test(test_bodies),          cmocka_unit_test(test_joints),
+      cmocka_unit_test(test_limits),          cmocka_unit_test(test_ropes),
+      cmocka_unit_test(test_couplers),        cmocka_unit_test(test_motors),
       cmocka_unit_test(test_solids),          cmocka_unit_test(test_polygons),
       cmocka_unit_test(test_endless),         cmocka_unit_test(test_contacts),
       cmocka_unit_test(test_forces),          cmocka_unit_test(test_made),

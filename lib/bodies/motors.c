@@ -1,0 +1,141 @@
+/* Motors along a coordinate s of a joint:
+ *
+ *   FORCE      F = target(t)                                   within -limit .. limit
+ *   POSITION   F = kp (target - s) + kd (target' - s')         within -limit .. limit
+ *   SPEED      s' = target(t) by a force within -limit .. limit: a frictional joint with
+ *              v_S = s' - target(t) and the bound limit; with the target 0 it is dry friction
+ *
+ * A rotation in space is known up to turns: target - s is the nearest to 0. */
+#include <math.h>
+
+#include "bodies_impl.h"
+
+static const char *const what = "motor";
+
+int nsdae_spring_force(const nsdae_bodies_spring *spring, double t, double s, double rate,
+                       double force[3])
+{
+  double f[3] = {spring->target, 0, 0};
+  int code = spring->drive ? spring->drive(t, f, spring->user) : 0;
+  int direct = spring->owner == NSDAE_FORCE_MOTOR;
+  double off = direct ? 0 : f[0] - s;
+  if (spring->owner == NSDAE_POSITION_MOTOR && nsdae_primitive_is_periodic(&spring->value))
+    off = remainder(off, 2 * nsdae_pi);
+  force[0] = spring->stiffness * off + spring->damping * (f[1] - rate) + (direct ? f[0] : 0);
+  int limited = fabs(force[0]) > spring->limit;
+  force[1] = limited ? 0 : spring->stiffness;
+  force[2] = limited ? 0 : spring->damping;
+  if (limited) force[0] = copysign(spring->limit, force[0]);
+  int motor =
+      spring->owner >= NSDAE_FORCE_MOTOR; /* a trial state that overflowed: a shorter step */
+  return code || !motor || isfinite(s + rate) ? code : 1;
+}
+
+static int check_motor(nsdae_bodies *b, int index, const nsdae_motor *m)
+{
+  if (m->kind < NSDAE_MOTOR_FORCE || m->kind > NSDAE_MOTOR_POSITION)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "kind", index,
+                               "kind = %d is not one of enum nsdae_motor_kind", m->kind);
+  if (!isfinite(m->target))
+    return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "target", index,
+                               "target = %g is not a finite number", m->target);
+  int speed = m->kind == NSDAE_MOTOR_SPEED, position = m->kind == NSDAE_MOTOR_POSITION;
+  if (!(speed ? m->limit >= 0 && isfinite(m->limit) : m->limit > 0))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "limit", index,
+                               speed ? "limit = %g of a speed motor must be at least 0, and finite"
+                                     : "limit = %g must be above 0; INFINITY: without a limit",
+                               m->limit);
+  if (m->vary && !speed)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "vary", index,
+                               "vary is for speed motors: limit it in the target");
+  nsdae_bodies_check_least(b, what, "kp", index, m->kp, 0, 0);
+  nsdae_bodies_check_least(b, what, "kd", index, m->kd, 0, 0);
+  if (position || (m->kp == 0 && m->kd == 0)) return b->error.status;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "kp", index,
+                             "kp = %g, kd = %g are of position motors: they must be 0", m->kp,
+                             m->kd);
+}
+
+/* The number of the next motor: some are frictional joints, some are springs. */
+static int next_number(const nsdae_bodies *b)
+{
+  int n = 0;
+  for (int i = 0; i < b->frictional_joint.count; i++)
+    n += nsdae_frictional_joint_at(b, i)->motor >= 0;
+  for (int i = 0; i < b->spring.count; i++) n += nsdae_spring_at(b, i)->owner >= NSDAE_FORCE_MOTOR;
+  return n;
+}
+
+int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
+{
+  int status = nsdae_bodies_open(b, m, what);
+  if (status < 0) return status;
+  int index = next_number(b);
+  const nsdae_primitive *of =
+      nsdae_bodies_joint_coordinate(b, what, index, m->joint, m->coordinate, 0);
+  if (!of || check_motor(b, index, m) < 0) return b->error.status;
+  const nsdae_primitive value = *of;
+  if (m->kind == NSDAE_MOTOR_SPEED) {
+    nsdae_bodies_frictional_joint *f = nsdae_list_add(b, &b->frictional_joint, sizeof *f);
+    if (!f) return NSDAE_E_MEMORY;
+    *f = (nsdae_bodies_frictional_joint){.constraint = -1,
+                                         .joint = m->joint,
+                                         .motor = index,
+                                         .along = value,
+                                         .bound = m->limit,
+                                         .target = m->target,
+                                         .drive = m->drive,
+                                         .vary = m->vary,
+                                         .user = m->user,
+                                         .vary_user = m->vary_user};
+    return index;
+  }
+  nsdae_bodies_spring *s = nsdae_list_add(b, &b->spring, sizeof *s);
+  if (!s) return NSDAE_E_MEMORY;
+  int position = m->kind == NSDAE_MOTOR_POSITION;
+  *s = (nsdae_bodies_spring){.value = value,
+                             .owner = position ? NSDAE_POSITION_MOTOR : NSDAE_FORCE_MOTOR,
+                             .number = index,
+                             .stiffness = m->kp,
+                             .damping = m->kd,
+                             .limit = m->limit,
+                             .target = m->target,
+                             .drive = m->drive,
+                             .user = m->user};
+  return index;
+}
+
+/* ---- as frictional joints */
+
+int nsdae_motor_target(const nsdae_bodies_frictional_joint *f, double t, double target[3])
+{
+  target[0] = f->target;
+  target[1] = target[2] = 0;
+  return f->drive ? f->drive(t, target, f->user) : 0;
+}
+
+static int bounds(double t, const double *q, const double *v, double *bound, void *user)
+{
+  const nsdae_bodies *b = user;
+  (void)q, (void)v;
+  for (int i = 0; i < b->frictional_joint.count; i++) {
+    const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
+    double limit[3] = {0, 0, 0};
+    int code = f->vary ? f->vary(t, limit, f->vary_user) : 0;
+    if (code) return code;
+    bound[i] = limit[0];
+  }
+  return 0;
+}
+
+int nsdae_bodies_set_motors(const nsdae_bodies *b, nsdae_system *system)
+{
+  int status = NSDAE_OK, varies = 0;
+  for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
+    const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
+    varies |= f->vary != NULL;
+    status = f->motor < 0 ? nsdae_system_set_frictional_joint(system, i, f->constraint, f->mu)
+                          : nsdae_system_set_friction_bound(system, i, f->vary ? 0 : f->bound);
+  }
+  return status < 0 || !varies ? status : nsdae_system_set_joint_friction_bound(system, bounds);
+}

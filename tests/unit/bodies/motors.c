@@ -1,0 +1,240 @@
+/* Motors, dry friction, brakes and clutches of joints against closed forms: by event to 1e-10, by
+ * time stepping with its order. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+
+#include "support/hung_bodies.h"
+
+static const double pi = 3.14159265358979324;
+
+static int sine(double t, double f[3], void *user)
+{
+  (void)user;
+  f[0] = sin(3 * t);
+  f[1] = 3 * cos(3 * t);
+  f[2] = -9 * sin(3 * t);
+  return 0;
+}
+
+/* t^2: a bound of a clutch */
+static int ramp(double t, double f[3], void *user)
+{
+  (void)user;
+  f[0] = t * t;
+  f[1] = 2 * t;
+  f[2] = 2;
+  return 0;
+}
+
+/* A wheel of J = 0.5 about z. */
+static int wheel(nsdae_bodies *b, int d, double spin)
+{
+  return hang(b, d, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.spin = {0, 0, spin}});
+}
+
+static void add_motor(nsdae_bodies *b, nsdae_motor motor)
+{
+  int status = nsdae_bodies_add_motor(b, &motor);
+  if (status < 0) fail_msg("%s", nsdae_bodies_error(b)->text);
+}
+
+static double off(int d, const ending *end, double angle, double rate)
+{
+  double wrong = remainder(angle_of(d, end->q) - angle, 2 * pi);
+  return fmax(fabs(wrong), fabs(end->v[d == 2 ? 2 : 5] - rate));
+}
+
+/* ---- force motors */
+
+/* A torque sin(3 t): the rate is (1 - cos 3 t) / (3 J), the angle (t - sin(3 t) / 3) / (3 J). */
+static double driven(int d, int method, double dt)
+{
+  const double t = 2, J = 0.5;
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 0);
+  add_motor(b, (nsdae_motor){joint, .limit = INFINITY, .drive = sine});
+  ending end = run(b, method, dt, t);
+  return off(d, &end, (t - sin(3 * t) / 3) / (3 * J), (1 - cos(3 * t)) / (3 * J));
+}
+
+/* A torque of 5 from a motor of at most 3. */
+static double limited(int d, int method, double dt)
+{
+  const double t = 2, a = 3 / 0.5;
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 0);
+  add_motor(b, (nsdae_motor){joint, .limit = 3, .target = 5});
+  ending end = run(b, method, dt, t);
+  return off(d, &end, a * t * t / 2, a * t);
+}
+
+static void test_force(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++) {
+    judge(driven, d, 10);
+    judge(limited, d, 10);
+  }
+}
+
+/* ---- speed motors */
+
+/* From rest to the speed 4 with at most 3 N m: t_1 = J 4 / 3, then with this speed against a load
+ * of 1 N m. */
+static int load(double t, const double x[3], const double v[3], double force[3], double moment[3],
+                void *user)
+{
+  (void)t, (void)x, (void)v, (void)force, (void)user;
+  moment[2] = -1;
+  return 0;
+}
+
+static double speed(int d, int method, double dt)
+{
+  const double t = 2, J = 0.5, w = 4, t1 = J * w / 2, origin[3] = {0, 0, 0};
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 0);
+  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = 3, .target = w});
+  nsdae_bodies_add_load(b, 0, origin, load, NULL);
+  ending end = run(b, method, dt, t);
+  return off(d, &end, w * t1 / 2 + w * (t - t1), w);
+}
+
+/* The speed sin(3 t) within the limit: 0.5 * 3 N m. */
+static double followed(int d, int method, double dt)
+{
+  const double t = 2;
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 0);
+  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = 5, .drive = sine});
+  ending end = run(b, method, dt, t);
+  return off(d, &end, (1 - cos(3 * t)) / 3, sin(3 * t));
+}
+
+/* A brake of 2 N m: a wheel of 5 rad/s stops after 5 J / 2 = 1.25 s at 3.125 rad, and stays. */
+static double brake(int d, int method, double dt)
+{
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 5);
+  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = 2});
+  ending end = run(b, method, dt, 3);
+  assert_near(end.v[d == 2 ? 2 : 5], 0, 1e-12);
+  return off(d, &end, 3.125, 0);
+}
+
+static void test_speed(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++) {
+    judge(speed, d, 20);
+    judge(followed, d, 10);
+    judge(brake, d, 20);
+  }
+}
+
+/* Dry friction of 3 N holds a slider of 2 kg under 2.9 N for ever, and not under 3.2 N: a = 0.1. */
+static void test_stick(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++)
+    for (int slips = 0; slips <= 1; slips++) {
+      double g = (slips ? 3.2 : 2.9) / 2;
+      nsdae_bodies *b = create(d, d == 2 ? g : 0, 0, d == 3 ? g : 0);
+      int joint = hang(b, d, NSDAE_JOINT_PRISMATIC, (nsdae_rigid_body){.mass = 2});
+      add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = 3});
+      ending end = run(b, NSDAE_METHOD_IMPLICIT, 1e-2, 10);
+      assert_near(end.q[d == 2 ? 0 : 2], slips ? 0.1 * 100 / 2 : 0, 1e-9);
+    }
+}
+
+/* A clutch between two wheels, of 0.5 and 0.3, on one axis: its torque is t^2 at most. From the
+ * speeds 3 and 0 it slips until t^3 / 3 (1 / J_0 + 1 / J_1) = 3, then both have 3 J_0 / (J_0 +
+ * J_1). The angle of the second at t_1 is t_1^4 / (12 J_1). */
+static double clutch(int d, int method, double dt)
+{
+  const double J0 = 0.5, J1 = 0.3, t_end = 2, t1 = cbrt(9 / (1 / J0 + 1 / J1));
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  wheel(b, d, 3);
+  int second = nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {J1, J1, J1}});
+  int joint = nsdae_bodies_add_joint(
+      b, &(nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, second}, .axis = {0, 0, 1}});
+  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .vary = ramp});
+  ending end = run(b, method, dt, t_end);
+  double w = 3 * J0 / (J0 + J1), angle = pow(t1, 4) / (12 * J1) + w * (t_end - t1);
+  int nq = d == 2 ? 3 : 7, nv = d == 2 ? 3 : 6;
+  assert_near(end.v[nv + (d == 2 ? 2 : 5)], end.v[d == 2 ? 2 : 5], 1e-12);
+  double wrong = remainder(angle_of(d, end.q + nq) - angle, 2 * pi);
+  return fmax(fabs(wrong), fabs(end.v[d == 2 ? 2 : 5] - w));
+}
+
+static void test_clutch(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++) judge(clutch, d, 20);
+}
+
+/* ---- position motors */
+
+/* kp = 50, kd = 2, target 1: J s'' + kd s' + kp (s - 1) = 0 from rest. */
+static double position(int d, int method, double dt)
+{
+  const double t = 1.5, J = 0.5, decay = 2 / (2 * J), w = sqrt(50 / J - decay * decay);
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 0);
+  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_POSITION, .limit = INFINITY, .target = 1,
+                             .kp = 50, .kd = 2});
+  ending end = run(b, method, dt, t);
+  double swing = exp(-decay * t) * (cos(w * t) + decay / w * sin(w * t));
+  double rate = exp(-decay * t) * (decay * decay + w * w) / w * sin(w * t);
+  return off(d, &end, 1 - swing, rate);
+}
+
+/* At its limit of 2 N m it accelerates with 4 rad/s^2: the target is 1000 rad away, or in space the
+ * way of 3 rad. */
+static double saturated(int d, int method, double dt)
+{
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = wheel(b, d, 0);
+  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_POSITION, .limit = 2,
+                             .target = d == 2 ? 1000 : 3, .kp = 50});
+  ending end = run(b, method, dt, 1);
+  return off(d, &end, 2, 4);
+}
+
+static void test_position(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++) {
+    judge(position, d, 200);
+    judge(saturated, d, 20);
+  }
+}
+
+/* Gains up to 1e8 by the stiff integrator of event, kd = kp / 5: roots a, b of J r^2 + kd r + kp =
+ * 0 with b = kp / (J a), s - target = -(b e^(a t) - a e^(b t)) / (b - a) target. In space the
+ * target 2 pi - 2.5 is -2.5. */
+static void test_stiff(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++)
+    for (double kp = 1e2; kp < 2e8; kp *= 1000) {
+      nsdae_bodies *b = create(d, 0, 0, 0);
+      int joint = wheel(b, d, 0);
+      const double J = 0.5, kd = kp / 5, target = d == 2 ? 9 : -2.5, t = 0.5;
+      add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_POSITION, .limit = INFINITY,
+                                 .target = d == 2 ? 9 : 2 * pi - 2.5, .kp = kp, .kd = kd});
+      ending end = run(b, NSDAE_METHOD_EVENT, 0.1, t);
+      double a = -(kd + sqrt(kd * kd - 4 * J * kp)) / (2 * J), slow = kp / (J * a);
+      double rest = (slow * exp(a * t) - a * exp(slow * t)) / (slow - a);
+      assert_near(angle_of(d, end.q), target * (1 - rest), 1e-9);
+    }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_force),    cmocka_unit_test(test_speed),
+                                     cmocka_unit_test(test_stick),    cmocka_unit_test(test_clutch),
+                                     cmocka_unit_test(test_position), cmocka_unit_test(test_stiff)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
