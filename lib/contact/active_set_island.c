@@ -368,6 +368,7 @@ int nsdae_active_set_fits(const nsdae_island_equations *w, int island)
   const nsdae_members *contacts = &w->islands->contact;
   const int *first = normals(w)->first;
   if (nsdae_members_count(&w->islands->row, island) > 0) return 0;
+  if (nsdae_members_count(&w->islands->joint, island) > 0) return 0;
   for (int i = contacts->first[island]; i < contacts->first[island + 1]; i++) {
     int a = contacts->of[i];
     if (w->law[a].mu > 0 || first[a + 1] - first[a] > 2 || first[a + 1] == first[a]) return 0;

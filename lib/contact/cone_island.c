@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "dynamic_array.h"
 #include "listed.h"
+#include "slides.h"
 #include "friction_solver.h"
 #include "vector.h"
 
@@ -24,15 +25,17 @@ void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, 
 }
 
 /* By item, of which there is room for one more; the last two are by entry and by value. */
-enum { ARRAYS = 10 };
+enum { ARRAYS = 11 };
 
 static void list_arrays(nsdae_cone_arrays *at, int columns, nsdae_array all[ARRAYS])
 {
-  const nsdae_array list[ARRAYS] = {NSDAE_ARRAY(at->item, 1),        NSDAE_ARRAY(at->rows, 1),
-                                    NSDAE_ARRAY(at->mu, 1),          NSDAE_ARRAY(at->w, columns),
-                                    NSDAE_ARRAY(at->r, columns),     NSDAE_ARRAY(at->u, columns),
-                                    NSDAE_ARRAY(at->guess, columns), NSDAE_ARRAY(at->first, 1),
-                                    NSDAE_ARRAY(at->block, 1),       NSDAE_ARRAY(at->value, 1)};
+  const nsdae_array list[ARRAYS] = {
+      NSDAE_ARRAY(at->item, 1),        NSDAE_ARRAY(at->rows, 1),
+      NSDAE_ARRAY(at->mu, 1),          NSDAE_ARRAY(at->w, columns),
+      NSDAE_ARRAY(at->r, columns),     NSDAE_ARRAY(at->u, columns),
+      NSDAE_ARRAY(at->guess, columns), NSDAE_ARRAY(at->compliance, columns),
+      NSDAE_ARRAY(at->first, 1),       NSDAE_ARRAY(at->block, 1),
+      NSDAE_ARRAY(at->value, 1)};
   memcpy(all, list, sizeof list);
 }
 
@@ -40,9 +43,10 @@ int nsdae_cone_island_grow(nsdae_cone_island *c, const nsdae_system *system,
                            const nsdae_room *contacts, const nsdae_room *rows)
 {
   nsdae_array all[ARRAYS];
-  size_t items = contacts->entries + (size_t)system->dims.m,
+  const nsdae_dims *d = &system->dims;
+  size_t items = contacts->entries + (size_t)d->m + (size_t)d->f,
          entries = (size_t)nsdae_terms_parts(system) * contacts->entries + rows->entries;
-  list_arrays(&c->at, 1 + system->dims.nt, all);
+  list_arrays(&c->at, d->f > 0 && d->nt == 0 ? 2 : 1 + d->nt, all);
   int status = nsdae_arrays_grow(all, ARRAYS - 2, items + 1);
   if (status == NSDAE_OK) status = nsdae_arrays_grow(all + ARRAYS - 2, 1, entries);
   if (status == NSDAE_OK)
@@ -133,9 +137,9 @@ static double *copy_part(const direction *d, int b, int n, double *value)
  * entry. Its entries in the order of their blocks, as files have them: sums then round alike.
  * Returns the end of value. */
 static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w, const direction *d,
-                        int columns, int i, double *value)
+                        int columns, int differing, int i, double *value)
 {
-  int entry = c->at.first[c->items], differing = least(columns, nsdae_terms_differing(w->system));
+  int entry = c->at.first[c->items];
   for (int at = next_number(c, d, differing, -1); at >= 0; at = next_number(c, d, differing, at)) {
     int b = c->at.member[at], n = nsdae_blocks_size(&w->system->blocks, b);
     c->at.block[entry++] = at;
@@ -143,7 +147,7 @@ static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w, c
   }
   c->at.item[c->items++] = i;
   c->at.first[c->items] = entry;
-  c->m += columns;
+  for (int l = 0; l < columns; l++) c->at.compliance[c->m++] = 0;
   return value;
 }
 
@@ -168,7 +172,47 @@ static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w
     c->at.r[c->m + d] = r->tangential[j];
     c->driven |= T->w_T[j] != 0;
   }
-  return add_item(c, w, along, columns, a, value);
+  return add_item(c, w, along, columns, least(columns, nsdae_terms_differing(w->system)), a, value);
+}
+
+/* sum W_l^2 / M_ll: W^T M^-1 W of a diagonal M. */
+static double mobility(const nsdae_island_equations *w, const nsdae_rows *rows, int i)
+{
+  const nsdae_blocks *blocks = &w->system->blocks;
+  double sum = 0;
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int b = rows->block[p], n = nsdae_blocks_size(blocks, b);
+    const double *W = rows->value + rows->at[p], *M = w->M + blocks->square[b];
+    for (int l = 0; l < n; l++) {
+      double entry = W[(size_t)l * rows->stride];
+      sum += entry * entry / M[(size_t)l * (size_t)(n + 1)];
+    }
+  }
+  return sum > 0 ? sum : 1;
+}
+
+/* Its normal row is no row of any block. The limit: at most this many times the impulse that stops
+ * the fastest item, see slides.h. */
+static double *add_joint(nsdae_cone_island *c, const nsdae_island_equations *w, int j, double times,
+                         double *value)
+{
+  static int none[2];
+  static const nsdae_rows no_row = {.count = 1, .first = none};
+  const nsdae_terms *T = w->terms;
+  const direction along[2] = {{&no_row, 0}, {&T->by.frictional_joint, j}};
+  double d = mobility(w, &T->by.frictional_joint, j), most = times * c->fastest / d,
+         bound = w->joint_bound[j], limit = most > 0 && most < bound ? most : bound;
+  int row = c->m;
+  c->at.rows[c->items] = 2;
+  c->at.mu[c->items] = 1;
+  c->at.w[row] = -d * limit;
+  c->at.w[row + 1] = T->frictional_joint.w[j];
+  c->at.r[row] = limit;
+  c->at.r[row + 1] = w->results->frictional_joint_impulse[j];
+  c->driven |= T->frictional_joint.w[j] != 0;
+  value = add_item(c, w, along, 2, 2, j, value);
+  c->at.compliance[row] = d;
+  return value;
 }
 
 static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, int row,
@@ -178,19 +222,25 @@ static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, in
   c->at.w[c->m] = -w->lambda[row];
   c->driven |= w->lambda[row] != 0;
   c->at.r[c->m] = 0;
-  return add_item(c, w, &along, 1, row, value);
+  return add_item(c, w, &along, 1, 1, row, value);
 }
 
-static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
+static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int island, double times)
 {
-  const nsdae_members *contact = &w->islands->contact, *row = &w->islands->row;
+  const nsdae_members *contact = &w->islands->contact, *row = &w->islands->row,
+                      *joint = &w->islands->joint;
   double *value = c->at.value;
+  int joints = nsdae_members_count(joint, island);
   c->items = c->m = c->driven = 0;
   c->at.first[0] = 0;
-  set_problem(c, nsdae_members_count(contact, island), nsdae_members_count(row, island));
+  c->contacts = nsdae_members_count(contact, island);
+  set_problem(c, c->contacts + joints, nsdae_members_count(row, island));
+  if (joints > 0) c->problem.compliance = c->at.compliance;
   add_blocks(c, w, island);
   for (int i = contact->first[island]; i < contact->first[island + 1]; i++)
     value = add_contact(c, w, contact->of[i], value);
+  for (int i = joint->first[island]; i < joint->first[island + 1]; i++)
+    value = add_joint(c, w, w->islands->joint_number[joint->of[i]], times, value);
   for (int i = row->first[island]; i < row->first[island + 1]; i++)
     value = add_row(c, w, row->of[i], value);
 }
@@ -225,11 +275,11 @@ static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w,
                     const nsdae_cone_work *work)
 {
   char first[NSDAE_CALLED_SIZE] = "none";
-  if (c->problem.contacts > 0) nsdae_island_called(w, c->at.item[0], first);
+  if (c->contacts > 0) nsdae_island_called(w, c->at.item[0], first);
   nsdae_error_set(work->error, status, "nsdae_contacts", "",
                   "contact problem of %d contacts (first %s) and %d constraints at t = %.17g: "
                   "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
-                  c->problem.contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
+                  c->contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
                   nsdae_status_message(status), work->info.residual, work->tol);
   work->error->time = nsdae_terms_time(w->terms);
   return status;
@@ -371,7 +421,7 @@ static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
   nsdae_impulses *to = w->results;
   const nsdae_terms *T = w->terms;
   int nt = w->system->dims.nt, row = 0;
-  for (int i = 0; i < c->problem.contacts; row += c->at.rows[i++]) {
+  for (int i = 0; i < c->contacts; row += c->at.rows[i++]) {
     int a = c->at.item[i];
     to->normal[a] = c->at.r[row];
     to->after[a] = nsdae_terms_normal_rate(T, a, w->v);
@@ -381,6 +431,13 @@ static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
       to->after_t[j] = nsdae_terms_tangent_rate(T, j, w->v);
     }
     to->mode[a] = mode_of(c, w, i, row);
+  }
+  for (int i = c->contacts; i < c->problem.contacts; i++, row += 2) {
+    int j = c->at.item[i];
+    double limit = c->at.r[row], slip = nsdae_terms_slide_rate(T, j, w->v);
+    to->frictional_joint_impulse[j] = fmax(-limit, fmin(limit, c->at.r[row + 1]));
+    to->frictional_joint_mode[j] = fabs(slip) > c->slow ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
+    to->slide_after[j] = slip;
   }
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->at.item[i]] = -c->at.r[row++];
 }
@@ -412,18 +469,82 @@ static int solve(nsdae_cone_island *c, nsdae_cone_work *work)
   return work->given ? NSDAE_OK : status;
 }
 
+/* The row along which item i moves, and the velocity that is asked of it beside. */
+static direction row_of(const nsdae_cone_island *c, const nsdae_terms *T, int i, double *asked)
+{
+  int a = c->at.item[i];
+  *asked = i < c->contacts           ? T->w_N[a]
+           : i < c->problem.contacts ? T->frictional_joint.w[a]
+                                     : T->constraint.phi_t[a];
+  return (direction){i < c->contacts           ? &T->by.normal
+                     : i < c->problem.contacts ? &T->by.frictional_joint
+                                               : &T->by.jacobian,
+                     a};
+}
+
+/* c->fastest: of v = M^-1 r. Not below what leaves 32 roundings of the terms within the tolerance:
+ * where a motor has its speed, a rate is rounding. */
+static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
+                        const nsdae_cone_work *work)
+{
+  const nsdae_blocks *blocks = &w->system->blocks;
+  double most = 0, size = 0;
+  begin_velocities(c, w);
+  int status = solve_masses(c, w, work->L);
+  for (int i = 0; i < c->problem.blocks; i++)
+    for (int b = c->at.member[i], j = blocks->first[b]; j < blocks->first[b + 1]; j++)
+      w->size[j] = fabs(w->v[j]);
+  for (int i = 0; i < c->items && status == NSDAE_OK; i++) {
+    double asked;
+    const direction d = row_of(c, w->terms, i, &asked);
+    most = fmax(most, fabs(nsdae_rows_add_dot(blocks, d.rows, d.i, w->v, asked)));
+    size = fmax(size, fabs(asked) + nsdae_rows_dot_sizes(blocks, d.rows, d.i, w->size));
+  }
+  c->fastest = fmax(most, 32 * DBL_EPSILON * size / work->tol);
+  return status;
+}
+
+/* Whether an impulse is at a limit that is less than its bound. */
+static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equations *w)
+{
+  for (int i = 0, row = 0; i < c->problem.contacts; row += c->at.rows[i++])
+    if (i >= c->contacts && c->at.r[row] < 0.999999 * w->joint_bound[c->at.item[i]] &&
+        fabs(c->at.r[row + 1]) > 0.999999 * c->at.r[row])
+      return 1;
+  return 0;
+}
+
+/* With the limits of the joints as in slides.h. */
+static int solve_limited(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
+                         nsdae_cone_work *work)
+{
+  int joints = nsdae_members_count(&w->islands->joint, island), status;
+  const nsdae_cone_work begin = *work;
+  c->fastest = 0;
+  gather(c, w, island, 0);
+  status = joints > 0 ? find_fastest(c, w, work) : NSDAE_OK;
+  if (status < 0) return status;
+  for (double times = NSDAE_BOUND_FIRST;; times *= NSDAE_BOUND_FURTHER) {
+    if (joints > 0) gather(c, w, island, times);
+    if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
+    *work = begin;
+    if (joints > 0) work->tol /= NSDAE_BOUND_FIRST; /* d times a limit is that much faster */
+    work->budget = nsdae_contacts_budget(work->budget, c->contacts + joints);
+    status = solve(c, work);
+    if (joints == 0 || !reaches_limit(c, w)) return status;
+  }
+}
+
 int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                             nsdae_cone_work *work)
 {
-  const int contacts = nsdae_members_count(&w->islands->contact, island);
   nsdae_friction_options_default(&c->options);
-  gather(c, w, island);
-  if (contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
-  work->budget = nsdae_contacts_budget(work->budget, contacts);
-  int status = solve(c, work);
+  int status = solve_limited(c, w, island, work);
   if (status < 0) return unsolved(c, w, status, work);
-  const double speed = nsdae_fc_speed(work->solver);
-  work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
+  const double of_solver = nsdae_fc_speed(work->solver),
+               speed = c->fastest > 0 ? c->fastest : of_solver;
+  work->residual =
+      (nsdae_natural_residual){work->info.residual * (of_solver > 0 ? of_solver : 1), speed};
   status = velocities(c, w, work, speed);
   if (status == NSDAE_OK) scatter(c, w);
   return status;

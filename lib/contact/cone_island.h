@@ -2,8 +2,9 @@
  *
  *   M v = r + [W, -Phi_q^T] (Lambda, .),  u = W^T v + w + e v(-),  Phi_q v + Phi_t = 0
  *
- * (see nsdae/friction.h), warm from the last impulses. v is formed again from the impulses; what of
- * it is smaller than the certificate can tell from zero, is zero. */
+ * (see nsdae/friction.h), warm from the last impulses. A frictional joint with a bound is a planar
+ * contact as in cones.h; its normal row has a compliance d and no part in H. v is formed again from
+ * the impulses; what of it is smaller than the certificate can tell from zero, is zero. */
 #ifndef NSDAE_CONE_ISLAND_H
 #define NSDAE_CONE_ISLAND_H
 
@@ -11,14 +12,15 @@
 
 #include "island_equations.h"
 
-/* The problem: blocks, items (contacts, then rows of Phi_q), and what their entries take. */
+/* The problem: blocks, items (contacts, joints, then rows of Phi_q), and what their entries take.
+ */
 typedef struct nsdae_cone_arrays {
   int *member; /* blocks: that of the system */
   int *size;   /* blocks */
   double *M, *f;
-  int *item; /* contact or row of each item */
-  int *rows; /* contacts */
-  double *mu, *w, *r, *u;
+  int *item; /* contact, joint or row of each item */
+  int *rows; /* contacts and joints */
+  double *mu, *w, *r, *u, *compliance;
   double *guess;      /* r before it was solved */
   int *first, *block; /* first: items + 1 */
   double *value;
@@ -28,11 +30,12 @@ typedef struct nsdae_cone_island {
   nsdae_cone_arrays at;
   nsdae_friction_problem problem;
   nsdae_friction_options options; /* of the last solution */
-  int items, m;
-  int driven;    /* a velocity is asked of a row or a contact */
-  double slow;   /* velocities of contacts below it are none */
-  int *number;   /* of a block of the system: its number in the island */
-  double *lever; /* nv of the system: the largest entry of H along each velocity */
+  int items, contacts, m;
+  int driven;     /* a velocity is asked of a row, a joint or a contact */
+  double slow;    /* velocities of contacts below it are none */
+  double fastest; /* of the items without impulses and constraints; 0: not known */
+  int *number;    /* of a block of the system: its number in the island */
+  double *lever;  /* nv of the system: the largest entry of H along each velocity */
 } nsdae_cone_island;
 
 /* system: sizes; then room for contacts, for their values and those of rows of Phi_q. */

@@ -56,7 +56,12 @@ int nsdae_problem_grow(nsdae_problem *p, const nsdae_room *contacts, const nsdae
   size_t m = (size_t)s->dims.m;
   nsdae_room all = nsdae_terms_room(s, contacts),
              matrix = {m * (size_t)s->blocks.count, m * (size_t)s->dims.nv};
+  size_t f = (size_t)s->dims.f;
+  nsdae_room joints = {f * (size_t)s->blocks.count, f * (size_t)s->dims.nv};
   if (s->call.constraint_rows) matrix = *rows;
+  if (s->call.joint_friction_rows) joints = *rows;
+  matrix.entries += joints.entries;
+  matrix.values += 2 * joints.values; /* a joint has two rows in a problem of cones */
   int status = nsdae_arrays_grow(each, ARRAYS, all.entries);
   if (status == NSDAE_OK) status = nsdae_ids_grow(&p->picked.ids, (int)all.entries);
   return status < 0 ? status : nsdae_island_dispatch_grow(&p->dispatch, s, &all, &matrix);

@@ -27,6 +27,14 @@ static int least(int a, int b)
   return a < b ? a : b;
 }
 
+/* Whether an island of any size is dense. */
+static int is_any_size(const nsdae_contacts *c)
+{
+  int loaded = 0;
+  for (int j = 0; j < c->system->dims.f; j++) loaded |= c->system->frictional_joint[j].mu > 0;
+  return loaded || nsdae_contacts_polygons(c);
+}
+
 /* What no island that fits exceeds, but those of any size of contact lists. */
 static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *rows)
 {
@@ -34,10 +42,10 @@ static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *ro
   const nsdae_dims *d = &s->dims;
   int one = s->blocks.count == 1, planar = d->nt == 1 ? 3 : 1;
   int most = nsdae_terms_most(s), bounded = most < NSDAE_ANY_NUMBER;
-  int all = bounded && (c->slides.count > 0 || nsdae_contacts_polygons(c)); /* of any size */
-  int few = one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS;
+  int all = bounded && (is_any_size(c) || (one && c->slides.count > 0));
+  int few = one || c->slides.count > 0 ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS;
   nsdae_dense_size size = {.n = d->nv, .m = d->m, .contacts = few / planar, .rows = few};
-  if (!one && !all) size.n = least(d->nv, d->m > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
+  if (!one && !all) size.n = least(d->nv, d->m + d->f > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
   if (!one && !all) size.m = least(d->m, NSDAE_DENSE_JOINTED);
   size.contacts = all ? most : least(most, size.contacts);
   long rows_in_all = nsdae_contacts_rows(s, c->edges); /* but those of a list */
@@ -157,6 +165,15 @@ static int with_friction(const nsdae_island_equations *w, int island)
   return 0;
 }
 
+/* Joints with a load, and those beside polygons, are dense whatever their size. */
+static int fits_joints(const nsdae_dense_island *l, const nsdae_island_equations *w, int island)
+{
+  if (w->islands->blocks == 1 || is_any_size(&l->contacts)) return 1;
+  return count_rows(l, w, island) <= NSDAE_DENSE_ONE &&
+         nsdae_members_count(&w->islands->row, island) <= NSDAE_DENSE_JOINTED &&
+         nsdae_island_size(w, island) <= NSDAE_DENSE_JOINTED;
+}
+
 int nsdae_dense_island_fits(const nsdae_dense_island *l, const nsdae_island_equations *w,
                             int island)
 {
@@ -164,7 +181,7 @@ int nsdae_dense_island_fits(const nsdae_dense_island *l, const nsdae_island_equa
   int k = nsdae_members_count(&is->contact, island);
   int nt = w->system->dims.nt, one = is->blocks == 1, closed = w->with_contacts ? k : 0;
   int rows = closed * (nt == 1 ? 3 : 1);
-  if (nsdae_members_count(&is->joint, island) > 0) return 1;
+  if (nsdae_members_count(&is->joint, island) > 0) return fits_joints(l, w, island);
   if (nt == 2 && closed > 0 && with_friction(w, island))
     return nsdae_contacts_polygons(&l->contacts);
   if (rows > (one ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS)) return 0;

@@ -1,6 +1,7 @@
 /* An island whose contacts are one complementarity problem in dense arrays, with its proofs
  * (kkt.h, contacts.h). It has those with few rows of such a problem, of the one block of a system
- * some more, and whatever their size polygons and frictional joints, with cones in turn (cones.h).
+ * some more, and whatever their size polygons and frictional joints with a load, with cones in turn
+ * (cones.h).
  * Where the island is the whole system, it is read and written where it stands; else its blocks are
  * gathered. One factorisation does for all solutions with it. */
 #ifndef NSDAE_DENSE_ISLAND_H

@@ -11,8 +11,6 @@
 
 enum { L_PLUS = 0, LAMBDA_R = 1, XI_L = 2 }; /* rows of a frictional joint */
 
-static const double BOUND_FIRST = 10, BOUND_FURTHER = 1e3; /* see slides.h */
-
 /* ---- frictional joints */
 
 static const nsdae_frictional_joint *slide_of(const nsdae_contacts *c, int j)
@@ -223,7 +221,7 @@ static int reaches_limit(const nsdae_contacts *c)
 
 int nsdae_slides_limited(nsdae_contacts *c, const double *lambda, nsdae_slides_solver *solve)
 {
-  for (double times = BOUND_FIRST;; times *= BOUND_FURTHER) {
+  for (double times = NSDAE_BOUND_FIRST;; times *= NSDAE_BOUND_FURTHER) {
     int less = set_limits(c, times), status = solve(c, lambda);
     if (!less || (status == NSDAE_OK && !reaches_limit(c))) return status;
   }

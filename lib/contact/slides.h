@@ -20,8 +20,8 @@
  * l+, no l-, and two rows are left.
  *
  * A bound far above what acts costs the digits of Lambda_R - b, and slip is no more zero: the
- * problem has the bound BOUND_FIRST times the impulse that stops the fastest column, and, if an
- * impulse reaches such a bound, again with BOUND_FURTHER times that.
+ * problem has the bound NSDAE_BOUND_FIRST times the impulse that stops the fastest column, and, if
+ * an impulse reaches such a bound, again with NSDAE_BOUND_FURTHER times that.
  *
  * Where the direction of sliding s = +-1 is known, l+ is the only row left, its complement l-, and
  * Lambda_T = -s mu (l+ + l-): s mu takes the place of mu, and Lambda_R and xi_L are left out.
@@ -32,6 +32,9 @@
 #define NSDAE_SLIDES_H
 
 #include "contacts.h"
+
+#define NSDAE_BOUND_FIRST   10.0
+#define NSDAE_BOUND_FURTHER 1e3
 
 /* Rows of the j-th slide: one if mu > 0, and two if its direction is not known. */
 int nsdae_slides_rows(const nsdae_contacts *contacts, int j);

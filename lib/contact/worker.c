@@ -119,6 +119,11 @@ static int has_contacts(const nsdae_island_equations *whole, int island)
   return whole->with_contacts && nsdae_members_count(&whole->islands->contact, island) > 0;
 }
 
+static int has_joints(const nsdae_island_equations *whole, int island)
+{
+  return whole->with_contacts && nsdae_members_count(&whole->islands->joint, island) > 0;
+}
+
 /* Where a factorisation is not worth keeping. */
 static int fits_blocks(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
@@ -291,7 +296,7 @@ static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, i
 static int fits_constraints(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   (void)w;
-  return !has_contacts(whole, island);
+  return !has_contacts(whole, island) && !has_joints(whole, island);
 }
 
 static int solve_constraints(nsdae_worker *w, const nsdae_island_equations *whole, int island)

@@ -3,7 +3,7 @@
  *   pass  solver       island
  *   0     blocks       of small blocks, without constraints, as if no contact were closed
  *   0     one contact  no cone, no constraints, in closed form (single.h)
- *   0     dense        small, no cone; frictional joints, polygons (dense_island.h)
+ *   0     dense        small, no cone; small with frictional joints; polygons (dense_island.h)
  *   0     constraints  no contacts: sparse equations (sparse_kkt.h)
  *   0     active set   no friction, no constraints, in its envelope (active_set_island.h)
  *   1     cones        the rest (cone_island.h)

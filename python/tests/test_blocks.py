@@ -242,7 +242,8 @@ def test_bounds_of_frictional_joints():
     plain = nsdae.System(nq=2, f=1, mass=lambda t, q, M: np.fill_diagonal(M, (1, 3)), force=lambda t, q, v, F: None,
                          frictional_joint_tangent=tangent)
     plain.set_friction_bound(0, 0.5)
-    sim = nsdae.Sim(plain, [0, 0], [4, 0], method="moreau", dt=0.01)
+    sim = nsdae.Sim(plain, method="moreau", dt=0.01)
+    sim.init([0, 0], [4, 0])
     sim.run(1)
     sim.set_friction_bound(0, 0)
     sim.run(2)
