@@ -202,7 +202,7 @@ static int measure_rates(nsdae_certificate *c, nsdae_result *r)
   return NSDAE_OK;
 }
 
-static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
+static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point, double h)
 {
   static const nsdae_certificate none = {.pull_contact = -1,
                                          .cone_contact = -1,
@@ -229,7 +229,7 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point)
       record->kinetic - point->accounts.watch.kinetic + record->dissipated - point->work.sum;
   /* ---- impulses and rates */
   if (r->located || !r->smooth) measure_impulses(c, r, sim->stepper.problem.law, count);
-  if (!r->located && !r->smooth) measure_joints(c, &sim->stepper.problem, r, record->duration);
+  if (!r->located && !r->smooth) measure_joints(c, &sim->stepper.problem, r, h);
   if (r->located && sim->options.method == NSDAE_METHOD_EVENT) status = measure_closed(c, r);
   if (status == NSDAE_OK) status = measure_rates(c, r);
   record->constraint_drift = c->constraint_drift;
@@ -244,7 +244,7 @@ int nsdae_certificate_start(const nsdae_sim *sim, nsdae_point *point)
   double rounding;
   *w = (nsdae_work){.potential = point->record.potential};
   w->power = w->earlier = power_of(&point->result.end, &rounding);
-  int status = measure_certificate(sim, point);
+  int status = measure_certificate(sim, point, 0);
   if (sim->system->dims.k == 0) c->penetration_contact = -1; /* the record has no list yet */
   point->accounts.stats.certificate = *c;
   return status;
@@ -264,7 +264,7 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
   } else {
     status = work_of_step(&sim->stepper.problem, sim->aside != NULL, before, point);
   }
-  if (status == NSDAE_OK) status = measure_certificate(sim, point);
+  if (status == NSDAE_OK) status = measure_certificate(sim, point, r->end.t - before->result.end.t);
   /* most := the larger of each figure, the energies of the other */
   const nsdae_certificate *c = &point->record.certificate;
   nsdae_certificate *most = &point->accounts.stats.certificate;
