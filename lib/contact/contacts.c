@@ -334,9 +334,13 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, int n, const do
     for (int j = 1; j < c->law[a].columns; j++)
       at[j] = c->results->after_t[i * nt + j - 1] + e->e_t * c->results->before_t[i * nt + j - 1];
   }
-  for (int j = 0; j < c->slides.count; j++)
-    c->delassus.offset[c->columns - c->slides.count + j] =
-        c->results->slide_after[c->slides.number[j]];
+  c->slides.terms = 0;
+  for (int j = 0; j < c->slides.count; j++) {
+    double rate = c->results->slide_after[c->slides.number[j]],
+           w = terms->frictional_joint.w[c->slides.number[j]];
+    c->delassus.offset[c->columns - c->slides.count + j] = rate;
+    c->slides.terms = fmax(c->slides.terms, fabs(w) + fabs(rate - w));
+  }
 }
 
 /* E_P^T G E_Q of two contacts into their block of A: in the plane, and of any. */

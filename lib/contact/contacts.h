@@ -64,6 +64,7 @@ typedef struct nsdae_contact_slides {
   int *row;            /* count: first row of each, see nsdae_slides_rows */
   const double *bound; /* f: largest impulse (or force) without a load; NULL: none */
   double *limit;       /* count: that of each as the problem has it */
+  double terms;        /* |w| + |W^T v_free|, the largest of a slide */
   const int *sense;    /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
 } nsdae_contact_slides;
 

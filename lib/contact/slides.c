@@ -185,6 +185,8 @@ static int set_limits(nsdae_contacts *c, double times)
 {
   double fastest = nsdae_largest(c->columns, c->delassus.offset);
   int less = 0;
+  /* where a motor has its speed, offsets are rounding, to be left within the tolerance */
+  fastest = fmax(fastest, 32 * DBL_EPSILON * c->slides.terms / c->lcp.options.tol);
   for (int j = 0; j < c->slides.count; j++) {
     int column = column_of(c, j);
     double bound = c->slides.bound ? c->slides.bound[c->slides.number[j]] : 0;

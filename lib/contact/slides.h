@@ -23,6 +23,14 @@
  * problem has the bound NSDAE_BOUND_FIRST times the impulse that stops the fastest column, and, if
  * an impulse reaches such a bound, again with NSDAE_BOUND_FURTHER times that.
  *
+ * Not built yet: a compliance c of the row, xi_T + c Lambda_T / h + r = 0 within the bound. A motor
+ * with gains k_p, k_d and the error e of its position, e' = xi_T, has in a step of length h of
+ * implicit Euler the force F = -k_p (e + h xi_T) - k_d xi_T, and with it c = 1 / (k_d + h k_p) and
+ * r = k_p e c: stiff gains allow any h. c / h adds to G_jj and r to the offset of its column,
+ * before the problem is assembled, by rows as by cones; the natural residual has xi_T + c Lambda_T
+ * / h + r in place of xi_T. For event and penalty F = -k_p e - k_d xi_T is known from the state:
+ * there is no row, and the roots are |F| = b.
+ *
  * Where the direction of sliding s = +-1 is known, l+ is the only row left, its complement l-, and
  * Lambda_T = -s mu (l+ + l-): s mu takes the place of mu, and Lambda_R and xi_L are left out.
  *
