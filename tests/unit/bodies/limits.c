@@ -291,6 +291,41 @@ static void test_slack(void **state)
   }
 }
 
+/* ---- starts that do not fit: refused by name and distance */
+
+static void refused(int method, double x, double angle, const char *words)
+{
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  nsdae_bodies *b = create(2, 0, 0, 0);
+  int joint = hang(b, 2, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.position = {1}});
+  nsdae_bodies_add_limit(b, &(nsdae_limit){joint, 0, -1, 1, 0.5});
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  double q[3] = {cos(angle) + x, sin(angle), angle}, v[3] = {0, 0, 0};
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_ARGUMENT);
+  if (!strstr(nsdae_sim_error(sim)->text, words)) fail_msg("%s", nsdae_sim_error(sim)->text);
+  assert_int_equal(nsdae_sim_project(sim, 0, q, v), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_starts(void **state)
+{
+  (void)state;
+  refused(NSDAE_METHOD_IMPLICIT, 0.01, 0.5,
+          "(revolute joint 0 of body 0 and the ground) is violated by 0.01 ");
+  refused(NSDAE_METHOD_EVENT, 0, 1.25,
+          "(high limit 1 of revolute joint 0 of body 0 and the ground) overlaps by 0.25 ");
+  refused(NSDAE_METHOD_EVENT, 0, -1.5,
+          "(low limit 0 of revolute joint 0 of body 0 and the ground) overlaps by 0.5 ");
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -298,6 +333,6 @@ int main(void)
       cmocka_unit_test(test_turns),      cmocka_unit_test(test_wide),
       cmocka_unit_test(test_damping),    cmocka_unit_test(test_couplers),
       cmocka_unit_test(test_polynomial), cmocka_unit_test(test_rope),
-      cmocka_unit_test(test_slack)};
+      cmocka_unit_test(test_slack),      cmocka_unit_test(test_starts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
