@@ -197,9 +197,9 @@ enum { NSDAE_COUPLER_COEFFICIENTS = 6 }; /* of nsdae_coupler */
  * - gears: p[1] must be a fraction n/m, such as the numbers of teeth, with m <= 256
  * - a rotation s_0 with p[2], p[3], ... not 0: it is in (-pi, pi] */
 typedef struct nsdae_coupler {
-  int joint[2];      /* numbers of joints */
-  int coordinate[2]; /* of each joint, 0 or 1 */
-  double p[NSDAE_COUPLER_COEFFICIENTS];
+  int joint[2];                         /* numbers of joints */
+  int coordinate[2];                    /* of each joint, 0 or 1 */
+  double p[NSDAE_COUPLER_COEFFICIENTS]; /* of the polynomial */
 } nsdae_coupler;
 
 /* A spring and damper between a point of body 0 and a point of body 1, in space at the start. The

@@ -53,6 +53,12 @@ static void add_joints(nsdae_bodies *b, int dimension)
   nsdae_bodies_add_spring(
       b, &(nsdae_spring){.body = {-1, 2}, .point = {0, 9, 0}, .end = {6, 1, 0}, .stiffness = 3});
   nsdae_bodies_add_torsion(b, &(nsdae_torsion){.body = {0, 1}, .axis = {0, 0, 1}, .damping = 1});
+  nsdae_bodies_add_limit(b, &(nsdae_limit){1, 0, -1, 1, 0.5});
+  nsdae_bodies_add_rope(b, &(nsdae_rope){.body = {0, 1}, .end = {3, 2, 0}, .length = 9});
+  nsdae_bodies_add_coupler(b, &(nsdae_coupler){.joint = {0, 1}, .p = {0, 1}});
+  nsdae_bodies_add_joint_spring(b, &(nsdae_joint_spring){1, 0, 2, 1, 0});
+  for (int kind = NSDAE_MOTOR_FORCE; kind <= NSDAE_MOTOR_POSITION; kind++)
+    nsdae_bodies_add_motor(b, &(nsdae_motor){.joint = 1, .kind = kind, .target = 1, .limit = 2});
   nsdae_bodies_add_load(b, 3, (const double[]){9, 1.5, 0}, load, NULL);
   nsdae_bodies_set_gravity(b, (const double[]){0, -9.81, 0});
 }

@@ -291,6 +291,88 @@ static void test_slack(void **state)
   }
 }
 
+/* ---- beside contacts with friction: fixed and listed are the same numbers */
+
+/* A box slides on a floor, with an arm that has limits, a motor and a rope. */
+static ending slide(int d, int method, int by_list)
+{
+  static const double corners[] = {-0.5, -0.2, 0.5, -0.2, 0.5, 0.2, -0.5, 0.2};
+  nsdae_bodies *b = create(d, 0, d == 2 ? -9.81 : 0, d == 3 ? -9.81 : 0);
+  nsdae_rigid_body box = {.mass = 5, .inertia = {0.4, 0.5, 0.6}, .velocity = {1}};
+  nsdae_rigid_body arm = {
+      .mass = 1, .inertia = {0.1, 0.1, 0.1}, .position = {0.5}, .velocity = {1}};
+  nsdae_joint hinge = {.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .axis = {0, d == 3, 0}};
+  nsdae_rope rope = {.body = {NSDAE_GROUND, 1}, .end = {0.5}, .length = 1.1};
+  box.position[d - 1] = 0.2;
+  arm.position[d - 1] = hinge.point[d - 1] = rope.end[d - 1] = 0.6;
+  rope.point[d - 1] = 1.5;
+  nsdae_bodies_add(b, &box);
+  nsdae_bodies_add(b, &arm);
+  int joint = nsdae_bodies_add_joint(b, &hinge);
+  nsdae_bodies_add_limit(b, &(nsdae_limit){joint, 0, -0.8, 0.8, 0.4});
+  nsdae_bodies_add_motor(
+      b, &(nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = 0.7, .target = 0.3});
+  nsdae_bodies_add_rope(b, &rope);
+  nsdae_solid solid = {.shape = d == 2 ? NSDAE_SHAPE_POLYGON : NSDAE_SHAPE_BOX,
+                       .length = {1, 0.6, 0.4},
+                       .points = 4,
+                       .point = corners};
+  nsdae_solid plane = {.shape = NSDAE_SHAPE_PLANE, .material = 1};
+  int first = nsdae_bodies_add_solid(b, 0, &solid);
+  int second = nsdae_bodies_add_solid(b, NSDAE_GROUND, &plane);
+  if (by_list)
+    nsdae_bodies_set_pair(b, 0, 1, 0.3, 0, 0);
+  else
+    nsdae_bodies_add_contact(b, second, first, 0.3, 0, 0);
+  return run(b, method, 2e-3, 0.6);
+}
+
+static void test_beside_friction(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+      ending fixed = slide(d, method, 0), by_list = slide(d, method, 1);
+      assert_true(fixed.impacts > 0);
+      for (int i = 0; i < 2 * (d == 2 ? 3 : 7); i++) assert_near(by_list.q[i], fixed.q[i], 1e-12);
+    }
+}
+
+/* ---- starts that do not fit: refused by name and distance */
+
+static void refused(int method, double x, double angle, const char *words)
+{
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  nsdae_bodies *b = create(2, 0, 0, 0);
+  int joint = hang(b, 2, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.position = {1}});
+  nsdae_bodies_add_limit(b, &(nsdae_limit){joint, 0, -1, 1, 0.5});
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  double q[3] = {cos(angle) + x, sin(angle), angle}, v[3] = {0, 0, 0};
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_ARGUMENT);
+  if (!strstr(nsdae_sim_error(sim)->text, words)) fail_msg("%s", nsdae_sim_error(sim)->text);
+  assert_int_equal(nsdae_sim_project(sim, 0, q, v), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+static void test_starts(void **state)
+{
+  (void)state;
+  refused(NSDAE_METHOD_IMPLICIT, 0.01, 0.5,
+          "(revolute joint 0 of body 0 and the ground) is violated by 0.01 ");
+  refused(NSDAE_METHOD_EVENT, 0, 1.25,
+          "(high limit 1 of revolute joint 0 of body 0 and the ground) overlaps by 0.25 ");
+  refused(NSDAE_METHOD_EVENT, 0, -1.5,
+          "(low limit 0 of revolute joint 0 of body 0 and the ground) overlaps by 0.5 ");
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -298,6 +380,7 @@ int main(void)
       cmocka_unit_test(test_turns),      cmocka_unit_test(test_wide),
       cmocka_unit_test(test_damping),    cmocka_unit_test(test_couplers),
       cmocka_unit_test(test_polynomial), cmocka_unit_test(test_rope),
-      cmocka_unit_test(test_slack)};
+      cmocka_unit_test(test_slack),      cmocka_unit_test(test_beside_friction),
+      cmocka_unit_test(test_starts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
