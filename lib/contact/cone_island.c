@@ -95,11 +95,6 @@ static void add_blocks(nsdae_cone_island *c, const nsdae_island_equations *w, in
   }
 }
 
-static int least(int a, int b)
-{
-  return a < b ? a : b;
-}
-
 /* A direction of an item: a row by blocks. */
 typedef struct direction {
   const nsdae_rows *rows;
@@ -135,7 +130,8 @@ static double *copy_part(const direction *d, int b, int n, double *value)
 static double *add_item(nsdae_cone_island *c, const nsdae_island_equations *w, const direction *d,
                         int columns, int i, double *value)
 {
-  int entry = c->at.first[c->items], differing = least(columns, nsdae_terms_differing(w->system));
+  int entry = c->at.first[c->items],
+      differing = nsdae_fewer(columns, nsdae_terms_differing(w->system));
   for (int at = next_number(c, d, differing, -1); at >= 0; at = next_number(c, d, differing, at)) {
     int b = c->at.member[at], n = nsdae_blocks_size(&w->system->blocks, b);
     c->at.block[entry++] = at;
@@ -231,8 +227,7 @@ static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w,
                   "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
                   c->problem.contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
                   nsdae_status_message(status), work->info.residual, work->tol);
-  work->error->time = nsdae_terms_time(w->terms);
-  return status;
+  return nsdae_error_at(work->error, status, -1, nsdae_terms_time(w->terms));
 }
 
 /* Of contact i of the problem, whose velocities after are known. */
@@ -369,17 +364,13 @@ static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
 static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   nsdae_impulses *to = w->results;
-  const nsdae_terms *T = w->terms;
   int nt = w->system->dims.nt, row = 0;
   for (int i = 0; i < c->problem.contacts; row += c->at.rows[i++]) {
     int a = c->at.item[i];
     to->normal[a] = c->at.r[row];
-    to->after[a] = nsdae_terms_normal_rate(T, a, w->v);
-    for (int d = 1; d <= nt; d++) {
-      int j = a * nt + d - 1;
-      to->tangential[j] = d < c->at.rows[i] ? c->at.r[row + d] : 0;
-      to->after_t[j] = nsdae_terms_tangent_rate(T, j, w->v);
-    }
+    nsdae_terms_contact_rates(w->terms, a, w->v, to->after, to->after_t);
+    for (int d = 1; d <= nt; d++)
+      to->tangential[a * nt + d - 1] = d < c->at.rows[i] ? c->at.r[row + d] : 0;
     to->mode[a] = mode_of(c, w, i, row);
   }
   for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->at.item[i]] = -c->at.r[row++];
@@ -405,11 +396,11 @@ static int solve(nsdae_cone_island *c, nsdae_cone_work *work)
   const double share = NSDAE_SHARE_TO_TOL * work->budget;
   work->info = (nsdae_friction_info){0};
   int status = solve_to(c, work, work->tol, share);
-  if (status == NSDAE_E_LCP && work->budget > 0 && work->info.residual > work->give)
-    status = solve_to(c, work, fmax(work->give, work->tol), work->budget - share);
-  work->given = (status == NSDAE_OK && work->info.residual > work->tol) ||
-                (status == NSDAE_E_LCP && work->info.residual <= work->give);
-  return work->given ? NSDAE_OK : status;
+  if (status == NSDAE_E_LCP && work->budget > 0 && work->info.residual > work->accept)
+    status = solve_to(c, work, fmax(work->accept, work->tol), work->budget - share);
+  work->accepted = (status == NSDAE_OK && work->info.residual > work->tol) ||
+                   (status == NSDAE_E_LCP && work->info.residual <= work->accept);
+  return work->accepted ? NSDAE_OK : status;
 }
 
 int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
