@@ -11,8 +11,7 @@ static int look_at(double t, nsdae_terms **terms, void *user)
   nsdae_penalty *p = user;
   double *qv = p->equations.room;
   *terms = &p->equations.stepper->middle;
-  int status = nsdae_smooth_read(&p->integrator, t,
-                                 nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv, qv);
+  int status = nsdae_penalty_read(p, t, qv);
   nsdae_terms_at(*terms, t, qv, qv + nsdae_penalty_dims(p)->nq);
   return status;
 }
