@@ -3,20 +3,17 @@
 #include <limits.h>
 #include <string.h>
 
+#include "vector.h"
+
 #include <nsdae/params.h>
 
 enum { LONGEST = 63 }; /* longer names are compared by their beginning */
-
-static int smaller(int a, int b)
-{
-  return a < b ? a : b;
-}
 
 /* Levenshtein's distance, by its recurrence over one row (Wagner and Fischer, J. ACM 21, 1974). */
 static int edit_distance(const char *a, const char *b)
 {
   int row[LONGEST + 1];
-  int na = smaller((int)strlen(a), LONGEST), nb = smaller((int)strlen(b), LONGEST);
+  int na = nsdae_fewer((int)strlen(a), LONGEST), nb = nsdae_fewer((int)strlen(b), LONGEST);
   for (int j = 0; j <= nb; j++) row[j] = j;
   for (int i = 1; i <= na; i++) {
     int diagonal = row[0];
@@ -24,7 +21,7 @@ static int edit_distance(const char *a, const char *b)
     for (int j = 1; j <= nb; j++) {
       int change = diagonal + (a[i - 1] != b[j - 1]);
       diagonal = row[j];
-      row[j] = smaller(change, smaller(row[j], row[j - 1]) + 1);
+      row[j] = nsdae_fewer(change, nsdae_fewer(row[j], row[j - 1]) + 1);
     }
   }
   return row[nb];

@@ -17,6 +17,11 @@ static inline double nsdae_dot(int n, const double *a, const double *b)
   return nsdae_dot_from(0, n, a, b);
 }
 
+static inline int nsdae_fewer(int a, int b)
+{
+  return a < b ? a : b;
+}
+
 /* fmax of a number, most, and of what may be none; of two zeros the first. */
 static inline double nsdae_larger(double most, double a)
 {

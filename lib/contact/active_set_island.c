@@ -352,11 +352,8 @@ static void velocities_after(nsdae_active_set_island *c, const nsdae_island_equa
   c->residual = (nsdae_natural_residual){0};
   for (int i = 0; i < c->count; i++) {
     int k = c->order[i], a = c->contact[k];
-    to->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
-    for (int j = a * nt; j < (a + 1) * nt; j++) {
-      to->tangential[j] = 0;
-      to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
-    }
+    nsdae_terms_contact_rates(w->terms, a, w->v, to->after, to->after_t);
+    for (int j = a * nt; j < (a + 1) * nt; j++) to->tangential[j] = 0;
     double x = to->normal[a] * c->A[c->at[i]], u = to->after[a] + w->law[a].e_n * to->before[a];
     nsdae_natural_residual_speed(&c->residual, c->b[k]);
     nsdae_natural_residual_raise(&c->residual.left, fabs(x < u ? x : u));

@@ -99,11 +99,6 @@ static void add_blocks(nsdae_cone_island *c, const nsdae_island_equations *w, in
   }
 }
 
-static int least(int a, int b)
-{
-  return a < b ? a : b;
-}
-
 /* A direction of an item: a row by blocks. */
 typedef struct direction {
   const nsdae_rows *rows;
@@ -172,7 +167,8 @@ static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w
     c->at.r[c->m + d] = r->tangential[j];
     c->driven |= T->w_T[j] != 0;
   }
-  return add_item(c, w, along, columns, least(columns, nsdae_terms_differing(w->system)), a, value);
+  return add_item(c, w, along, columns, nsdae_fewer(columns, nsdae_terms_differing(w->system)), a,
+                  value);
 }
 
 /* sum W_l^2 / M_ll: W^T M^-1 W of a diagonal M. */
@@ -281,8 +277,7 @@ static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w,
                   "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
                   c->contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
                   nsdae_status_message(status), work->info.residual, work->tol);
-  work->error->time = nsdae_terms_time(w->terms);
-  return status;
+  return nsdae_error_at(work->error, status, -1, nsdae_terms_time(w->terms));
 }
 
 /* Of contact i of the problem, whose velocities after are known. */
@@ -419,17 +414,13 @@ static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
 static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   nsdae_impulses *to = w->results;
-  const nsdae_terms *T = w->terms;
   int nt = w->system->dims.nt, row = 0;
   for (int i = 0; i < c->contacts; row += c->at.rows[i++]) {
     int a = c->at.item[i];
     to->normal[a] = c->at.r[row];
-    to->after[a] = nsdae_terms_normal_rate(T, a, w->v);
-    for (int d = 1; d <= nt; d++) {
-      int j = a * nt + d - 1;
-      to->tangential[j] = d < c->at.rows[i] ? c->at.r[row + d] : 0;
-      to->after_t[j] = nsdae_terms_tangent_rate(T, j, w->v);
-    }
+    nsdae_terms_contact_rates(w->terms, a, w->v, to->after, to->after_t);
+    for (int d = 1; d <= nt; d++)
+      to->tangential[a * nt + d - 1] = d < c->at.rows[i] ? c->at.r[row + d] : 0;
     to->mode[a] = mode_of(c, w, i, row);
   }
   for (int i = c->contacts; i < c->problem.contacts; i++, row += 2) {
@@ -462,11 +453,11 @@ static int solve(nsdae_cone_island *c, nsdae_cone_work *work)
   const double share = NSDAE_SHARE_TO_TOL * work->budget;
   work->info = (nsdae_friction_info){0};
   int status = solve_to(c, work, work->tol, share);
-  if (status == NSDAE_E_LCP && work->budget > 0 && work->info.residual > work->give)
-    status = solve_to(c, work, fmax(work->give, work->tol), work->budget - share);
-  work->given = (status == NSDAE_OK && work->info.residual > work->tol) ||
-                (status == NSDAE_E_LCP && work->info.residual <= work->give);
-  return work->given ? NSDAE_OK : status;
+  if (status == NSDAE_E_LCP && work->budget > 0 && work->info.residual > work->accept)
+    status = solve_to(c, work, fmax(work->accept, work->tol), work->budget - share);
+  work->accepted = (status == NSDAE_OK && work->info.residual > work->tol) ||
+                   (status == NSDAE_E_LCP && work->info.residual <= work->accept);
+  return work->accepted ? NSDAE_OK : status;
 }
 
 /* The row along which item i moves, and the velocity that is asked of it beside. */

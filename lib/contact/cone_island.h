@@ -53,12 +53,12 @@ int nsdae_cone_island_reserve(nsdae_cone_island *cones, const nsdae_system *syst
  * scaled. */
 typedef struct nsdae_cone_work {
   nsdae_friction_solver *solver;
-  double *L, tol, give; /* give: the best point is taken up to this residual */
-  double budget;        /* nsdae_contacts_budget */
+  double *L, tol, accept; /* accept: the best point is accepted up to this residual */
+  double budget;          /* nsdae_contacts_budget */
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_natural_residual residual;
-  int given; /* the best point was taken */
+  int accepted; /* the best point was, above tol */
 } nsdae_cone_work;
 
 /* NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE, NSDAE_E_MEMORY with

@@ -272,7 +272,7 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   recall(c);
   int status =
       loaded ? solve_in_turn(c, lambda) : nsdae_slides_limited(c, lambda, solve_with_joints);
-  status = nsdae_contacts_give(c, status);
+  status = nsdae_contacts_accept(c, status);
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);
   return NSDAE_OK;

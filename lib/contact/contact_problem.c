@@ -95,21 +95,32 @@ static void recall(nsdae_problem *p, int a, const nsdae_closed *last, const nsda
          nt * sizeof *was->tangential);
 }
 
-/* What each did in the step before: mostly its neighbour's neighbour there. */
+/* Ids that are asked for in about the order of a list: mostly the one behind the last. */
+typedef struct search {
+  nsdae_ids *ids;
+  int count, next, filled;
+  const long *id;
+} search;
+
+/* The place of an id, or -1. */
+static int find(search *s, long id)
+{
+  int i = s->next < s->count && s->id[s->next] == id ? s->next : -1;
+  if (i < 0 && s->count > 0) {
+    if (!s->filled) nsdae_ids_fill(s->ids, s->count, s->id);
+    s->filled = 1;
+    i = nsdae_ids_find(s->ids, id);
+  }
+  if (i >= 0) s->next = i + 1;
+  return i;
+}
+
+/* What each did in the step before. */
 static void recall_all(nsdae_problem *p, const nsdae_closed *last, const nsdae_impulses *was)
 {
-  nsdae_closed *c = p->closed;
-  int next = 0, filled = 0;
-  for (int a = 0; a < c->count; a++) {
-    int from = next < last->count && last->id[next] == c->id[a] ? next : -1;
-    if (from < 0 && last->count > 0) {
-      if (!filled) nsdae_ids_fill(&p->picked.ids, last->count, last->id);
-      filled = 1;
-      from = nsdae_ids_find(&p->picked.ids, c->id[a]);
-    }
-    if (from >= 0) next = from + 1;
-    recall(p, a, last, was, from);
-  }
+  search before = {.ids = &p->picked.ids, .count = last->count, .id = last->id};
+  for (int a = 0; a < p->closed->count; a++)
+    recall(p, a, last, was, find(&before, p->closed->id[a]));
 }
 
 /* The entries with a gap up to touch. */
@@ -202,29 +213,16 @@ int nsdae_problem_close(nsdae_problem *p, nsdae_terms *terms, nsdae_closed *clos
   return NSDAE_OK;
 }
 
-/* Entry of closed contact a in the list; next: where it is likely. */
-static int entry_of(nsdae_problem *p, const nsdae_contact_list *list, int a, int *next, int *filled)
-{
-  long id = p->closed->id[a];
-  int i = *next < list->count && list->id[*next] == id ? *next : -1;
-  if (i < 0) {
-    if (!*filled) nsdae_ids_fill(&p->picked.ids, list->count, list->id);
-    *filled = 1;
-    i = nsdae_ids_find(&p->picked.ids, id);
-  }
-  if (i >= 0) *next = i + 1;
-  return i;
-}
-
 int nsdae_problem_update(nsdae_problem *p, nsdae_terms *terms, double reach)
 {
   nsdae_contact_list *list = &terms->by.list;
-  int next = 0, filled = 0, missing = 0;
+  int missing = 0;
   if (terms == p->home) return NSDAE_OK;
   int status = nsdae_terms_contacts(terms, reach);
   if (status < 0) return status;
+  search here = {.ids = &p->picked.ids, .count = list->count, .id = list->id};
   for (int a = 0; a < p->closed->count; a++) {
-    p->picked.place[a] = entry_of(p, list, a, &next, &filled);
+    p->picked.place[a] = find(&here, p->closed->id[a]);
     missing += p->picked.place[a] < 0;
   }
   for (int a = 0; missing > 0 && a < p->closed->count; a++) {
@@ -269,9 +267,7 @@ static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
                   "constraint_rows has no entry for %s at t = %.17g",
                   nsdae_system_called(p->system, NSDAE_NAME_CONSTRAINT, row, called),
                   nsdae_terms_time(T));
-  p->error->time = nsdae_terms_time(T);
-  p->error->index = row;
-  return NSDAE_E_RANK;
+  return nsdae_error_at(p->error, NSDAE_E_RANK, row, nsdae_terms_time(T));
 }
 
 int nsdae_problem_factor(nsdae_problem *p, const nsdae_terms *T, int hold)
@@ -361,13 +357,8 @@ void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, dou
 double nsdae_problem_work(const nsdae_problem *p)
 {
   const nsdae_contact_islands *is = &p->dispatch.islands;
-  const nsdae_impulses *r = p->results;
-  double work = nsdae_impulses_work(r, p->system->dims.nt, p->count, p->number);
-  for (int i = 0; i < is->joints; i++) {
-    int j = is->joint_number[i];
-    work += r->frictional_joint_impulse[j] * (r->slide_after[j] + r->slide_before[j]) / 2;
-  }
-  return work;
+  return nsdae_impulses_work(p->results, p->system->dims.nt, p->count, p->number, is->joints,
+                             is->joint_number);
 }
 
 double nsdae_problem_carried(const nsdae_problem *p, const nsdae_terms *T)

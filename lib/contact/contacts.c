@@ -222,13 +222,9 @@ static void velocities_after(nsdae_contacts *c, const nsdae_terms *T, int n, con
 void nsdae_contacts_approach(const nsdae_terms *T, int count, const int *contact, const double *v,
                              int impacts_only, nsdae_impulses *r)
 {
-  int nt = T->system->dims.nt;
-  for (int a = 0; a < count; a++) {
-    int i = contact[a];
-    if (impacts_only && !r->impact[i]) continue;
-    r->before[i] = nsdae_terms_normal_rate(T, i, v);
-    for (int j = i * nt; j < (i + 1) * nt; j++) r->before_t[j] = nsdae_terms_tangent_rate(T, j, v);
-  }
+  for (int a = 0; a < count; a++)
+    if (!impacts_only || r->impact[contact[a]])
+      nsdae_terms_contact_rates(T, contact[a], v, r->before, r->before_t);
 }
 
 void nsdae_contacts_before(nsdae_contacts *c, const nsdae_terms *T, const double *v,
@@ -437,9 +433,9 @@ static int unsolved(nsdae_contacts *c, double t, int status)
       "contact problem of %d rows (first %s) at t = %.17g: %s, residual %.3g above %.3g; a "
       "smaller dt or less friction may help",
       c->rows, first, t, nsdae_status_message(status), c->lcp.info.residual, c->lcp.options.tol);
-  c->error->time = t;
-  c->error->index = contact ? nsdae_system_index(c->system, NSDAE_NAME_CONTACT, c->active[0]) : -1;
-  return status;
+  return nsdae_error_at(
+      c->error, status,
+      contact ? nsdae_system_index(c->system, NSDAE_NAME_CONTACT, c->active[0]) : -1, t);
 }
 
 /* An island below FEW contacts may take as long as one of FEW: then all solvers have their turn. */
@@ -449,10 +445,10 @@ double nsdae_contacts_budget(double budget, int contacts)
   return contacts < FEW ? budget * FEW / fmax(1, contacts) : budget;
 }
 
-int nsdae_contacts_give(nsdae_contacts *c, int status)
+int nsdae_contacts_accept(nsdae_contacts *c, int status)
 {
-  if (status != NSDAE_E_LCP || !(c->lcp.info.residual <= c->lcp.give)) return status;
-  if (c->lcp.info.residual > c->lcp.options.tol) c->lcp.given = 1;
+  if (status != NSDAE_E_LCP || !(c->lcp.info.residual <= c->lcp.accept)) return status;
+  if (c->lcp.info.residual > c->lcp.options.tol) c->lcp.accepted = 1;
   return NSDAE_OK;
 }
 
@@ -464,7 +460,7 @@ int nsdae_contacts_solve_lcp(nsdae_contacts *c)
       nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
                          c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);
   if (status == NSDAE_OK) keep_basis(c);
-  return nsdae_contacts_give(c, status);
+  return nsdae_contacts_accept(c, status);
 }
 
 /* A polygon's gamma is the slip speed; one of rounding size is none. */
@@ -520,7 +516,7 @@ static void add_velocity(const nsdae_contacts *c, int n, double *restrict size, 
 static int solve_impulses(nsdae_contacts *c, const double *lambda)
 {
   int status = NSDAE_OK, cones = nsdae_cones_any(c);
-  c->lcp.given = 0;
+  c->lcp.accepted = 0;
   if (cones)
     status = nsdae_cones_solve(c, lambda);
   else if (c->slides.count > 0)
@@ -564,11 +560,6 @@ int nsdae_contacts_step(nsdae_contacts *c, const nsdae_terms *terms, const nsdae
 
 double nsdae_contacts_work(const nsdae_contacts *c)
 {
-  double work = nsdae_impulses_work(c->results, c->system->dims.nt, c->active_count, c->active);
-  for (int i = 0; i < c->slides.count; i++) {
-    int j = c->slides.number[i];
-    work += c->results->frictional_joint_impulse[j] *
-            (c->results->slide_after[j] + c->results->slide_before[j]) / 2;
-  }
-  return work;
+  return nsdae_impulses_work(c->results, c->system->dims.nt, c->active_count, c->active,
+                             c->slides.count, c->slides.number);
 }

@@ -12,7 +12,7 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
 {
   nsdae_contacts *c = &l->contacts;
   nsdae_contacts_set(c, of->system, error, of->lcp.options.tol, of->edges);
-  c->lcp.give = of->lcp.give;
+  c->lcp.accept = of->lcp.accept;
   c->lcp.budget = of->lcp.budget;
   c->rows_most = of->rows_most;
   c->part.J = &l->gathered.J;
@@ -21,11 +21,6 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
 }
 
 /* ---- room */
-
-static int least(int a, int b)
-{
-  return a < b ? a : b;
-}
 
 /* Whether an island of any size is dense. */
 static int is_any_size(const nsdae_contacts *c)
@@ -45,9 +40,10 @@ static nsdae_dense_size first_size(const nsdae_contacts *c, const nsdae_room *ro
   int all = bounded && (is_any_size(c) || (one && c->slides.count > 0));
   int few = one || c->slides.count > 0 ? NSDAE_DENSE_ONE : NSDAE_DENSE_ROWS;
   nsdae_dense_size size = {.n = d->nv, .m = d->m, .contacts = few / planar, .rows = few};
-  if (!one && !all) size.n = least(d->nv, d->m + d->f > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
-  if (!one && !all) size.m = least(d->m, NSDAE_DENSE_JOINTED);
-  size.contacts = all ? most : least(most, size.contacts);
+  if (!one && !all)
+    size.n = nsdae_fewer(d->nv, d->m + d->f > 0 ? NSDAE_DENSE_JOINTED : NSDAE_DENSE_V);
+  if (!one && !all) size.m = nsdae_fewer(d->m, NSDAE_DENSE_JOINTED);
+  size.contacts = all ? most : nsdae_fewer(most, size.contacts);
   long rows_in_all = nsdae_contacts_rows(s, c->edges); /* but those of a list */
   if (!bounded || all || rows_in_all < few) size.rows = (bounded ? 0 : few) + (int)rows_in_all;
   if (!one && s->call.constraint_rows) size.parts = (int)rows->entries;
@@ -492,17 +488,18 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
                       nsdae_natural_residual *residual)
 {
   nsdae_contacts *c = &l->contacts;
-  double *tol = &c->lcp.options.tol, asked = *tol, give = c->lcp.give;
+  double *tol = &c->lcp.options.tol, asked = *tol, accept = c->lcp.accept;
   memcpy(l->asked, l->at.lambda, (size_t)l->kkt.m * sizeof *l->asked);
   copy_bases(l, 0);
   int status = solve(l, w, residual);
-  if (status < 0 || c->lcp.given || nsdae_natural_residual_scaled(residual) <= asked) return status;
+  if (status < 0 || c->lcp.accepted || nsdae_natural_residual_scaled(residual) <= asked)
+    return status;
   for (int a = 0; a < c->active_count; a++) l->was[a] = c->results->normal[c->active[a]];
   *tol = 1e-2 * asked;
-  c->lcp.give = 0;
+  c->lcp.accept = 0;
   status = solve_again(l, w, residual);
   *tol = asked;
-  c->lcp.give = give;
+  c->lcp.accept = accept;
   if (status == NSDAE_OK && same_impulses(l, l->was)) return status;
   copy_bases(l, 1);
   return solve_again(l, w, residual);

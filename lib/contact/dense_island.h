@@ -25,13 +25,13 @@ typedef struct nsdae_dense_size {
   int n, m, parts, contacts, rows;
 } nsdae_dense_size;
 
-/* Blocks and rows of an island that is a part of the system; start: of its velocities in it, of a
- * block of the system. */
+/* Blocks and rows of an island that is a part of the system; of a block of the system, where
+ * its velocities begin in it, and its number in it. */
 typedef struct nsdae_gathered {
   nsdae_blocks blocks;
   nsdae_rows J; /* values are the terms' */
   double *M, *r, *v, *size, *lambda;
-  int *start;
+  int *start, *number;
 } nsdae_gathered;
 
 /* The island at hand: of the system or gathered. */

@@ -43,15 +43,19 @@ void nsdae_impulses_clear(nsdae_impulses *r, const nsdae_dims *dims)
   memset(r->frictional_joint_mode, 0, wholes(dims) * sizeof *r->frictional_joint_mode);
 }
 
-double nsdae_impulses_work(const nsdae_impulses *r, int nt, int count, const int *contact)
+double nsdae_impulses_work(const nsdae_impulses *r, int nt, int contacts, const int *contact,
+                           int joints, const int *joint)
 {
   double work = 0;
-  for (int a = 0; a < count; a++) {
+  for (int a = 0; a < contacts; a++) {
     int i = contact[a];
     work += r->normal[i] * (r->after[i] + r->before[i]) / 2;
     for (int j = i * nt; j < (i + 1) * nt; j++)
       work += r->tangential[j] * (r->after_t[j] + r->before_t[j]) / 2;
   }
+  for (const int *end = joint + joints; joint < end; joint++)
+    work += r->frictional_joint_impulse[*joint] *
+            (r->slide_after[*joint] + r->slide_before[*joint]) / 2;
   return work;
 }
 

@@ -28,8 +28,9 @@ void nsdae_impulses_clear(nsdae_impulses *impulses, const nsdae_dims *dims);
 void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,
                           const nsdae_impulses *from);
 
-/* sum of Lambda (v(+) + v(-)) / 2 over contacts of these numbers. */
-double nsdae_impulses_work(const nsdae_impulses *impulses, int nt, int count, const int *contact);
+/* sum of Lambda (v(+) + v(-)) / 2 over contacts and frictional joints of these numbers. */
+double nsdae_impulses_work(const nsdae_impulses *impulses, int nt, int contacts, const int *contact,
+                           int joints, const int *joint);
 
 /* Impulses, and velocities before and after: += share (from - to) */
 void nsdae_impulses_blend(nsdae_impulses *to, const nsdae_dims *dims, double share,

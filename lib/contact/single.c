@@ -156,11 +156,9 @@ int nsdae_single_solve(nsdae_single *c, const nsdae_island_equations *w, int isl
   for (int i = 0; i < c->sides; i++) scatter_side(w, c, &c->side[i]);
   to->normal[a] = c->x[0];
   to->mode[a] = mode;
-  to->after[a] = nsdae_terms_normal_rate(w->terms, a, w->v);
-  for (int j = a * nt; j < (a + 1) * nt; j++) {
+  nsdae_terms_contact_rates(w->terms, a, w->v, to->after, to->after_t);
+  for (int j = a * nt; j < (a + 1) * nt; j++)
     to->tangential[j] = j == a * nt && c->columns == 2 ? c->x[1] : 0;
-    to->after_t[j] = nsdae_terms_tangent_rate(w->terms, j, w->v);
-  }
   double xi[2] = {to->after[a] + w->law[a].e_n * to->before[a]};
   if (c->columns == 2) xi[1] = to->after_t[a * nt] + w->law[a].e_t * to->before_t[a * nt];
   *residual = left_over(c, xi);

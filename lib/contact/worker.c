@@ -12,7 +12,7 @@ void nsdae_worker_prepare(nsdae_worker *w, const nsdae_contacts *of, double rank
 {
   nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
   w->tol = of->lcp.options.tol;
-  w->give = of->lcp.give;
+  w->accept = of->lcp.accept;
   w->budget = of->lcp.budget;
   w->least_norm = least_norm;
   w->sparse.rank_tol = rank_tol;
@@ -87,7 +87,7 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
-  sum->given += one->given;
+  sum->accepted += one->accepted;
   count_rank(sum, one->rank, one->kept, one->left);
   if (one->contacts > sum->contacts) sum->contacts = one->contacts;
 }
@@ -239,9 +239,7 @@ static int name_island(nsdae_worker *w, const nsdae_island_equations *whole, int
                     "in the island of block %d (%d contacts, first %s): %.150s", b, count,
                     nsdae_island_called(whole, is->contact.of[is->contact.first[island]], first),
                     was.text);
-  w->error.time = was.time;
-  w->error.index = b;
-  return status;
+  return nsdae_error_at(&w->error, status, b, was.time);
 }
 
 static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int island)
@@ -258,8 +256,8 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
     s->problem = &l->contacts;
-    if (status == NSDAE_OK && l->contacts.lcp.given) {
-      s->given++;
+    if (status == NSDAE_OK && l->contacts.lcp.accepted) {
+      s->accepted++;
       s->noise = fmax(s->noise, 1e2 * l->contacts.lcp.info.residual);
     }
     nsdae_natural_residual_add(&s->residual, &residual);
@@ -338,7 +336,7 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
   nsdae_cone_work work = {.solver = w->solver,
                           .L = w->L,
                           .tol = w->tol,
-                          .give = w->give,
+                          .accept = w->accept,
                           .budget = w->budget,
                           .error = &w->error};
   int rows = nsdae_members_count(&whole->islands->row, island);
@@ -347,7 +345,7 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
   status = nsdae_cone_island_solve(island == whole->kept_island ? whole->kept : &w->cones, whole,
                                    island, &work);
   if (status < 0) status = cause_of(w, whole, island, status);
-  s->given += work.given;
+  s->accepted += work.accepted;
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
   nsdae_natural_residual_add(&s->residual, &work.residual);

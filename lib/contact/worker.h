@@ -25,7 +25,7 @@ typedef struct nsdae_solved {
   double kept, left; /* smallest sine that counts in the rank, largest that does not */
   double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
-  int given;                         /* islands that were left above the tolerance */
+  int accepted;                      /* islands that were left above the tolerance */
   const nsdae_contacts *problem;     /* that failed, or of the only island; NULL: none, or not of
                                         this kind */
   const nsdae_single *single;        /* the same of one contact */
@@ -43,7 +43,7 @@ typedef struct nsdae_worker {
   nsdae_friction_solver *solver;
   int all_dense; /* every island with constraints is */
   double *L;     /* of the largest block */
-  double tol, give, budget;
+  double tol, accept, budget;
   int least_norm;
   nsdae_solved solved; /* by this worker, in the step at hand */
 } nsdae_worker;

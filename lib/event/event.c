@@ -7,28 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "event_certificate.h"
 #include "errors.h"
-#include "painleve.h"
+#include "event_certificate.h"
+#include "event_method.h"
 #include "kink.h"
-#include "memory.h"
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */
-enum { IDLE_MAX = 500, CHATTERS = 20, STEPS_MAX = 5000, STIFF_STEPS = 300, STILL = 16 };
-
-/* An instant of a contact is soon after another within this number of accumulation_time. One of
- * friction that breaks away or stops before it has left zero leads nowhere and counts for STILL of
- * them. */
-static const double SOON = 10;
-
-/* At a pole a force grows as (t_pole - t)^-1/2 at least, over a time tau. A zero is located up to
- * 100 eps t. So this share is left of the acceleration that a unit of the force gives alone, if tau
- * is above 2.2e-8 t. */
-static const double POLE = 1e-3;
-
-/* Sines of rows that depend, in parts of the least one: from step to step, and at most. */
-static const double LOOSER = 100, LOOSEST = 1e4;
+enum { IDLE_MAX = 500, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
 /* Steps shorter than this part of dt lead nowhere: the most of them in one dt, and at each start.
  */
@@ -39,24 +25,9 @@ enum { TINY_MAX = 1000, STARTS = 50 };
  * is tried again with an eighth of its length. */
 enum { KINK_STEPS = 25, KINK_AHEAD = 16 };
 
-typedef struct event {
-  nsdae_stepper *tools;
-  nsdae_arena arena;
-  nsdae_event_setting setting;
-  nsdae_event_phase phase;
-  nsdae_event_roots roots;
-  nsdae_event_integrator integrator;
-  nsdae_event_account account;
-  nsdae_event_instant instant;
-  nsdae_event_base base;
-  int *mode_before, *slide_mode_before; /* k, f */
-  double reached;                       /* accounted for up to here */
-  long stamp, stamps;                   /* of the memory that the integrator is at; given so far */
-} event;
-
 static void layout(void *object, nsdae_arena *arena)
 {
-  event *e = object;
+  nsdae_event *e = object;
   const nsdae_dims *d = &e->setting.system->dims;
   nsdae_event_phase_layout(&e->phase, arena);
   nsdae_event_roots_layout(&e->roots, arena);
@@ -70,7 +41,7 @@ static void layout(void *object, nsdae_arena *arena)
 }
 
 /* Each part to those that it stands on. */
-static void connect(event *e, nsdae_stepper *s)
+static void connect(nsdae_event *e, nsdae_stepper *s)
 {
   e->tools = s;
   e->setting = (nsdae_event_setting){.system = s->system,
@@ -94,13 +65,13 @@ static void connect(event *e, nsdae_stepper *s)
   e->instant.impacts.accumulation.projection = &e->instant.projection;
 }
 
-static void prepare_problems(event *e)
+static void prepare_problems(nsdae_event *e)
 {
   nsdae_event_acceleration_prepare(&e->instant.acceleration);
   nsdae_event_impacts_prepare(&e->instant.impacts);
 }
 
-static int make(event *e)
+static int make(nsdae_event *e)
 {
   prepare_problems(e);
   int status = nsdae_arena_build(&e->arena, layout, e);
@@ -114,7 +85,7 @@ static int make(event *e)
 
 static int create(nsdae_stepper *s, void **own)
 {
-  event *e = calloc(1, sizeof *e);
+  nsdae_event *e = calloc(1, sizeof *e);
   *own = e;
   int status = NSDAE_E_MEMORY;
   if (e) {
@@ -126,7 +97,7 @@ static int create(nsdae_stepper *s, void **own)
 
 static void destroy(void *own)
 {
-  event *e = own;
+  nsdae_event *e = own;
   if (!e) return;
   nsdae_event_integrator_release(&e->integrator);
   nsdae_cones_close(&e->instant.acceleration.problem.cones);
@@ -136,311 +107,33 @@ static void destroy(void *own)
   free(e);
 }
 
-/* A failure of the integrator at t, where its y is; what has a record already keeps it. */
-static int integrator_failed(event *e, int status, double t)
-{
-  nsdae_error *error = e->setting.error;
-  const char *cause = e->integrator.smooth.cause;
-  if (error->status != NSDAE_OK) return error->status;
-  status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
-  int contact = nsdae_event_unbounded(&e->roots, POLE);
-  if (contact >= 0)
-    return nsdae_painleve_unbounded(&e->instant.acceleration.problem, contact, t,
-                                    nsdae_event_yield(&e->phase, contact));
-  if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
-    return NSDAE_E_PAINLEVE;
-  nsdae_error_set(
-      error, status, "nsdae_event", "rtol",
-      "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s; the "
-      "equations may have no solution after this time: try a larger rtol, or method = implicit",
-      nsdae_system_time(e->setting.system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
-  error->time = nsdae_system_time(e->setting.system, t);
-  return status;
-}
-
-static int goes_by_ida(const event *e)
+static int goes_by_ida(const nsdae_event *e)
 {
   return e->setting.options->integrator == NSDAE_INTEGRATOR_IDA;
 }
 
-/* The integrator as a phase begins. */
-static void set_integrator(event *e)
-{
-  int integrator = e->setting.options->integrator;
-  *e->phase.modes.integrator =
-      integrator == NSDAE_INTEGRATOR_AUTO ? NSDAE_INTEGRATOR_DOPRI5 : integrator;
-}
-
-/* The integrator starts at t, which is the base from now on. */
-static int start(event *e, double t)
-{
-  nsdae_event_save(&e->base, &e->integrator, t);
-  int status = nsdae_event_integrator_start(&e->integrator, t);
-  return status < 0 ? integrator_failed(e, status, t) : status;
-}
-
-static int contradiction(event *e, int entry, double t)
-{
-  t = nsdae_system_time(e->setting.system, t);
-  const nsdae_event_root *root = &e->roots.entry[entry];
-  int contact = root->kind <= NSDAE_ROOT_HELD;
-  nsdae_error *error = e->setting.error;
-  nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "forces contradict the contact modes at t = %.17g: %s is %.3g, below the bound "
-                  "for rtol = %g (%.3g); the rows of closed contacts are nearly dependent: try "
-                  "another rtol, or method = implicit",
-                  t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a friction margin",
-                  root->start, e->setting.options->rtol, -root->size);
-  nsdae_system_name_item(e->setting.system,
-                         contact ? NSDAE_NAME_CONTACT : NSDAE_NAME_FRICTIONAL_JOINT, root->index,
-                         error);
-  error->time = t;
-  return NSDAE_E_CONVERGENCE;
-}
-
-/* The instant t at the state of the integrator's y, and the start of the next phase. Rows that are
- * independent by little more than errors may have forces that contradict the modes: then more of
- * them depend on others. */
-static int restart(event *e, double t)
-{
-  int status, wrong = -1;
-  double *looser = &e->instant.acceleration.looser;
-  for (*looser = 1; *looser <= LOOSEST; *looser *= LOOSER) {
-    status = nsdae_event_pass(&e->instant, t, e->integrator.y);
-    set_integrator(e);
-    if (status == NSDAE_OK) status = start(e, t);
-    wrong = status < 0 ? -1 : nsdae_event_inconsistent(&e->roots);
-    if (wrong < 0) break;
-    for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
-  }
-  e->setting.result->counters.events++;
-  ++*e->base.instants;
-  return wrong < 0 ? status : contradiction(e, wrong, t);
-}
-
-/* Whether a contact force changed its sign without a zero: from one end of the doubles to the
- * other. */
-static int has_jumped(const event *e)
-{
-  int any = 0;
-  for (int i = 0; i < e->setting.system->dims.k; i++) {
-    const nsdae_event_root *root = nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i);
-    double force = fabs(e->integrator.y[e->setting.at.normal + i]);
-    any |= root->found && e->phase.modes.contact[i] != NSDAE_MODE_OPEN && force > root->size;
-  }
-  return any;
-}
-
-/* The contact that slides and has met the pole of its force, or -1: see nsdae_root_kind. What
- * hardly slides has stopped. */
-static int meets_pole(const event *e)
-{
-  int met = nsdae_event_root_of(&e->roots, NSDAE_ROOT_JAM, 0)->found || has_jumped(e);
-  int i = met ? nsdae_event_unbounded(&e->roots, POLE) : -1;
-  if (i < 0 || e->setting.system->dims.nt < 2 || !nsdae_event_hardly_slides(&e->phase, i)) return i;
-  nsdae_event_root_of(&e->roots, NSDAE_ROOT_TANGENT, i)->found = 1;
-  return -1;
-}
-
-/* NSDAE_E_PAINLEVE if the modes that are chosen at the pole of contact i are those of an unbounded
- * force, or if i opens with no acceleration: the force is needed (Genot and Brogliato 1999). */
-static int jammed(const event *e, double t, int i, double coefficient)
-{
-  const nsdae_terms *T = e->setting.here;
-  const double *a = e->instant.acceleration.a;
-  int worst = nsdae_event_unbounded(&e->roots, POLE);
-  double size = fabs(T->omega.N[i]) + nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, a);
-  double apart = nsdae_terms_rate(T, &T->by.normal, T->omega.N, i, a);
-  int opens = e->phase.modes.contact[i] == NSDAE_MODE_OPEN && apart > POLE * size;
-  if (worst < 0 && (opens || e->phase.modes.contact[i] != NSDAE_MODE_OPEN)) return NSDAE_OK;
-  return nsdae_painleve_unbounded(&e->instant.acceleration.problem, i, t, coefficient);
-}
-
-/* Where friction turns faster than a body gets away from zero, or is at its limit however it
- * shares, instant follows instant and nothing is decided. Past CHATTERS of them the tolerance
- * for friction doubles with every eighth, until time goes on: as Filippov's solution does. The same
- * of a contact that rattles, as one that friction throws back, and of its impacts. */
-static void blur(event *e)
-{
-  double idle = nsdae_chattering_growth(*e->base.idle, CHATTERS, 8);
-  e->instant.impacts.accumulation.rattles = e->base.rattle.count;
-  for (int i = 0; i < e->setting.system->dims.k; i++) {
-    e->instant.impacts.blur[i] = nsdae_chattering_blur(&e->base.rattle, i);
-    e->phase.modes.blur[i] = fmax(idle, e->instant.impacts.blur[i]);
-  }
-}
-
-static void note_rattle(const event *e, double t, int i, int many)
-{
-  nsdae_chattering_note(&e->base.rattle, i, t, SOON * e->setting.options->accumulation_time, many);
-}
-
-/* Differences for the motion at the point in work, and the most that they leave of velocities and
- * accelerations here and where they were tuned before. */
-static int tune(event *e, double t)
-{
-  nsdae_differences *d = &e->tools->differences;
-  const double *y = e->integrator.y;
-  if (!nsdae_differences_used(e->setting.system)) return NSDAE_OK;
-  double error[2], time = nsdae_system_time(e->setting.system, t);
-  int code = nsdae_differences_tune(d, time, y, y + e->setting.at.v, error);
-  for (int i = 0; i < 2; i++) {
-    e->base.finer[i] = d->finer[i];
-    e->base.difference_error[i] = fmax(e->base.difference_error[i], error[i]);
-    e->setting.error_by_differences[i] = e->base.difference_error[i];
-  }
-  return nsdae_differences_status(d, code, "gap", time, e->setting.error);
-}
-
-/* At the instant t, with the impacts from `first` on. */
-static void note_rattles(const event *e, double t, int first)
-{
-  const nsdae_result *r = e->setting.result;
-  for (int i = 0; i < e->setting.system->dims.k; i++) {
-    int any = e->mode_before[i] != e->phase.modes.contact[i];
-    for (int j = first; j < r->impacts; j++) any |= r->impact[j].contact == i;
-    if (any) note_rattle(e, t, i, 1);
-  }
-}
-
-/* Contacts that are new in their slots do not rattle. */
-static void clear_fresh(event *e)
-{
-  int *fresh = e->integrator.tracking.fresh;
-  for (int i = 0; e->setting.system->tracked && i < e->setting.system->dims.k; i++) {
-    if (!fresh[i]) continue;
-    fresh[i] = 0;
-    e->base.rattle.last[i] = e->base.rattle.count[i] = 0;
-  }
-}
-
-/* Contacts that were open have no solution to start from, whether they had a slot or not. */
-static void forget_open(const event *e)
-{
-  size_t rows = (size_t)e->tools->contacts.rows_most;
-  for (int i = 0; i < e->setting.system->dims.k; i++)
-    for (int l = 0; l < 2 && e->phase.modes.contact[i] == NSDAE_MODE_OPEN; l++)
-      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
-}
-
-/* Slots for what touches at t and has none: other features than a moment before. */
-static int find_features(event *e, double t)
-{
-  nsdae_tracking *tracking = &e->integrator.tracking;
-  const double *y = e->integrator.y;
-  int nt = e->setting.system->dims.nt;
-  if (!e->setting.system->tracked || e->integrator.again) return NSDAE_OK;
-  nsdae_event_move(&e->setting, t, y);
-  tracking->near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
-  int status = nsdae_tracking_add(tracking, e->setting.here);
-  for (int i = 0; i < e->setting.system->dims.k; i++) {
-    if (!tracking->fresh[i]) continue;
-    e->phase.modes.contact[i] = NSDAE_MODE_OPEN;
-    e->phase.modes.blur[i] = 1;
-    memset(e->phase.modes.direction + i * nt, 0, (size_t)nt * sizeof *e->phase.modes.direction);
-  }
-  clear_fresh(e);
-  return status;
-}
-
-/* The same in the middle of a run, with the changes of mode; the forces are in y. */
-static int change_modes(event *e, double t)
-{
-  nsdae_result *r = e->setting.result;
-  const nsdae_dims *d = &e->setting.system->dims;
-  const nsdae_event_modes *m = &e->phase.modes;
-  memcpy(e->mode_before, m->contact, (size_t)d->k * sizeof *m->contact);
-  memcpy(e->slide_mode_before, m->frictional_joint, (size_t)d->f * sizeof *m->frictional_joint);
-  int first = r->impacts, before = r->impacts + r->changes, found = 0;
-  for (int i = 0; i < e->roots.count; i++) {
-    const nsdae_event_root *root = &e->roots.entry[i];
-    found |= root->found;
-    if (root->kind == NSDAE_ROOT_TANGENT && root->found && !root->moved)
-      note_rattle(e, t, root->index, STILL);
-  }
-  blur(e);
-  int status = find_features(e, t);
-  forget_open(e);
-  if (status == NSDAE_OK && !found) status = tune(e, t); /* it has strayed */
-  if (status == NSDAE_OK) status = restart(e, t);
-  note_rattles(e, t, first);
-  for (int n = 0; n < d->k && status == NSDAE_OK; n++) {
-    int i = nsdae_system_contact(e->setting.system, n);
-    nsdae_result_change(r, t, i, -1, e->mode_before[i], m->contact[i]);
-  }
-  for (int j = 0; j < d->f && status == NSDAE_OK; j++)
-    nsdae_result_change(r, t, -1, j, e->slide_mode_before[j], m->frictional_joint[j]);
-  *e->base.idle += found && r->impacts + r->changes == before;
-  return status;
-}
-
-static int go_through(event *e, double t)
-{
-  int solved = nsdae_event_forces(&e->phase, t, e->integrator.y), pole = meets_pole(e);
-  double coefficient = pole < 0 ? 0 : nsdae_event_yield(&e->phase, pole);
-  int status = solved < 0 ? integrator_failed(e, solved, t) : change_modes(e, t);
-  return status == NSDAE_OK && pole >= 0 ? jammed(e, t, pole, coefficient) : status;
-}
-
-/* The table of contacts where a run begins: those within the way of a step. */
-static int begin_slots(event *e, const nsdae_terms *from)
-{
-  nsdae_tracking *tracking = &e->integrator.tracking;
-  if (!e->setting.system->tracked) return NSDAE_OK;
-  nsdae_terms_at(e->setting.here, from->t, from->q, from->v);
-  tracking->near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
-  int status = nsdae_tracking_begin(tracking, e->setting.here, e->integrator.smooth.steps.max_step);
-  clear_fresh(e);
-  return status;
-}
-
-static int track(void *own, nsdae_terms *at, double h)
-{
-  event *e = own;
-  nsdae_terms_at(e->setting.here, at->t, at->q, at->v);
-  e->integrator.tracking.near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
-  int status = nsdae_tracking_begin_anew(&e->integrator.tracking, at, h);
-  memset(e->integrator.tracking.fresh, 0, (size_t)at->system->dims.k * sizeof(int));
-  return status;
-}
-
-/* Where a dt begins: slots of what is open, and no more near, are free. */
-static int free_slots(event *e, const nsdae_state *state)
-{
-  nsdae_tracking *tracking = &e->integrator.tracking;
-  const nsdae_terms *from = state->terms;
-  int *keep = e->mode_before, k = e->setting.system->dims.k;
-  if (!e->setting.system->tracked) return NSDAE_OK;
-  for (int i = 0; i < k; i++)
-    keep[i] = e->phase.modes.contact[i] != NSDAE_MODE_OPEN ||
-              nsdae_event_root_of(&e->roots, NSDAE_ROOT_NORMAL, i)->found;
-  nsdae_terms_at(e->setting.here, from->t, from->q, from->v);
-  tracking->near = NSDAE_EVENT_NEAR * nsdae_event_position_size(&e->setting);
-  return nsdae_tracking_trim(tracking, e->setting.here, e->integrator.smooth.steps.max_step, keep);
-}
-
 /* From a state that this method did not lead to. */
-static int begin(event *e, const nsdae_terms *from)
+static int begin(nsdae_event *e, const nsdae_terms *from)
 {
   const nsdae_memory *memory = &e->setting.result->memory;
   const nsdae_dims *d = &e->setting.system->dims;
   double *y = e->integrator.y;
   memset(memory->real, 0, memory->reals * sizeof *memory->real);
   memset(memory->whole, 0, memory->wholes * sizeof *memory->whole);
-  int status = begin_slots(e, from);
+  int status = nsdae_event_slots_begin(e, from);
   if (status < 0) return status;
   memset(y, 0, (size_t)e->setting.at.n * sizeof *y);
   e->integrator.smooth.steps.h = 0;
   for (int j = 0; j < d->f; j++) e->phase.modes.normal_sense[j] = 1;
-  blur(e);
+  nsdae_event_blur(e);
   for (int i = 0; i < e->roots.count; i++) e->roots.entry[i].found = 0;
   memcpy(y, from->q, (size_t)d->nq * sizeof *y);
   memcpy(y + d->nq, from->v, (size_t)d->nv * sizeof *y);
-  status = tune(e, from->t);
-  return status < 0 ? status : restart(e, from->t);
+  status = nsdae_event_tune(e, from->t);
+  return status < 0 ? status : nsdae_event_restart(e, from->t);
 }
 
-static int strayed(event *e, double t)
+static int strayed(nsdae_event *e, double t)
 {
   nsdae_event_integrator *g = &e->integrator;
   int due = nsdae_event_strayed(&e->instant, t, g->y);
@@ -451,7 +144,7 @@ static int strayed(event *e, double t)
 
 /* One step of the integrator. An instant is also due where the equations of the phase are no longer
  * the right ones, or their solution has strayed from what is closed. */
-static int step(event *e)
+static int step(nsdae_event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   int status = nsdae_event_integrator_advance(g);
@@ -462,19 +155,19 @@ static int step(event *e)
 }
 
 /* Why no step succeeds: at the end of the last one that did, with the forces there. */
-static int explain(event *e, int status)
+static int explain(nsdae_event *e, int status)
 {
   nsdae_error kept = *e->setting.error;
   nsdae_event_forces(&e->phase, e->integrator.ahead, e->integrator.y);
   *e->setting.error = kept;
-  return integrator_failed(e, status, e->integrator.ahead);
+  return nsdae_event_failed(e, status, e->integrator.ahead);
 }
 
 /* No step of the integrator is short enough at t, where its y is: a gap may have a kink just ahead.
  * The least step of Euler from which one is seen is taken, at the same time: (q, v) + h (q', v');
  * the forces in y stay.
  * Returns 1 where it is, else 0. */
-static int cross_kink(event *e, double t)
+static int cross_kink(nsdae_event *e, double t)
 {
   nsdae_event_integrator *g = &e->integrator;
   nsdae_terms *T = e->setting.here;
@@ -484,7 +177,7 @@ static int cross_kink(event *e, double t)
   memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)
     return 0;
-  if (nsdae_event_unbounded(&e->roots, POLE) >= 0) return 0;
+  if (nsdae_event_unbounded(&e->roots, NSDAE_EVENT_POLE) >= 0) return 0;
   memcpy(rate + at->v, e->phase.x, (size_t)(at->lambda - at->v) * sizeof *rate);
   for (double h = 64 * DBL_EPSILON * (fabs(t) + longest); !found && h < longest; h *= 8) {
     nsdae_move(at->lambda, from, h, rate, g->y);
@@ -495,14 +188,14 @@ static int cross_kink(event *e, double t)
 }
 
 /* The integrator's y at t, which it has reached. Where it has just started that is the state. */
-static int read_state(event *e, double t)
+static int read_state(nsdae_event *e, double t)
 {
   nsdae_event_integrator *g = &e->integrator;
   return *e->base.steps > 0 ? nsdae_event_integrator_read(g, t, g->y) : NSDAE_OK;
 }
 
 /* Whether a list had no room, or a contact no slot, since the step began. */
-static int lacks_room(const event *e)
+static int lacks_room(const nsdae_event *e)
 {
   const nsdae_tracked *tracked = e->setting.system->tracked;
   const nsdae_room *wanted = e->tools->differences.by_id.wanted;
@@ -510,34 +203,34 @@ static int lacks_room(const event *e)
          (tracked && tracked->wanted > e->setting.system->dims.k);
 }
 
-static int integrate(event *e)
+static int integrate(nsdae_event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   double from = g->ahead, tiny = TINY * e->setting.options->dt;
   if (!g->smooth.is_stiff && g->smooth.steps.last > 0 && g->smooth.steps.last < tiny &&
       *e->base.tiny % KINK_STEPS == 0 && read_state(e, from) == NSDAE_OK && cross_kink(e, from))
-    return change_modes(e, from);
+    return nsdae_event_change_modes(e, from);
   int status = step(e);
-  clear_fresh(e);
+  nsdae_event_slots_settle(e);
   ++*e->base.steps;
   *e->base.tiny += g->ahead - from < tiny;
   if (status == NSDAE_OK || lacks_room(e)) return status;
   g->ahead = from;
-  if (nsdae_event_integrator_read(g, from, g->y) < 0) return integrator_failed(e, status, from);
+  if (nsdae_event_integrator_read(g, from, g->y) < 0) return nsdae_event_failed(e, status, from);
   if (!g->smooth.is_stiff || goes_by_ida(e)) {
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
     if (refused) return explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
-    if (!g->pending && cross_kink(e, from)) return change_modes(e, from);
+    if (!g->pending && cross_kink(e, from)) return nsdae_event_change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);
   }
   *e->phase.modes.integrator = NSDAE_INTEGRATOR_DOPRI5; /* a pair may solve what IDA does not */
-  return start(e, from);
+  return nsdae_event_start(e, from);
 }
 
 /* From the base to the state again: 1; 0 where callbacks do not give the same numbers as then; < 0
  * where one fails, as in any step. */
-static int replay(event *e, const nsdae_terms *to)
+static int replay(nsdae_event *e, const nsdae_terms *to)
 {
   nsdae_event_integrator *g = &e->integrator;
   const nsdae_dims *d = &to->system->dims;
@@ -556,7 +249,7 @@ static int replay(event *e, const nsdae_terms *to)
 }
 
 /* To where the step starts, if the integrator is not there already. A replay is not counted. */
-static int arrive(event *e, const nsdae_state *state)
+static int arrive(nsdae_event *e, const nsdae_state *state)
 {
   nsdae_counters *counters = &e->setting.result->counters, counted = *counters;
   for (int i = 0; i < 2; i++) {
@@ -565,7 +258,7 @@ static int arrive(event *e, const nsdae_state *state)
   }
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
-    set_integrator(e); /* the option may be new */
+    nsdae_event_set_integrator(e); /* the option may be new */
   int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
   *counters = counted;
   if (stands < 0) return stands;
@@ -573,14 +266,14 @@ static int arrive(event *e, const nsdae_state *state)
   return stands ? NSDAE_OK : begin(e, state->terms);
 }
 
-static int has_short_steps(const event *e)
+static int has_short_steps(const nsdae_event *e)
 {
   return *e->base.tiny > TINY_MAX + STARTS * *e->base.instants;
 }
 
 /* Time goes on whatever happens: a dt has a bounded number of events, and of steps that are none.
  * Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
-static int too_many(const event *e)
+static int too_many(const nsdae_event *e)
 {
   return e->instant.impacts.endless || *e->base.instants > e->setting.options->events_max ||
          *e->base.idle > IDLE_MAX || has_short_steps(e);
@@ -593,7 +286,7 @@ static int too_many(const event *e)
  * which the first ones have found their length, end with one shorter than 6 / 15 of the longest,
  * less a fifth for the restart, at a small rtol (measured: equal at 1e-6) and while nothing is
  * closed, whose forces may turn or jump within a step. */
-static int better_integrator(const event *e)
+static int better_integrator(const nsdae_event *e)
 {
   const nsdae_smooth *g = &e->integrator.smooth;
   const double rtol_most = 3e-7, part = 1.0 / 3;
@@ -609,7 +302,7 @@ static int better_integrator(const event *e)
 }
 
 /* Whether an integrator starts anew here. */
-static int change_integrator(event *e)
+static int change_integrator(nsdae_event *e)
 {
   int better = better_integrator(e), *now = e->phase.modes.integrator;
   int most = e->integrator.smooth.is_stiff ? STIFF_STEPS : STEPS_MAX;
@@ -618,17 +311,17 @@ static int change_integrator(event *e)
   return 1;
 }
 
-static int advance_from(event *e)
+static int advance_from(nsdae_event *e)
 {
   nsdae_event_integrator *g = &e->integrator;
   if (g->ahead > e->reached) return NSDAE_OK;
   if (!change_integrator(e)) return integrate(e);
   int status = nsdae_event_integrator_read(g, g->ahead, g->y);
-  return status < 0 ? status : start(e, g->ahead);
+  return status < 0 ? status : nsdae_event_start(e, g->ahead);
 }
 
 /* To the end of the step, or until a list is nearly full: then the step ends early. */
-static int run_to(event *e, double t_end)
+static int run_to(nsdae_event *e, double t_end)
 {
   nsdae_event_integrator *g = &e->integrator;
   int status = NSDAE_OK;
@@ -646,26 +339,13 @@ static int run_to(event *e, double t_end)
     e->reached = to;
     if (status < 0 || !g->pending || to < g->ahead) continue;
     status = nsdae_event_integrator_read(g, to, g->y);
-    if (status == NSDAE_OK) status = go_through(e, to);
+    if (status == NSDAE_OK) status = nsdae_event_go_through(e, to);
   }
   return status;
 }
 
-/* Of tracked contacts: gaps at both ends of the step, at its end of all that did something in it.
- */
-static int find_gaps(event *e, nsdae_terms *from)
-{
-  nsdae_result *r = e->setting.result;
-  int *needed = e->mode_before, k = e->setting.system->dims.k;
-  if (!e->setting.system->tracked) return NSDAE_OK;
-  nsdae_terms_forget_slots(from); /* slots may have others now */
-  int status = nsdae_terms_need(from, NSDAE_TERM_GAP);
-  for (int i = 0; i < k; i++) needed[i] = nsdae_result_takes_part(r, i);
-  return status < 0 ? status : nsdae_tracking_show(&e->integrator.tracking, &r->end, needed);
-}
-
 /* What the step did beside its impulses. */
-static int read_results(event *e, nsdae_terms *from)
+static int read_results(nsdae_event *e, nsdae_terms *from)
 {
   nsdae_result *r = e->setting.result;
   const nsdae_event_modes *m = &e->phase.modes;
@@ -683,13 +363,13 @@ static int read_results(event *e, nsdae_terms *from)
   if (e->integrator.smooth.is_stiff)
     status = nsdae_terms_need(e->setting.here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (e->integrator.smooth.is_stiff && status == NSDAE_OK) status = nsdae_event_factor(&e->setting);
-  if (status == NSDAE_OK) status = find_gaps(e, from);
+  if (status == NSDAE_OK) status = nsdae_event_slots_show(e, from);
   return status < 0 ? status : nsdae_event_certify(&e->phase, from);
 }
 
 static int prepare(void *own)
 {
-  event *e = own;
+  nsdae_event *e = own;
   prepare_problems(e);
   nsdae_event_integrator_prepare(&e->integrator);
   return NSDAE_OK;
@@ -697,14 +377,14 @@ static int prepare(void *own)
 
 static int start_run(void *own, const nsdae_terms *at)
 {
-  event *e = own;
+  nsdae_event *e = own;
   int status = nsdae_least_reserve(&e->instant.projection.least, at, NSDAE_LEAST_ALL);
   if (status < 0 || !e->integrator.smooth.ida) return status;
   return nsdae_stepper_start(e->tools, &e->phase.newton, at);
 }
 
 /* The memory of the result is that of the method, from here on. */
-static void open_memory(event *e, nsdae_result *result)
+static void open_memory(nsdae_event *e, nsdae_result *result)
 {
   e->setting.result = result;
   nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, &result->memory);
@@ -714,7 +394,7 @@ static void open_memory(event *e, nsdae_result *result)
   e->setting.system->tracked->wanted = 0;
 }
 
-static void close_memory(const event *e)
+static void close_memory(const nsdae_event *e)
 {
   nsdae_result *r = e->setting.result;
   const nsdae_tracked *tracked = e->setting.system->tracked;
@@ -725,7 +405,7 @@ static void close_memory(const event *e)
 
 static int check(void *own, nsdae_memory *memory)
 {
-  event *e = own;
+  nsdae_event *e = own;
   nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, memory);
   int steps = *e->base.steps >= 0 && *e->base.steps <= STEPS_MAX;
   return steps && nsdae_tracking_is_valid(&e->integrator.tracking) ? NSDAE_OK : NSDAE_E_ARGUMENT;
@@ -733,7 +413,7 @@ static int check(void *own, nsdae_memory *memory)
 
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
-  event *e = own;
+  nsdae_event *e = own;
   nsdae_event_integrator *g = &e->integrator;
   double t = state->terms->t;
   open_memory(e, result);
@@ -749,7 +429,7 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 }
 
 /* No failure without a text. */
-static int tell(const event *e, int status)
+static int tell(const nsdae_event *e, int status)
 {
   nsdae_error *error = e->setting.error;
   if (error->status != NSDAE_OK) return status;
@@ -757,19 +437,18 @@ static int tell(const event *e, int status)
       error, status, "nsdae_event", "",
       "at t = %.17g: %s; the equations of closed contacts and constraints have no solution",
       nsdae_terms_time(e->setting.here), nsdae_status_message(status));
-  error->time = nsdae_terms_time(e->setting.here);
-  return status;
+  return nsdae_error_at(error, status, -1, nsdae_terms_time(e->setting.here));
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  event *e = own;
+  nsdae_event *e = own;
   e->reached = state->terms->t;
   e->instant.impacts.endless = e->instant.impacts.together = 0;
   open_memory(e, result);
   int status = arrive(e, state);
   e->stamp = 0;
-  if (status == NSDAE_OK) status = free_slots(e, state);
+  if (status == NSDAE_OK) status = nsdae_event_slots_trim(e, state->terms);
   if (*e->base.goal != t_end) *e->base.instants = *e->base.idle = *e->base.tiny = 0;
   *e->base.goal = t_end;
   if (status == NSDAE_OK) status = run_to(e, t_end);
@@ -801,5 +480,5 @@ const nsdae_stepping nsdae_stepping_event = {
     .settle = settle,
     .check = check,
     .advance = advance,
-    .track = track,
+    .track = nsdae_event_slots_anew,
     .tracks = 1};

@@ -173,19 +173,25 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   return status;
 }
 
+void nsdae_event_open_fresh(nsdae_event_integrator *e)
+{
+  nsdae_event_modes *m = &e->roots->phase->modes;
+  int nt = e->tracking.model->dims.nt;
+  for (int i = 0; i < e->tracking.model->dims.k; i++) {
+    if (!e->tracking.fresh[i]) continue;
+    m->contact[i] = NSDAE_MODE_OPEN;
+    m->blur[i] = 1;
+    memset(m->direction + i * nt, 0, (size_t)nt * sizeof *m->direction);
+  }
+}
+
 /* Contacts that are new in their slots are open from t on. */
 static int begin_slots(nsdae_event_integrator *e, double t)
 {
-  nsdae_event_phase *p = e->roots->phase;
-  nsdae_terms *T = p->setting->here;
-  int k = T->system->dims.k, nt = T->system->dims.nt;
-  for (int i = 0; i < k; i++) {
-    if (!e->tracking.fresh[i]) continue;
-    e->late[i] = 1;
-    p->modes.contact[i] = NSDAE_MODE_OPEN;
-    p->modes.blur[i] = 1;
-    memset(p->modes.direction + i * nt, 0, (size_t)nt * sizeof *p->modes.direction);
-  }
+  nsdae_terms *T;
+  int k = e->tracking.model->dims.k;
+  for (int i = 0; i < k; i++) e->late[i] |= e->tracking.fresh[i];
+  nsdae_event_open_fresh(e);
   nsdae_event_start_late(e->roots, t, e->tracking.fresh);
   int status = look_around(t, &T, e);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);

@@ -43,6 +43,9 @@ int nsdae_event_integrator_start(nsdae_event_integrator *integrator, double t);
 /* One step, from `ahead` to where it goes then; y is there. */
 int nsdae_event_integrator_advance(nsdae_event_integrator *integrator);
 
+/* Contacts that are new in their slots are open. */
+void nsdae_event_open_fresh(nsdae_event_integrator *integrator);
+
 /* q and v of y at t in the last step. */
 int nsdae_event_integrator_read(nsdae_event_integrator *integrator, double t, double *y);
 

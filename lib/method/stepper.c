@@ -48,7 +48,7 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
   int gives = o->method == NSDAE_METHOD_IMPLICIT || o->method == NSDAE_METHOD_MOREAU;
   s->contacts.lcp.budget = gives ? contact_budget(o) : 0;
-  s->contacts.lcp.give = gives ? o->contact_give * o->contact_tol : 0;
+  s->contacts.lcp.accept = gives ? o->contact_give * o->contact_tol : 0;
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
   nsdae_problem_prepare(&s->problem, &s->contacts, o->rank_tol,
                         o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
@@ -107,7 +107,7 @@ void nsdae_step_end(const nsdae_step *step)
   if (result->smooth) return;
   result->work = nsdae_problem_work(&s->problem);
   result->worst_residual = nsdae_problem_residual(&s->problem);
-  result->counters.given = s->problem.dispatch.solved->given > 0;
+  result->counters.given = s->problem.dispatch.solved->accepted > 0;
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)
@@ -200,8 +200,7 @@ int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char
                   "the integrator is at t = %.17g after %d steps towards t = %.17g: %s",
                   nsdae_system_time(s->system, t), most, nsdae_system_time(s->system, t_end),
                   advice);
-  s->error->time = nsdae_system_time(s->system, t);
-  return NSDAE_E_CONVERGENCE;
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_system_time(s->system, t));
 }
 
 void nsdae_stepper_momentum(const nsdae_blocks *blocks, const double *M, const double *v, double h,

@@ -126,15 +126,17 @@ static int powers(nsdae_penalty_equations *p, const nsdae_terms *T, const double
   return status;
 }
 
+/* Bytes of all forces, which are in the order of z (places.h). */
+static size_t forces_size(const nsdae_dims *d)
+{
+  return (size_t)(nsdae_penalty_at_work(d) - nsdae_penalty_at_lambda(d)) * sizeof(double);
+}
+
 void nsdae_penalty_take(nsdae_penalty_equations *p, const double *y)
 {
   const nsdae_dims *d = &p->stepper->system->dims;
   const nsdae_penalty_forces *at = &p->at;
-  memcpy(at->lambda, y + nsdae_penalty_at_lambda(d), (size_t)d->m * sizeof *y);
-  memcpy(at->normal, y + nsdae_penalty_at_normal(d), (size_t)d->k * sizeof *y);
-  memcpy(at->tangential, y + nsdae_penalty_at_tangential(d),
-         (size_t)d->k * (size_t)d->nt * sizeof *y);
-  memcpy(at->frictional_joint, y + nsdae_penalty_at_slide(d), (size_t)d->f * sizeof *y);
+  memcpy(at->lambda, y + nsdae_penalty_at_lambda(d), forces_size(d));
 }
 
 int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void *user)
@@ -149,12 +151,9 @@ int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void 
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(T, T->v, zdot);
   if (status < 0) return nsdae_progress_code(status, s->error);
-  int code = accelerations(p, T, zdot + d->nq), kt = d->k * d->nt;
+  int code = accelerations(p, T, zdot + d->nq);
   if (!whole || code != 0) return code;
-  memcpy(zdot + nsdae_penalty_at_lambda(d), at->lambda, (size_t)d->m * sizeof *zdot);
-  memcpy(zdot + nsdae_penalty_at_normal(d), at->normal, (size_t)d->k * sizeof *zdot);
-  memcpy(zdot + nsdae_penalty_at_tangential(d), at->tangential, (size_t)kt * sizeof *zdot);
-  memcpy(zdot + nsdae_penalty_at_slide(d), at->frictional_joint, (size_t)d->f * sizeof *zdot);
+  memcpy(zdot + nsdae_penalty_at_lambda(d), at->lambda, forces_size(d));
   status = powers(p, T, zdot, zdot + nsdae_penalty_at_work(d));
   return nsdae_progress_code(status, s->error);
 }
@@ -194,10 +193,13 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   p->border_force = NSDAE_ARENA_INTS(arena, k + kt + f);
   p->border_room = NSDAE_ARENA_DOUBLES(arena, k + kt + f);
   p->basis = NSDAE_ARENA_DOUBLES(arena, nsdae_kkt_basis_size(&p->stepper->kkt));
-  nsdae_arena_doubles(arena, k, (double **[]){&at->normal, &at->v_n, NULL});
-  nsdae_arena_doubles(arena, kt, (double **[]){&at->tangential, &at->v_t, NULL});
-  nsdae_arena_doubles(arena, f, (double **[]){&at->frictional_joint, &at->v_s, NULL});
-  at->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
+  at->lambda = NSDAE_ARENA_DOUBLES(arena, d->m + k + kt + f);
+  at->normal = at->lambda ? at->lambda + d->m : NULL;
+  at->tangential = at->lambda ? at->normal + k : NULL;
+  at->frictional_joint = at->lambda ? at->tangential + kt : NULL;
+  at->v_n = NSDAE_ARENA_DOUBLES(arena, k);
+  at->v_t = NSDAE_ARENA_DOUBLES(arena, kt);
+  at->v_s = NSDAE_ARENA_DOUBLES(arena, f);
   at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
   at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
 }

@@ -76,9 +76,9 @@ static int values(double t, double *g, void *user)
 {
   nsdae_penalty *p = user;
   nsdae_terms *T = &p->equations.stepper->middle;
-  int nq = nsdae_penalty_dims(p)->nq, count = nq + nsdae_penalty_dims(p)->nv;
-  int status = nsdae_smooth_read(&p->integrator, t, count, p->equations.room);
-  nsdae_terms_at(T, t, p->equations.room, p->equations.room + nq);
+  double *qv = p->equations.room;
+  int status = nsdae_penalty_read(p, t, qv);
+  nsdae_terms_at(T, t, qv, qv + nsdae_penalty_dims(p)->nq);
   if (status == NSDAE_OK) status = nsdae_terms_need(T, NSDAE_TERM_GAP);
   for (int i = 0; i < nsdae_penalty_dims(p)->k && status == NSDAE_OK; i++) {
     double gap = T->gap[i] - p->gaps.shift[i];
@@ -91,8 +91,7 @@ static int values(double t, double *g, void *user)
 static int look(double t, double *gap, double *rate, void *user)
 {
   nsdae_penalty *p = user;
-  int status = nsdae_smooth_read(
-      &p->integrator, t, nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv, p->equations.room);
+  int status = nsdae_penalty_read(p, t, p->equations.room);
   if (status == NSDAE_OK) status = nsdae_penalty_evaluate(&p->equations, t, p->equations.room);
   if (status < 0) return status;
   memcpy(gap, p->equations.stepper->middle.gap, (size_t)nsdae_penalty_dims(p)->k * sizeof *gap);
@@ -372,8 +371,7 @@ static int begin(nsdae_penalty *p, const nsdae_terms *from)
 static int forces_at(nsdae_penalty *p, double from, double x)
 {
   double t = x < 1 ? from + x * (p->ahead - from) : p->ahead, *qv = p->equations.room;
-  int status = nsdae_smooth_read(&p->integrator, t,
-                                 nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv, qv);
+  int status = nsdae_penalty_read(p, t, qv);
   return status < 0 ? status : nsdae_penalty_evaluate(&p->equations, t, qv);
 }
 
@@ -449,10 +447,7 @@ static int one_step(nsdae_penalty *p)
   ++*p->equations.base.steps;
   status = search(p, from);
   if (status == NSDAE_OK) status = follow_peaks(p, from);
-  return status < 0
-             ? status
-             : nsdae_smooth_read(g, p->ahead, nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv,
-                                 p->qv);
+  return status < 0 ? status : nsdae_penalty_read(p, p->ahead, p->qv);
 }
 
 /* What IDA does not solve the explicit pair may. */
@@ -523,7 +518,7 @@ static int integrate(nsdae_penalty *p, nsdae_result *result, double t_end)
 static int read_state(nsdae_penalty *p, double t, double *qv)
 {
   const nsdae_dims *d = nsdae_penalty_dims(p);
-  if (*p->equations.base.steps > 0) return nsdae_smooth_read(&p->integrator, t, d->nq + d->nv, qv);
+  if (*p->equations.base.steps > 0) return nsdae_penalty_read(p, t, qv);
   memcpy(qv, p->equations.base.qv, (size_t)(d->nq + d->nv) * sizeof *qv);
   return NSDAE_OK;
 }

@@ -44,6 +44,13 @@ static inline int nsdae_penalty_is_tracked(const nsdae_penalty *p)
   return p->equations.stepper->system->tracked != NULL;
 }
 
+/* q and v at t in the last step, into the room of the equations or elsewhere. */
+static inline int nsdae_penalty_read(nsdae_penalty *p, double t, double *qv)
+{
+  const nsdae_dims *d = nsdae_penalty_dims(p);
+  return nsdae_smooth_read(&p->integrator, t, d->nq + d->nv, qv);
+}
+
 /* ---- slots.c: nothing is done for fixed contacts */
 
 void nsdae_penalty_slots_layout(nsdae_penalty *penalty, nsdae_arena *arena);

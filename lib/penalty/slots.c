@@ -11,8 +11,7 @@ static int look_at(double t, nsdae_terms **terms, void *user)
   nsdae_penalty *p = user;
   double *qv = p->equations.room;
   *terms = &p->equations.stepper->middle;
-  int status = nsdae_smooth_read(&p->integrator, t,
-                                 nsdae_penalty_dims(p)->nq + nsdae_penalty_dims(p)->nv, qv);
+  int status = nsdae_penalty_read(p, t, qv);
   nsdae_terms_at(*terms, t, qv, qv + nsdae_penalty_dims(p)->nq);
   return status;
 }
@@ -125,19 +124,13 @@ int nsdae_penalty_slots_show(nsdae_penalty *p, nsdae_terms *from, nsdae_result *
 {
   if (!nsdae_penalty_is_tracked(p)) return NSDAE_OK;
   for (int i = 0; i < nsdae_penalty_dims(p)->k; i++)
-    p->slots.keep[i] = p->equations.base.closed[i] || result->impulses.normal[i] != 0;
-  for (int j = 0; j < result->impacts; j++) p->slots.keep[result->impact[j].contact] = 1;
-  nsdae_terms_forget_slots(from);
-  int status = nsdae_terms_need(from, NSDAE_TERM_GAP);
-  return status < 0 ? status : nsdae_tracking_show(&p->slots.tracking, &result->end, p->slots.keep);
+    p->slots.keep[i] = nsdae_result_takes_part(result, i);
+  return nsdae_tracking_show(&p->slots.tracking, from, &result->end, p->slots.keep);
 }
 
 int nsdae_penalty_slots_anew(void *own, nsdae_terms *at, double h)
 {
   nsdae_penalty *p = own;
   terms_at(p, at);
-  int status = nsdae_tracking_begin_anew(&p->slots.tracking, at, h);
-  memset(p->slots.tracking.fresh, 0,
-         (size_t)nsdae_penalty_dims(p)->k * sizeof *p->slots.tracking.fresh);
-  return status;
+  return nsdae_tracking_begin_anew(&p->slots.tracking, at, h);
 }

@@ -57,8 +57,7 @@ static int no_convergence(nsdae_newmark *N, double t, double last)
                   "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
                   "wanted %.3g): make dt smaller",
                   nsdae_system_time(N->system, t), N->options->iteration_max, last, N->tol);
-  if (N->error) N->error->time = nsdae_system_time(N->system, t);
-  return NSDAE_E_CONVERGENCE;
+  return nsdae_error_at(N->error, NSDAE_E_CONVERGENCE, -1, nsdae_system_time(N->system, t));
 }
 
 /* Iterates on a1; the terms of the last iterate are those of end, with its acceleration in a1. */

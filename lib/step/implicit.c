@@ -29,9 +29,11 @@
 #include "stepper.h"
 #include "vector.h"
 
-/* Relative change at which a step with frozen contacts ends after iteration_max iterations. A step
- * whose forces are too stiff for dt changes by more than 1. */
-static const double several = 1e-5;
+/* Relative change at which a step with frozen contacts ends after iteration_max iterations: less
+ * than the truncation error (omega h)^3 / 12 of the trapezoidal rule in a step of omega h > 0.05,
+ * which is 125 steps in a period. A step whose forces are too stiff for dt changes by more than 1.
+ */
+static const double TRUNCATION = 1e-5;
 
 enum { STAGNATION = 10 }; /* a contraction by 0.93 and less is halved in fewer */
 
@@ -236,7 +238,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
     p = (progress){p.moved, p.moved, 0, 1, {p.rank[0], p.rank[1]}};
   }
   /* between solutions of the contact problem, which friction makes several */
-  if (p.frozen && p.since >= STAGNATION && p.moved <= several) return end_iteration(step, &p);
+  if (p.frozen && p.since >= STAGNATION && p.moved <= TRUNCATION) return end_iteration(step, &p);
   return no_convergence(step, &p);
 }
 

@@ -232,8 +232,7 @@ int nsdae_terms_id_twice(const nsdae_terms *T, long id)
   double t = nsdae_terms_time(T);
   nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_contact_add", "id",
                   "two contacts of one list have the id %ld at t = %.17g", id, t);
-  if (T->error) T->error->time = t;
-  return NSDAE_E_ARGUMENT;
+  return nsdae_error_at(T->error, NSDAE_E_ARGUMENT, -1, t);
 }
 
 const char *nsdae_terms_called(const nsdae_terms *T, int kind, int i, char text[NSDAE_CALLED_SIZE])

@@ -277,32 +277,41 @@ static int force(nsdae_terms *T)
                  "force", T->F, s->dims.nv, 1);
 }
 
-static int phi(nsdae_terms *T)
+/* phi or the gaps: count values at (t, q). */
+static int values_at(nsdae_terms *T, unsigned term, nsdae_position_fn call, const char *callback,
+                     double *out, int count)
 {
-  const nsdae_system *s = T->system;
-  zero(T->constraint.phi, s->dims.m);
-  return outcome(T, NSDAE_TERM_PHI,
-                 s->call.constraint(nsdae_terms_time(T), T->q, T->constraint.phi, s->user),
-                 "constraint", T->constraint.phi, s->dims.m, 1);
+  zero(out, count);
+  return outcome(T, term, call(nsdae_terms_time(T), T->q, out, T->system->user), callback, out,
+                 count, 1);
+}
+
+/* Phi_q, W_N or W_T: rows of an array by their callback, or by differences of the values, in the
+ * rows (0) or the columns (1) of the array; by neither they are zero. */
+static int rows_at(nsdae_terms *T, unsigned term, nsdae_rows *of, nsdae_gap_normal_fn call,
+                   const char *callback, nsdae_position_fn values, const char *of_values,
+                   int columns)
+{
+  int n = T->system->dims.nv, ld = columns ? n : of->count, code = 0;
+  double t = nsdae_terms_time(T);
+  clear_rows(T, of);
+  if (call) {
+    code = call(t, T->q, of->value, ld, T->system->user);
+  } else if (values) {
+    code = nsdae_differences_velocity(T->differences, values, of->count, t, T->q, of->value, ld,
+                                      columns);
+    callback = differenced(T, code, of_values);
+  }
+  return rows_outcome(T, term, code, callback, of, ld, columns ? of->count : n);
 }
 
 static int jacobian(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  int m = s->dims.m, code;
-  double *J = T->by.jacobian.value;
   if (s->call.constraint_rows) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
-  clear_rows(T, &T->by.jacobian);
   T->evals->jacobian++;
-  if (s->call.constraint_jacobian)
-    code = s->call.constraint_jacobian(nsdae_terms_time(T), T->q, J, m, s->user);
-  else
-    code = nsdae_differences_velocity(T->differences, s->call.constraint, m, nsdae_terms_time(T),
-                                      T->q, J, m, 0);
-  return rows_outcome(T, NSDAE_TERM_JACOBIAN, code,
-                      s->call.constraint_jacobian ? "constraint_jacobian"
-                                                  : differenced(T, code, "constraint"),
-                      &T->by.jacobian, m, s->dims.nv);
+  return rows_at(T, NSDAE_TERM_JACOBIAN, &T->by.jacobian, s->call.constraint_jacobian,
+                 "constraint_jacobian", s->call.constraint, "constraint", 0);
 }
 
 /* The callback gives phi_t and omega together. */
@@ -322,60 +331,22 @@ static int given_bias(nsdae_terms *T)
 
 static int phi_t(nsdae_terms *T)
 {
-  const nsdae_system *s = T->system;
-  int m = s->dims.m;
-  if (s->call.constraint_bias) return given_bias(T);
-  int code = nsdae_differences_time(T->differences, s->call.constraint, m, nsdae_terms_time(T),
-                                    T->q, T->constraint.phi_t);
-  return outcome(T, NSDAE_TERM_PHI_T, code, differenced(T, code, "constraint"), T->constraint.phi_t,
-                 m, 1);
+  double *out = T->constraint.phi_t;
+  int m = T->system->dims.m;
+  if (T->system->call.constraint_bias) return given_bias(T);
+  int code = nsdae_differences_time(T->differences, T->system->call.constraint, m,
+                                    nsdae_terms_time(T), T->q, out);
+  return outcome(T, NSDAE_TERM_PHI_T, code, differenced(T, code, "constraint"), out, m, 1);
 }
 
 static int omega(nsdae_terms *T)
 {
-  const nsdae_system *s = T->system;
-  int m = s->dims.m;
-  if (s->call.constraint_bias) return given_bias(T);
-  int code = nsdae_differences_second(T->differences, s->call.constraint, m, nsdae_terms_time(T),
-                                      T->q, T->v, T->constraint.omega);
-  return outcome(T, NSDAE_TERM_OMEGA, code, differenced(T, code, "constraint"), T->constraint.omega,
-                 m, 1);
-}
-
-static int gap(nsdae_terms *T)
-{
-  const nsdae_system *s = T->system;
-  zero(T->gap, s->dims.k);
-  return outcome(T, NSDAE_TERM_GAP, s->call.gap(nsdae_terms_time(T), T->q, T->gap, s->user), "gap",
-                 T->gap, s->dims.k, 1);
-}
-
-static int normal(nsdae_terms *T)
-{
-  const nsdae_system *s = T->system;
-  int k = s->dims.k, n = s->dims.nv, code;
-  double *W = T->by.normal.value;
-  clear_rows(T, &T->by.normal);
-  if (s->call.gap_normal)
-    code = s->call.gap_normal(nsdae_terms_time(T), T->q, W, n, s->user);
-  else
-    code = nsdae_differences_velocity(T->differences, s->call.gap, k, nsdae_terms_time(T), T->q, W,
-                                      n, 1);
-  return rows_outcome(T, NSDAE_TERM_NORMAL, code,
-                      s->call.gap_normal ? "gap_normal" : differenced(T, code, "gap"),
-                      &T->by.normal, n, k);
-}
-
-static int tangent(nsdae_terms *T)
-{
-  const nsdae_system *s = T->system;
-  int n = s->dims.nv, code = 0;
-  double *W = T->by.tangent.value;
-  clear_rows(T, &T->by.tangent);
-  if (s->call.gap_tangent) /* may be missing if no contact has friction */
-    code = s->call.gap_tangent(nsdae_terms_time(T), T->q, W, n, s->user);
-  return rows_outcome(T, NSDAE_TERM_TANGENT, code, "gap_tangent", &T->by.tangent, n,
-                      T->by.tangent.count);
+  double *out = T->constraint.omega;
+  int m = T->system->dims.m;
+  if (T->system->call.constraint_bias) return given_bias(T);
+  int code = nsdae_differences_second(T->differences, T->system->call.constraint, m,
+                                      nsdae_terms_time(T), T->q, T->v, out);
+  return outcome(T, NSDAE_TERM_OMEGA, code, differenced(T, code, "constraint"), out, m, 1);
 }
 
 static int bias(nsdae_terms *T)
@@ -485,7 +456,11 @@ static int kinetic_terms(nsdae_terms *T, unsigned left)
 
 static int constraint_terms(nsdae_terms *T, unsigned left)
 {
-  int status = left & NSDAE_TERM_PHI ? phi(T) : NSDAE_OK;
+  const nsdae_system *s = T->system;
+  int status = NSDAE_OK;
+  if (left & NSDAE_TERM_PHI)
+    status = values_at(T, NSDAE_TERM_PHI, s->call.constraint, "constraint", T->constraint.phi,
+                       s->dims.m);
   if (status == NSDAE_OK && (left & NSDAE_TERM_JACOBIAN)) status = jacobian(T);
   if (status == NSDAE_OK && (left & NSDAE_TERM_PHI_T)) status = phi_t(T);
   return status == NSDAE_OK && (left & ~T->have & NSDAE_TERM_OMEGA) ? omega(T) : status;
@@ -493,10 +468,17 @@ static int constraint_terms(nsdae_terms *T, unsigned left)
 
 static int contact_terms(nsdae_terms *T, unsigned left)
 {
-  if (T->system->tracked) return nsdae_terms_slots(T);
-  int status = left & NSDAE_TERM_GAP ? gap(T) : NSDAE_OK;
-  if (status == NSDAE_OK && (left & NSDAE_TERM_NORMAL)) status = normal(T);
-  if (status == NSDAE_OK && (left & NSDAE_TERM_TANGENT)) status = tangent(T);
+  const nsdae_system *s = T->system;
+  int status = NSDAE_OK;
+  if (s->tracked) return nsdae_terms_slots(T);
+  if (left & NSDAE_TERM_GAP)
+    status = values_at(T, NSDAE_TERM_GAP, s->call.gap, "gap", T->gap, s->dims.k);
+  if (status == NSDAE_OK && (left & NSDAE_TERM_NORMAL))
+    status = rows_at(T, NSDAE_TERM_NORMAL, &T->by.normal, s->call.gap_normal, "gap_normal",
+                     s->call.gap, "gap", 1);
+  if (status == NSDAE_OK && (left & NSDAE_TERM_TANGENT)) /* zero if no contact has friction */
+    status = rows_at(T, NSDAE_TERM_TANGENT, &T->by.tangent, s->call.gap_tangent, "gap_tangent",
+                     NULL, NULL, 1);
   return status == NSDAE_OK && (left & NSDAE_TERM_BIAS) ? bias(T) : status;
 }
 
@@ -531,9 +513,7 @@ static int not_symmetric(const nsdae_terms *terms, int b, size_t i, size_t j)
                   terms->M[at + i * n + j],
                   nsdae_system_called(system, NSDAE_NAME_VELOCITY, row, a),
                   nsdae_system_called(system, NSDAE_NAME_VELOCITY, column, c));
-  terms->error->time = nsdae_terms_time(terms);
-  terms->error->index = (int)(at + j * n + i);
-  return NSDAE_E_MASS;
+  return nsdae_error_at(terms->error, NSDAE_E_MASS, (int)(at + j * n + i), nsdae_terms_time(terms));
 }
 
 static int block_symmetric(const nsdae_terms *terms, int b)
@@ -624,8 +604,7 @@ int nsdae_terms_bad_equations(const nsdae_terms *T, nsdae_error *error, const ch
   nsdae_error_set(error, status, "nsdae_terms", nsdae_system_jacobian_name(T->system),
                   "%sthe equations of %d constraints were not solved at t = %.17g: %s", in, m,
                   nsdae_terms_time(T), nsdae_status_message(status));
-  error->time = nsdae_terms_time(T);
-  return status;
+  return nsdae_error_at(error, status, -1, nsdae_terms_time(T));
 }
 
 int nsdae_terms_bad_rank(const nsdae_terms *T, nsdae_error *error, const char *in, int rank, int m,

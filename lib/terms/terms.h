@@ -146,6 +146,15 @@ static inline double nsdae_terms_tangent_rate(const nsdae_terms *T, int i, const
   return nsdae_terms_rate(T, &T->by.tangent, T->w_T, i, v);
 }
 
+/* Normal and tangential velocities of contact i, into their places in all. */
+static inline void nsdae_terms_contact_rates(const nsdae_terms *T, int i, const double *v,
+                                             double *normal, double *tangential)
+{
+  int nt = T->system->dims.nt;
+  normal[i] = nsdae_terms_normal_rate(T, i, v);
+  for (int j = i * nt; j < (i + 1) * nt; j++) tangential[j] = nsdae_terms_tangent_rate(T, j, v);
+}
+
 static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const double *v)
 {
   return nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.w, i, v);

@@ -247,7 +247,9 @@ int nsdae_tracking_begin_anew(nsdae_tracking *t, nsdae_terms *T, double h)
   memset(t->anew, 0, (n + 2) * sizeof *t->anew);
   alone.lever = t->anew;
   alone.still = t->anew + n;
-  return nsdae_tracking_begin(&alone, T, h);
+  int status = nsdae_tracking_begin(&alone, T, h);
+  memset(t->fresh, 0, (size_t)t->model->dims.k * sizeof *t->fresh);
+  return status;
 }
 
 int nsdae_tracking_add(nsdae_tracking *t, nsdae_terms *T)
@@ -378,10 +380,13 @@ int nsdae_tracking_close(nsdae_tracking *t, double from, double to)
   return status;
 }
 
-int nsdae_tracking_show(const nsdae_tracking *t, nsdae_terms *T, const int *needed)
+int nsdae_tracking_show(const nsdae_tracking *t, nsdae_terms *from, nsdae_terms *T,
+                        const int *needed)
 {
   double *reach = &t->table->reach, own = *reach;
-  int missing = 1, status = NSDAE_OK;
+  nsdae_terms_forget_slots(from); /* slots may have others now */
+  int missing = 1, status = nsdae_terms_need(from, NSDAE_TERM_GAP);
+  if (status < 0) return status;
   for (int n = 0; missing && n <= WIDEST && status == NSDAE_OK; n++) {
     if (n > 0) *reach *= WIDER;
     nsdae_terms_forget_slots(T);

@@ -64,7 +64,7 @@ int nsdae_tracking_is_valid(const nsdae_tracking *tracking);
  * missing. */
 int nsdae_tracking_begin(nsdae_tracking *tracking, nsdae_terms *terms, double h);
 
-/* The same, where nothing is known and no memory is there. */
+/* The same, where nothing is known and no memory is there; no slot is new. */
 int nsdae_tracking_begin_anew(nsdae_tracking *tracking, nsdae_terms *terms, double h);
 
 /* Terms are at an instant of the motion: contacts as near as `near` that have no slot, as those of
@@ -93,9 +93,11 @@ int nsdae_tracking_cover(nsdae_tracking *tracking, double from, double to);
  * rounding of `to` makes. Changes the marks; the terms that `look` moved are at one of both. */
 int nsdae_tracking_close(nsdae_tracking *tracking, double from, double to);
 
-/* Terms are at the end of a dt: their list has the slots that are needed [k], as those that had an
- * impulse in it and are farther than the last step's way by now. One of another feature may be
- * listed no more; its gap is then the widest reach that was asked for. */
-int nsdae_tracking_show(const nsdae_tracking *tracking, nsdae_terms *terms, const int *needed);
+/* Gaps of a dt: at its start those of the contacts that have slots now; at its end those of the
+ * slots that are needed [k], too, as those that had an impulse in it and are farther than the last
+ * step's way by now. One of another feature may be listed no more; its gap is then the widest reach
+ * that was asked for. */
+int nsdae_tracking_show(const nsdae_tracking *tracking, nsdae_terms *from, nsdae_terms *end,
+                        const int *needed);
 
 #endif

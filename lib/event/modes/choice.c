@@ -236,8 +236,7 @@ static int share(nsdae_event_acceleration *p)
                   "no friction forces of the sticking contacts were found at t = %.17g: try more "
                   "edges of the polygon, or method = implicit",
                   nsdae_terms_time(s->here));
-  s->error->time = nsdae_terms_time(s->here);
-  return NSDAE_E_CONVERGENCE;
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(s->here));
 }
 
 int nsdae_event_choose_modes(nsdae_event_acceleration *p, int impacted)

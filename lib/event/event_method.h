@@ -1,0 +1,62 @@
+/* The method event: its parts, and what their files do for a step (event.c). */
+#ifndef NSDAE_EVENT_METHOD_H
+#define NSDAE_EVENT_METHOD_H
+
+#include "memory.h"
+
+/* At a pole a force grows as (t_pole - t)^-1/2 at least, over a time tau. A zero is located up to
+ * 100 eps t. So this share is left of the acceleration that a unit of the force gives alone, if tau
+ * is above 2.2e-8 t. */
+#define NSDAE_EVENT_POLE 1e-3
+
+typedef struct nsdae_event {
+  nsdae_stepper *tools;
+  nsdae_arena arena;
+  nsdae_event_setting setting;
+  nsdae_event_phase phase;
+  nsdae_event_roots roots;
+  nsdae_event_integrator integrator;
+  nsdae_event_account account;
+  nsdae_event_instant instant;
+  nsdae_event_base base;
+  int *mode_before, *slide_mode_before; /* k, f */
+  double reached;                       /* accounted for up to here */
+  long stamp, stamps;                   /* of the memory that the integrator is at; given so far */
+} nsdae_event;
+
+/* ---- mode_change.c: the events between the smooth phases. A failure has its record. */
+
+/* A failure of the integrator at t, where its y is; what has a record already keeps it. */
+int nsdae_event_failed(nsdae_event *event, int status, double t);
+
+/* The integrator as a phase begins; it starts at t, which is the base from now on. */
+void nsdae_event_set_integrator(nsdae_event *event);
+int nsdae_event_start(nsdae_event *event, double t);
+
+/* Tolerances of contacts that chatter; steps of differences for the motion at t. */
+void nsdae_event_blur(nsdae_event *event);
+int nsdae_event_tune(nsdae_event *event, double t);
+
+/* The event at t at the state of the integrator's y, and the start of the next phase. */
+int nsdae_event_restart(nsdae_event *event, double t);
+/* The same in the middle of a run, with the changes of mode; the forces are in y. */
+int nsdae_event_change_modes(nsdae_event *event, double t);
+/* The same at roots, of which one may be the pole of a force. */
+int nsdae_event_go_through(nsdae_event *event, double t);
+
+/* ---- event_slots.c: contacts of a list in slots; nothing is done for fixed contacts. NSDAE_OK,
+ * NSDAE_ARRAYS_GROW, or what the terms return. */
+
+/* Contacts that are new in their slots do not chatter. */
+void nsdae_event_slots_settle(nsdae_event *event);
+/* Slots at the start of a run; for what touches at t and has none, as another feature than before;
+ * at the start of a dt slots of what is open and far are free. */
+int nsdae_event_slots_begin(nsdae_event *event, const nsdae_terms *from);
+int nsdae_event_slots_add(nsdae_event *event, double t);
+int nsdae_event_slots_trim(nsdae_event *event, const nsdae_terms *from);
+/* The table at the start of a motion without a memory. */
+int nsdae_event_slots_anew(void *event, nsdae_terms *at, double h);
+/* Gaps at both ends of a step, at its end of all contacts that did something in it. */
+int nsdae_event_slots_show(nsdae_event *event, nsdae_terms *from);
+
+#endif
