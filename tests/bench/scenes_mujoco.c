@@ -140,10 +140,17 @@ static mjModel *load(const mechanism *m, const char *solver)
 
 /* ---- a run */
 
+/* mujoco_advance returns what a warning is about; by default it goes to a file. */
+static void ignore(const char *warning)
+{
+  (void)warning;
+}
+
 void *mujoco_begin(const mechanism *m, const char *solver)
 {
   run *r = calloc(1, sizeof *r);
   if (!r) return NULL;
+  mju_user_warning = ignore;
   r->bodies = m->scene.bodies;
   r->model = load(m, solver);
   r->data = r->model ? mj_makeData(r->model) : NULL;
