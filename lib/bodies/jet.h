@@ -109,9 +109,4 @@ static inline nsdae_jet3 nsdae_jet3_of(const double *x)
   return (nsdae_jet3){{{x[0], 0, 0}, {x[1], 0, 0}, {x[2], 0, 0}}};
 }
 
-static inline void nsdae_jet3_values(nsdae_jet3 a, double *x)
-{
-  for (int i = 0; i < 3; i++) x[i] = a.at[i].x;
-}
-
 #endif
