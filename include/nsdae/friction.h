@@ -169,7 +169,7 @@ NSDAE_API int nsdae_friction_solve(const nsdae_friction_problem *problem,
  *   x = r d_c / s,  y = (u + mu |u_T| e_N) / s,  residual = max |x - P_K(x - y)|
  *
  * The maximum is over all entries of all contacts, and |u| / s over the bilateral rows. u is
- * computed from r. If s = 0, x = d_c r and y = u + mu |u_T| e_N. The residual is NaN if r is not
+ * computed from r. If s is 0 or the rounding of its terms, s = 1. The residual is NaN if r is not
  * finite or a product overflows. For mu far above 1 it is limited by the rounding of u_T: an error
  * of 1e-16 in u_T is 1e-16 mu in y.
  *

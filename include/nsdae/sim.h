@@ -61,6 +61,8 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  * - SLOP (implicit and moreau): closed contacts that are deeper than a slop are moved to it. The
  *  change is the least in the metric of M; then the constraints are projected.
  *  The slop is h^2 a / 2, with the largest acceleration a that the forces can give to the contact.
+ *  Constraints are also projected if one has drifted by more than 1e-4 of its size
+ *  (nsdae_system_set_size).
  *  Velocities stay, except along the constraints. projection_energy of the record is the potential
  *  energy that this adds.
  * - AUTO (default): SLOP for implicit and moreau, else NONE.

@@ -160,6 +160,22 @@ static int keep_lengths(nsdae_sim *sim)
   return status;
 }
 
+/* Drift of a constraint relative to its size, see nsdae_system_set_size. The size is an arm, half
+ * of a link of a chain: a link is off by at most 5e-5 of its length. */
+static const double far_off = 1e-4;
+
+/* Whether a constraint of known size has drifted further than that. */
+static int find_drift(nsdae_terms *T, int *drifted)
+{
+  const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
+  *drifted = 0;
+  if (!size) return NSDAE_OK;
+  int status = nsdae_terms_need(T, NSDAE_TERM_PHI);
+  for (int i = 0; i < T->system->dims.m && status == NSDAE_OK; i++)
+    *drifted |= size[i] > 0 && fabs(T->constraint.phi[i]) > far_off * size[i];
+  return status;
+}
+
 /* What projection = slop needs at the end of the step. */
 static int need_end(nsdae_terms *end)
 {
@@ -169,26 +185,27 @@ static int need_end(nsdae_terms *end)
   return nsdae_terms_need(end, terms);
 }
 
-/* Moves the end of the step to the slop, and to its constraints, which changed by the second order.
+/* Moves the end of the step to the slop, and to its constraints, which drifted, or changed by the
+ * second order.
  * Velocities stay; with constraints they are projected to those of the new place, which only lowers
  * the kinetic energy. A contact that is not closed may be twice as far as the deepest: a rod that
  * is pushed at one end goes half as far back at the other, and its neighbour may do the same. */
-static int move_by(nsdae_sim *sim, double deepest, double h)
+static int move_by(nsdae_sim *sim, double deepest, int drifted, double h)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_terms *end = &r->end;
   double before = 0, moved = 0, after = 0;
-  int status = need_end(end);
-  if (status == NSDAE_OK)
-    status = nsdae_slop_solve(&sim->slop, &sim->stepper.problem, end,
-                              nsdae_terms_touch(end) + 2 * deepest, h);
-  if (status < 0) return status;
-  if (status == 0) return keep_lengths(sim);
+  int islands = 0, status = need_end(end);
+  if (status == NSDAE_OK && deepest > 0)
+    islands = nsdae_slop_solve(&sim->slop, &sim->stepper.problem, end,
+                               nsdae_terms_touch(end) + 2 * deepest, h);
+  if (status < 0 || islands < 0) return status < 0 ? status : islands;
+  if (islands == 0 && !drifted) return keep_lengths(sim);
   status = energy(end, &before);
   double potential = end->potential;
-  if (status == NSDAE_OK)
+  if (status == NSDAE_OK && islands > 0)
     status = nsdae_project_change(&sim->projection, end, end, sim->slop.change);
-  if (status == NSDAE_OK)
+  if (status == NSDAE_OK && islands > 0)
     nsdae_slop_moved(&sim->slop, &sim->stepper.problem, end, sim->projection.least.change);
   if (status == NSDAE_OK && sim->system->dims.m > 0)
     status = nsdae_project_positions(&sim->projection, end, 0);
@@ -196,7 +213,7 @@ static int move_by(nsdae_sim *sim, double deepest, double h)
   if (status == NSDAE_OK) status = nsdae_project_velocities(&sim->projection, end);
   if (status == NSDAE_OK) status = energy(end, &after);
   if (status < 0) return status;
-  r->counters.moved = 1;
+  r->counters.moved = islands > 0;
   if (sim->system->dims.m > 0) r->rate.known = 0; /* it was of the velocities before */
   r->work += after - before;
   r->lifted += moved - before;
@@ -204,23 +221,34 @@ static int move_by(nsdae_sim *sim, double deepest, double h)
   return NSDAE_OK;
 }
 
-/* projection = slop: contacts that are too deep are moved to the slop. Both methods closed them at
- * home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. */
-static int move_to_slop(nsdae_sim *sim, double length)
+/* By how much the deepest closed contact is too deep. Both methods closed them at home: moreau
+ * moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. */
+static int find_deepest(nsdae_sim *sim, double h, double *deepest)
 {
   nsdae_stepper *s = &sim->stepper;
   nsdae_terms *end = &sim->next->result.end, *start = &sim->now->result.end;
   nsdae_terms *home = s->problem.home == start ? start : &s->middle;
   const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
                          NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
-  double h = fmax(length, sim->options.dt); /* a short step has the slop of dt */
-  if (s->problem.count == 0) return keep_lengths(sim);
+  *deepest = 0;
+  if (s->problem.count == 0) return NSDAE_OK;
   int status = nsdae_terms_need(home, terms);
   if (status < 0) return status;
   for (int j = 0; j < sim->system->dims.nv; j++)
     s->v_other[j] = home == start ? (start->v[j] + end->v[j]) / 2 : end->v[j];
-  double deepest = nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t, h);
-  return deepest > 0 ? move_by(sim, deepest, h) : keep_lengths(sim);
+  *deepest = nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t, h);
+  return NSDAE_OK;
+}
+
+/* projection = slop: contacts that are too deep are moved to the slop, and constraints that have
+ * drifted are projected. */
+static int move_to_slop(nsdae_sim *sim, double length)
+{
+  double h = fmax(length, sim->options.dt), deepest; /* a short step has the slop of dt */
+  int drifted = 0, status = find_deepest(sim, h, &deepest);
+  if (status == NSDAE_OK) status = find_drift(&sim->next->result.end, &drifted);
+  if (status < 0) return status;
+  return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h) : keep_lengths(sim);
 }
 
 static int correct(nsdae_sim *sim, double length)

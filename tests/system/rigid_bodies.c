@@ -61,6 +61,7 @@ static double apart_in_a_step(nsdae_system *const system[2], const double *q0, c
   double most = 0;
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
+  options.projection = NSDAE_PROJECTION_NONE; /* one step of the scheme alone */
   options.dt = dt;
   options.contact_tol = 1e-14;
   options.start_tol = 1; /* the scheme drifts */

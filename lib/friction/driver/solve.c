@@ -6,11 +6,15 @@
 
 #include "friction_solver.h"
 #include "stages.h"
+#include "static_condensation.h"
 #include "vector.h"
 
 /* The certificate is of the data as given, an island's residual of the scaled data. They differ by
  * the rounding of impulses up to 1e6 times the least that moves a contact. */
 static const double ROUNDING = 1e-9;
+
+/* With the bilateral rows eliminated: the first, and two with the tolerance that it asks for. */
+enum { ATTEMPTS = 3 };
 
 struct nsdae_friction_solver {
   nsdae_arena global_memory, island_memory;
@@ -18,7 +22,9 @@ struct nsdae_friction_solver {
   nsdae_fc_system system;
   nsdae_fc_farkas farkas;
   nsdae_fc_run run;
-  int double_double; /* the caller takes r + low */
+  nsdae_fc_condensed condensed;
+  nsdae_friction_solver *contacts; /* of it; NULL: not needed so far */
+  int double_double;               /* the caller takes r + low */
 };
 
 void nsdae_friction_options_default(nsdae_friction_options *options)
@@ -55,6 +61,8 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   nsdae_arena_release(&(*solver)->island_memory);
   nsdae_fc_system_release(&(*solver)->system);
   nsdae_fc_farkas_release(&(*solver)->farkas);
+  nsdae_fc_condensed_release(&(*solver)->condensed);
+  nsdae_friction_destroy(&(*solver)->contacts);
   free(*solver);
   *solver = NULL;
 }
@@ -161,6 +169,38 @@ static int certify(const nsdae_fc_global *w, double tol, double *r, double *low,
   return info->outcome == NSDAE_OUTCOME_SOLVED ? NSDAE_OK : NSDAE_E_LCP;
 }
 
+/* ---- bilateral rows */
+
+/* The contacts alone, if their problem is small, to a tolerance that gives that of the whole: the
+ * two residuals differ by the diagonals of W and the largest velocities. Returns a status, 1: not
+ * solved; r is then the better guess. */
+static int solve_condensed(nsdae_friction_solver *s, const nsdae_friction_options *options,
+                           double *r, double *u, nsdae_friction_info *info)
+{
+  nsdae_friction_options own = *options;
+  nsdae_friction_info part;
+  int done = nsdae_fc_condense(&s->condensed, &s->global);
+  if (done <= 0) return done < 0 ? done : 1;
+  if (!s->contacts && nsdae_friction_create(&s->contacts) < 0) return NSDAE_E_MEMORY;
+  for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+    int status = nsdae_friction_solver_solve(s->contacts, &s->condensed.problem, &own, r, u, &part);
+    info->islands = part.islands;
+    info->sweeps += part.sweeps;
+    info->iterations += part.iterations;
+    info->factorisations += part.factorisations;
+    if (part.stage > info->stage) info->stage = part.stage;
+    if (status == NSDAE_E_INTERRUPTED || status == NSDAE_E_MEMORY) return status;
+    if (status != NSDAE_OK) return 1;
+    nsdae_fc_condensed_multipliers(&s->condensed, r);
+    memcpy(s->global.r, r, (size_t)s->global.view.m * sizeof *r);
+    status = certify(&s->global, options->tol, r, NULL, u, info);
+    if (status == NSDAE_OK) return status;
+    own.tol *= fmin(0.5, 0.5 * options->tol / info->residual);
+    if (!(own.tol > 1e-14)) return 1;
+  }
+  return 1;
+}
+
 /* All of a solution; low NULL: in one part. */
 static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem *problem,
                          const nsdae_friction_options *options, double *r, double *low, double *u,
@@ -191,6 +231,10 @@ static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem 
     memset(s->global.r, 0, (size_t)s->global.view.m * sizeof *r);
     s->global.r[row] = s->global.q[row] < 0 ? 1 : -1;
     return refute(&s->global, r, u, info);
+  }
+  if (!low) {
+    status = solve_condensed(s, options, r, u, info);
+    if (status <= 0) return status;
   }
   status = solve_islands(s, options, r, info);
   if (status == NSDAE_E_INFEASIBLE) return refute(&s->global, r, u, info);

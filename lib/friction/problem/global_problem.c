@@ -206,9 +206,13 @@ static void number_blocks(nsdae_fc_global *c)
 
 /* ---- what a problem needs */
 
+/* A largest q of at most this many roundings of its terms, J y of the free velocity, is none:
+ * bodies that fall freely in contact. */
+static const double ROUNDINGS = 64;
+
 static int measure(nsdae_fc_global *c, nsdae_error *error)
 {
-  double s = 0;
+  double s = 0, terms = 0;
   c->most_d = 0;
   for (int k = 0; k < c->view.m; k++) {
     if (!(fabs(c->q[k]) <= DBL_MAX))
@@ -220,7 +224,10 @@ static int measure(nsdae_fc_global *c, nsdae_error *error)
       return nsdae_fc_refuse(error, NSDAE_E_NONFINITE, "value", i, "the diagonal of W overflows");
     c->most_d = fmax(c->most_d, c->d[i]);
   }
-  c->scale = s > 0 ? s : 1;
+  if (c->view.p->form == NSDAE_FRICTION_GLOBAL && c->view.items > 0)
+    terms =
+        nsdae_largest(c->view.m, c->view.p->w) + sqrt(c->most_d) * nsdae_largest(c->view.nv, c->v);
+  c->scale = s > ROUNDINGS * DBL_EPSILON * terms ? s : 1;
   return NSDAE_OK;
 }
 
