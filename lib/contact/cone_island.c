@@ -425,7 +425,7 @@ static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
   }
   for (int i = c->contacts; i < c->problem.contacts; i++, row += 2) {
     int j = c->at.item[i];
-    double limit = c->at.r[row], slip = nsdae_terms_slide_rate(T, j, w->v);
+    double limit = c->at.r[row], slip = nsdae_terms_slide_rate(w->terms, j, w->v);
     to->frictional_joint_impulse[j] = fmax(-limit, fmin(limit, c->at.r[row + 1]));
     to->frictional_joint_mode[j] = fabs(slip) > c->slow ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
     to->slide_after[j] = slip;
