@@ -115,8 +115,8 @@ typedef struct nsdae_sim_options {
   int inner_steps_max;      /* internal steps of penalty and event in one dt */
   int start_check;          /* 1: nsdae_sim_init checks callbacks for gross errors */
   int contacts_max;         /* maximum number of contacts in a contact list */
-  int threads;              /* threads for the islands of a step with a block-sparse Jacobian: 1
-                               .. 256 */
+  int threads;              /* threads of a step with a block-sparse Jacobian, for contact detection
+                               and islands: 1 .. 256 */
   unsigned initialised;     /* set by nsdae_sim_options_default */
 } nsdae_sim_options;
 

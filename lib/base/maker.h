@@ -31,6 +31,13 @@ typedef struct nsdae_maker {
  * without it. */
 int nsdae_contact_list_reads_omega(const nsdae_contact_list *list);
 
+/* Adds the contacts of passes 0 .. count - 1 to the list in the order of the passes, on the threads
+ * of the simulation: `add` hands those of pass i to nsdae_contact_add. Returns 0; negative if a
+ * pass did, the first one with its record. */
+typedef int nsdae_contact_pass(void *to, nsdae_contact_list *list, int i);
+int nsdae_contact_list_share(nsdae_contact_list *list, int count, nsdae_contact_pass *add,
+                             void *to);
+
 void nsdae_system_set_maker(nsdae_system *system, const nsdae_maker *maker);
 
 #endif

@@ -20,7 +20,7 @@ static int mass_blocks(double t, const double *q, double *M, void *user)
 
 /* Pairs on their way into the list. */
 typedef struct listing {
-  nsdae_broad *broad;
+  const nsdae_broad *broad;
   nsdae_contact_list *list;
   double reach;
   int omega; /* is asked for */
@@ -65,7 +65,7 @@ static int list_features(listing *l, int i, int j)
   return nsdae_pair_features(solids, i, j, &l->met, list_feature, l);
 }
 
-static int list_pair(void *to, nsdae_broad *p, int i, int j)
+static int list_pair(void *to, const nsdae_broad *p, int i, int j)
 {
   listing *l = to;
   const nsdae_solid_of *s = p->b->solid.at;
@@ -122,6 +122,14 @@ static int list_limits(const listing *l)
   return status;
 }
 
+/* Each pass with a meeting of its own. */
+static int list_pass(void *to, nsdae_contact_list *list, int pass)
+{
+  const listing *from = to;
+  listing l = {.broad = from->broad, .list = list, .reach = from->reach, .omega = from->omega};
+  return nsdae_broad_pairs(l.broad, pass, l.reach, list_pair, &l);
+}
+
 static int contacts(double t, const double *q, const double *v, double reach,
                     nsdae_contact_list *list, void *user)
 {
@@ -132,7 +140,8 @@ static int contacts(double t, const double *q, const double *v, double reach,
       .broad = broad, .list = list, .reach = reach, .omega = nsdae_contact_list_reads_omega(list)};
   nsdae_broad_place(broad, q, l.omega ? v : NULL);
   int status = list_named(&l);
-  if (status >= 0) status = nsdae_broad_pairs(broad, reach, list_pair, &l);
+  if (status >= 0)
+    status = nsdae_contact_list_share(list, nsdae_broad_sort(broad, reach), list_pass, &l);
   if (status >= 0) status = list_limits(&l);
   nsdae_broad_give_back(b, broad);
   if (status < 0) return -1;

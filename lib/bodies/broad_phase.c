@@ -190,7 +190,7 @@ int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
 }
 
 /* A large solid with every other one; of two large ones that which comes first. */
-static int visit_large(nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
+static int visit_large(const nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
 {
   const nsdae_solid_of *s = p->b->solid.at;
   int status = 0;
@@ -212,7 +212,7 @@ static int bucket_of(const nsdae_broad *p, const int *cell)
 }
 
 /* Solid i with those from j on in the bucket of a cell. */
-static int visit_cell(nsdae_broad *p, int i, int j, const int *cell, double reach,
+static int visit_cell(const nsdae_broad *p, int i, int j, const int *cell, double reach,
                       nsdae_broad_fn visit, void *to)
 {
   const nsdae_solid_of *s = p->b->solid.at;
@@ -228,7 +228,7 @@ static int visit_cell(nsdae_broad *p, int i, int j, const int *cell, double reac
 
 /* With those put before it into its own cell, and with all of the neighbours on one side: the other
  * side's look at it. */
-static int visit_usual(nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
+static int visit_usual(const nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
 {
   const int *cell = p->cell + 3 * i, all = p->b->dimension == 2 ? 9 : 27;
   int status = visit_cell(p, i, p->next[i], cell, reach, visit, to);
@@ -258,15 +258,13 @@ void nsdae_broad_place(nsdae_broad *p, const double *q, const double *v)
   }
 }
 
-int nsdae_broad_pairs(nsdae_broad *p, double reach, nsdae_broad_fn visit, void *to)
+/* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
+int nsdae_broad_sort(nsdae_broad *p, double reach)
 {
-  int status = 0, solids = p->b->solid.count;
-  for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
-  for (int i = 0; i < p->larges && status >= 0; i++)
-    status = visit_large(p, p->large[i], reach, visit, to);
+  int solids = p->b->solid.count;
   double width = 2 * p->usual + reach;
   if (!(width > 0)) width = 1; /* points alone */
-  /* Cells are as wide as two of the largest radius and reach, so that only neighbours can touch. */
+  for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
   for (int i = 0; i < solids; i++) {
     int *cell = p->cell + 3 * i;
     if (p->radius[i] > p->usual) continue;
@@ -278,7 +276,13 @@ int nsdae_broad_pairs(nsdae_broad *p, double reach, nsdae_broad_fn visit, void *
     p->next[i] = *head;
     *head = i;
   }
-  for (int i = 0; i < solids && status >= 0; i++)
-    if (p->radius[i] <= p->usual) status = visit_usual(p, i, reach, visit, to);
-  return status;
+  return p->larges + solids;
+}
+
+/* The large ones first, then the others. */
+int nsdae_broad_pairs(const nsdae_broad *p, int pass, double reach, nsdae_broad_fn visit, void *to)
+{
+  int i = pass - p->larges;
+  if (i < 0) return visit_large(p, p->large[pass], reach, visit, to);
+  return p->radius[i] <= p->usual ? visit_usual(p, i, reach, visit, to) : 0;
 }

@@ -41,10 +41,14 @@ int nsdae_broad_near(const nsdae_broad *broad, int i, int j, double reach);
  * joint connects their bodies. */
 int nsdae_broad_is_excluded(const nsdae_broad *broad, int i, int j);
 
-/* Every pair of solids, placed, of materials that touch whose gap may be at most reach, handed to
- * visit until it returns < 0, with i < j. */
-typedef int (*nsdae_broad_fn)(void *to, nsdae_broad *broad, int i, int j);
-int nsdae_broad_pairs(nsdae_broad *broad, double reach, nsdae_broad_fn visit, void *to);
+/* Sorts the solids, placed, into the grid. Returns the number of passes over the pairs. */
+int nsdae_broad_sort(nsdae_broad *broad, double reach);
+
+/* Pairs of solids of materials that touch, of pass i, whose gap may be at most reach, handed to
+ * visit until it returns < 0, with i < j. Passes change nothing of the broad phase. */
+typedef int (*nsdae_broad_fn)(void *to, const nsdae_broad *broad, int i, int j);
+int nsdae_broad_pairs(const nsdae_broad *broad, int pass, double reach, nsdae_broad_fn visit,
+                      void *to);
 
 /* Ids of contacts: feature i of nsdae_bodies_add_contact has i; behind them feature i of
  * solids j < k has feature.count + nsdae_broad_pair * nsdae_broad_features + i. */

@@ -3,8 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Islands that a worker takes at a time; contacts that are not worth waking others for. */
-enum { PORTION = 16, FEW = 16 };
+#include "friction_solver.h"
+
+/* Islands that a worker takes at a time; contacts that are not worth waking others for; contacts of
+ * an island that is solved by all threads together. */
+enum { PORTION = 16, FEW = 16, LARGE = 256 };
 
 int nsdae_island_dispatch_make(nsdae_island_dispatch *d, const nsdae_system *system, int threads,
                                nsdae_error *error)
@@ -15,11 +18,12 @@ int nsdae_island_dispatch_make(nsdae_island_dispatch *d, const nsdae_system *sys
   d->worker = calloc((size_t)threads, sizeof *d->worker);
   if (d->worker) d->workers = threads;
   if (d->worker) d->pool = nsdae_thread_pool_make(threads);
-  return d->pool ? NSDAE_OK : NSDAE_E_MEMORY;
+  return d->pool ? nsdae_contact_shares_make(&d->shares, d->pool) : NSDAE_E_MEMORY;
 }
 
 void nsdae_island_dispatch_release(nsdae_island_dispatch *d)
 {
+  nsdae_contact_shares_release(&d->shares);
   nsdae_thread_pool_release(d->pool);
   for (int i = 0; i < d->workers; i++) nsdae_worker_release(&d->worker[i]);
   free(d->worker);
@@ -110,11 +114,30 @@ static int first_pass(void *object, int worker, int island)
   return note(by, island, status == NSDAE_NEXT ? NSDAE_OK : status);
 }
 
+static int solve_second(const shared *s, int worker, int item)
+{
+  nsdae_worker *by = &s->by->worker[worker];
+  return note(by, item, nsdae_worker_solve(by, s->whole, s->second[item], 1));
+}
+
+static int is_large(const nsdae_island_dispatch *d, int island)
+{
+  return nsdae_members_count(&d->islands.contact, island) >= LARGE;
+}
+
 static int second_pass(void *object, int worker, int item)
 {
   const shared *s = object;
-  nsdae_worker *by = &s->by->worker[worker];
-  return note(by, item, nsdae_worker_solve(by, s->whole, s->second[item], 1));
+  return is_large(s->by, s->second[item]) ? NSDAE_OK : solve_second(s, worker, item);
+}
+
+/* The record of pass `failed`. */
+static int report(nsdae_island_dispatch *d, int failed)
+{
+  int by = 0;
+  while (d->worker[by].failed != failed) by++;
+  d->sum.problem = d->worker[by].solved.problem;
+  return carry_out(d, &d->worker[by]);
 }
 
 /* Passes 0 .. count - 1; the first failure is reported, as on one thread. */
@@ -124,11 +147,26 @@ static int share(nsdae_island_dispatch *d, shared *s, int count, int portion,
   const nsdae_contact_islands *is = &d->islands;
   int alone = is->contact.first[is->count] + is->rows + is->joints < FEW;
   int failed = nsdae_thread_pool_run(d->pool, alone, count, portion, pass, s);
-  if (failed < 0) return NSDAE_OK;
-  int by = 0;
-  while (d->worker[by].failed != failed) by++;
-  d->sum.problem = d->worker[by].solved.problem;
-  return carry_out(d, &d->worker[by]);
+  return failed < 0 ? NSDAE_OK : report(d, failed);
+}
+
+/* Solves an island by all threads together. */
+static int solve_large(const shared *s, int item)
+{
+  nsdae_worker *first = &s->by->worker[0];
+  nsdae_fc_set_pool(first->solver, s->by->pool);
+  int status = solve_second(s, 0, item);
+  nsdae_fc_set_pool(first->solver, NULL);
+  return status;
+}
+
+/* The large islands, then the others before one that failed. */
+static int share_second(nsdae_island_dispatch *d, shared *s, int count)
+{
+  int end = 0;
+  while (end < count && (!is_large(d, s->second[end]) || solve_large(s, end) >= 0)) end++;
+  int status = share(d, s, end, 1, second_pass);
+  return status < 0 || end == count ? status : report(d, end);
 }
 
 /* Those of the second pass, in place of their marks; how many. The problem of the largest is kept:
@@ -159,7 +197,9 @@ static int solve_one(nsdae_island_dispatch *d, nsdae_island_equations *whole)
     whole->kept = &d->kept;
     whole->kept_island = 0;
     w->solved.cones = &d->kept;
+    nsdae_fc_set_pool(w->solver, d->pool);
     status = nsdae_worker_solve(w, whole, 0, 1);
+    nsdae_fc_set_pool(w->solver, NULL);
   }
   w->solved.islands = 1;
   return status < 0 ? carry_out(d, w) : status;
@@ -171,8 +211,10 @@ static int solve_all(nsdae_island_dispatch *d, nsdae_island_equations *whole)
   shared s = {d, whole, d->islands.parent};
   for (int i = 0; i < d->workers; i++) nsdae_worker_begin(&d->worker[i]);
   int status = share(d, &s, d->islands.count, PORTION, first_pass);
-  if (status == NSDAE_OK) status = share(d, &s, list_second(d, whole, s.second), 1, second_pass);
-  for (int i = 0; i < d->workers; i++) nsdae_solved_add(&d->sum, &d->worker[i].solved);
+  if (status == NSDAE_OK) status = share_second(d, &s, list_second(d, whole, s.second));
+  /* which islands were solved beside one that failed depends on the threads */
+  for (int i = 0; i < d->workers && status == NSDAE_OK; i++)
+    nsdae_solved_add(&d->sum, &d->worker[i].solved);
   return status;
 }
 

@@ -12,6 +12,7 @@ typedef struct nsdae_island_dispatch {
   nsdae_factorisation factorisation;
   nsdae_cone_island kept; /* the largest of the second pass */
   nsdae_thread_pool *pool;
+  nsdae_contact_shares shares; /* of the contact lists */
   nsdae_worker *worker;
   int workers;
   nsdae_solved sum;           /* over the workers */

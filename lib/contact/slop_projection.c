@@ -98,10 +98,11 @@ static double acceleration(const nsdae_slop_projection *s, const nsdae_terms *T,
   return sqrt(square);
 }
 
-/* s of contact i. */
-static double slop_of(const nsdae_slop_projection *s, const nsdae_terms *T, int i, double h)
+/* s of contact i; touch: nsdae_terms_touch, a loop over q. */
+static double slop_of(const nsdae_slop_projection *s, const nsdae_terms *T, int i, double touch,
+                      double h)
 {
-  return fmax(nsdae_terms_touch(T), h * h / 2 * acceleration(s, T, i));
+  return fmax(touch, h * h / 2 * acceleration(s, T, i));
 }
 
 /* The gap some steps later, by the velocity u that it leaves with. */
@@ -111,7 +112,8 @@ static double gap_by_itself(double gap, double u, double h)
 }
 
 /* What each contact misses, and the rows, if one of them is too deep. */
-static int begin_island(nsdae_slop_projection *s, int island, const nsdae_terms *T, double h)
+static int begin_island(nsdae_slop_projection *s, int island, const nsdae_terms *T, double touch,
+                        double h)
 {
   const nsdae_contact_islands *is = &s->end.islands;
   const int *contact = is->contact.of + is->contact.first[island];
@@ -119,7 +121,7 @@ static int begin_island(nsdae_slop_projection *s, int island, const nsdae_terms 
   size_t at = 0;
   for (int a = 0; a < contacts; a++) {
     int i = contact[a];
-    double slop = slop_of(s, T, i, h), gap = T->gap[i];
+    double slop = slop_of(s, T, i, touch, h), gap = T->gap[i];
     s->slop[a] = slop;
     s->missing[a] = gap + slop < 0 ? 0 : gap + slop;
     if (!s->end.closed[i] || !(gap < -deep * slop)) continue;
@@ -190,6 +192,7 @@ double nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const n
                        const double *v, double rest, double h)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
+  const double touch = nsdae_terms_touch(T);
   double most = 0;
   s->factored = -1;
   memcpy(s->free, T->F, (size_t)T->system->dims.nv * sizeof *s->free);
@@ -198,8 +201,8 @@ double nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const n
     int i = p->number[a];
     double gap = T->gap[i] + rest * nsdae_terms_normal_rate(T, i, v);
     s->gap[i] = gap;
-    if (!(gap < -deep * nsdae_terms_touch(T))) continue;
-    double slop = slop_of(s, T, i, h);
+    if (!(gap < -deep * touch)) continue;
+    double slop = slop_of(s, T, i, touch, h);
     gap = gap_by_itself(gap, p->results->after[i], h);
     if (gap < -deep * slop) most = fmax(most, -gap - slop);
   }
@@ -239,10 +242,11 @@ int nsdae_slop_solve(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms *en
 {
   int moved = 0, status = find_contacts(s, p, end, reach);
   if (status < 0) return status;
+  const double touch = nsdae_terms_touch(end);
   s->factored = -1;
   memset(s->change, 0, (size_t)p->system->dims.nv * sizeof *s->change);
   for (int island = 0; island < s->end.islands.count; island++) {
-    if (!begin_island(s, island, end, h)) continue;
+    if (!begin_island(s, island, end, touch, h)) continue;
     moved++;
     solve_island(s, island, end);
   }

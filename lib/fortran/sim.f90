@@ -58,7 +58,7 @@ module nsdae_f_sim
     integer(c_int) :: inner_steps_max                ! of the integrator in one dt
     integer(c_int) :: start_check                       ! 1: check callbacks for gross errors
     integer(c_int) :: contacts_max                      ! maximum number in a contact list
-    integer(c_int) :: threads                           ! threads for the islands of a step
+    integer(c_int) :: threads                           ! threads of a step
     integer(c_int) :: initialised = 0                   ! set by nsdae_sim_options_default
   end type
 

@@ -11,6 +11,7 @@ void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
   terms->system = s->system;
   terms->differences = &s->differences;
   terms->error = s->error;
+  terms->by.list.shares = &s->problem.dispatch.shares;
 }
 
 /* Differences are good to about 1e-10, relative: an iteration does not settle below that. */

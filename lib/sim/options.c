@@ -86,8 +86,8 @@ static const nsdae_param entries[] = {
      AT(start_check), 1, 0, 1, 0, no_yes},
     {"contacts_max", "1", "maximum number of contacts in a contact list", NSDAE_PARAM_INT,
      AT(contacts_max), 1 << 20, 1, 1 << 28, 0, NULL},
-    {"threads", "1", "threads for the islands of a step", NSDAE_PARAM_INT, AT(threads), 1, 1, 256,
-     0, NULL},
+    {"threads", "1", "threads of a step: contact detection, islands", NSDAE_PARAM_INT, AT(threads),
+     1, 1, 256, 0, NULL},
 };
 
 static const nsdae_params table = {entries, (int)(sizeof entries / sizeof *entries)};

@@ -1,6 +1,7 @@
 #include "lists.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "errors.h"
@@ -183,6 +184,13 @@ int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
                           max_size(l->room.values, room->values)};
   int status = grow_contacts(l, new.entries, new.values);
   if (status == NSDAE_OK) l->room = new;
+  for (int i = 0; l->shares && l->shares->part && i < nsdae_thread_pool_size(l->shares->pool) &&
+                  status == NSDAE_OK;
+       i++) {
+    l->shares->part[i].nt = l->nt;
+    l->shares->part[i].blocks = l->blocks;
+    status = nsdae_contact_list_grow(&l->shares->part[i], &new);
+  }
   return status;
 }
 
@@ -194,6 +202,122 @@ void nsdae_contact_list_release(nsdae_contact_list *l)
       NSDAE_ARRAY(l->omega, 1), NSDAE_ARRAY(l->omega_given, 1), NSDAE_ARRAY(l->value, 1)};
   nsdae_arrays_release(all, sizeof all / sizeof *all);
   l->room = (nsdae_room){0};
+}
+
+/* ---- a list filled by several threads */
+
+int nsdae_contact_shares_make(nsdae_contact_shares *s, nsdae_thread_pool *pool)
+{
+  size_t size = (size_t)nsdae_thread_pool_size(pool);
+  s->pool = pool;
+  if (size == 1) return NSDAE_OK;
+  s->part = calloc(size, sizeof *s->part);
+  s->error = calloc(size, sizeof *s->error);
+  return s->part && s->error ? NSDAE_OK : NSDAE_E_MEMORY;
+}
+
+void nsdae_contact_shares_release(nsdae_contact_shares *s)
+{
+  for (int i = 0; s->part && i < nsdae_thread_pool_size(s->pool); i++)
+    nsdae_contact_list_release(&s->part[i]);
+  free(s->part);
+  free(s->error);
+  s->part = NULL;
+  s->error = NULL;
+}
+
+/* Ranges of passes, each by one thread; passes of a range at least. */
+enum { RANGES = 256, PASSES = 4 };
+
+/* Where the contacts of a range begin in the list of its thread, and in the whole; how many they
+ * are or, in a full list, would be. */
+typedef struct piece {
+  int worker;
+  nsdae_room from, at, room;
+} piece;
+
+typedef struct sharing {
+  nsdae_contact_list *list;
+  nsdae_contact_pass *add;
+  void *to;
+  int count, grain;
+  piece piece[RANGES];
+} sharing;
+
+static int fill_range(void *object, int worker, int range)
+{
+  sharing *s = object;
+  nsdae_contact_list *part = &s->list->shares->part[worker];
+  piece *p = &s->piece[range];
+  int status = 0, end = (range + 1) * s->grain < s->count ? (range + 1) * s->grain : s->count;
+  *p = (piece){.worker = worker, .from = part->taken};
+  for (int i = range * s->grain; i < end && status >= 0; i++) status = s->add(s->to, part, i);
+  p->room.entries = part->taken.entries - p->from.entries;
+  p->room.values = part->taken.values - p->from.values;
+  return status;
+}
+
+static int copy_range(void *object, int worker, int range)
+{
+  const sharing *s = object;
+  const piece *p = &s->piece[range];
+  nsdae_contact_list *to = s->list;
+  const nsdae_contact_list *from = &to->shares->part[p->worker];
+  size_t i = p->from.entries, j = p->at.entries, count = p->room.entries,
+         columns = (size_t)(1 + to->nt);
+  (void)worker;
+  memcpy(to->id + j, from->id + i, count * sizeof *to->id);
+  memcpy(to->gap + j, from->gap + i, count * sizeof *to->gap);
+  memcpy(to->law + j, from->law + i, count * sizeof *to->law);
+  memcpy(to->block + 2 * j, from->block + 2 * i, 2 * count * sizeof *to->block);
+  memcpy(to->omega_given + j, from->omega_given + i, count * sizeof *to->omega_given);
+  memcpy(to->w + columns * j, from->w + columns * i, columns * count * sizeof *to->w);
+  memcpy(to->omega + columns * j, from->omega + columns * i, columns * count * sizeof *to->omega);
+  for (size_t k = 0; k < 2 * count; k++)
+    to->at[2 * j + k] = from->at[2 * i + k] - p->from.values + p->at.values;
+  memcpy(to->value + p->at.values, from->value + p->from.values,
+         p->room.values * sizeof *to->value);
+  return 0;
+}
+
+/* The first refusal, as on one thread. */
+static int failed(sharing *s, int range)
+{
+  nsdae_contact_list *list = s->list;
+  int worker = s->piece[range].worker;
+  list->status = list->shares->part[worker].status;
+  if (list->status < 0 && list->error) *list->error = list->shares->error[worker];
+  return -1;
+}
+
+int nsdae_contact_list_share(nsdae_contact_list *list, int count, nsdae_contact_pass *add, void *to)
+{
+  nsdae_contact_shares *shares = list->shares;
+  int status = 0;
+  if (!shares || !shares->part || count < 2 * PASSES) {
+    for (int i = 0; i < count && status >= 0; i++) status = add(to, list, i);
+    return status;
+  }
+  sharing s = {.list = list, .add = add, .to = to, .count = count};
+  s.grain = (count - 1) / RANGES + 1 > PASSES ? (count - 1) / RANGES + 1 : PASSES;
+  int ranges = (count - 1) / s.grain + 1;
+  for (int i = 0; i < nsdae_thread_pool_size(shares->pool); i++) {
+    nsdae_contact_list *part = &shares->part[i];
+    part->without_omega = list->without_omega;
+    part->error = &shares->error[i];
+    nsdae_contact_list_clear(part);
+  }
+  int bad = nsdae_thread_pool_run(shares->pool, 0, ranges, 1, fill_range, &s);
+  if (bad >= 0) return failed(&s, bad);
+  for (int i = 0; i < ranges; i++) {
+    s.piece[i].at = list->taken;
+    list->taken.entries += s.piece[i].room.entries;
+    list->taken.values += s.piece[i].room.values;
+  }
+  if (!nsdae_room_enough(&list->room, &list->taken)) return NSDAE_OK; /* as nsdae_contact_add */
+  nsdae_thread_pool_run(shares->pool, 0, ranges, 8, copy_range, &s);
+  list->count = (int)list->taken.entries;
+  return NSDAE_OK;
 }
 
 /* ---- rows of Phi_q and of frictional joints */

@@ -8,6 +8,7 @@
 
 #include "rows.h"
 #include "system_impl.h"
+#include "thread_pool.h"
 
 /* Not for users: a list has not enough room. It grows between steps, and the step is done again. */
 enum { NSDAE_ARRAYS_GROW = -1000 };
@@ -19,6 +20,7 @@ typedef struct nsdae_room {
 
 struct nsdae_contact_list {
   const nsdae_blocks *blocks;
+  struct nsdae_contact_shares *shares; /* or NULL: one thread */
   nsdae_error *error;
   int nt, status;    /* the first refusal, with its record in error */
   int without_omega; /* it is not read */
@@ -34,6 +36,17 @@ struct nsdae_contact_list {
   size_t *at;              /* 2 count: part of each block in value, size x (1 + nt) */
   double *value;
 };
+
+/* Lists of the threads that fill one together, with as much room. */
+typedef struct nsdae_contact_shares {
+  nsdae_thread_pool *pool; /* the caller's */
+  nsdae_contact_list *part;
+  nsdae_error *error; /* one each */
+} nsdae_contact_shares;
+
+/* NSDAE_OK or NSDAE_E_MEMORY; of one thread there is nothing to make. */
+int nsdae_contact_shares_make(nsdae_contact_shares *shares, nsdae_thread_pool *pool);
+void nsdae_contact_shares_release(nsdae_contact_shares *shares);
 
 struct nsdae_row_list {
   const nsdae_system *system; /* for names */

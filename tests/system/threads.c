@@ -2,6 +2,7 @@
  * Under a sanitizer of threads (cmake --preset threads) the same program looks for races. */
 #include "check.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@
 
 enum { NUMBERS = 4, STEPS = 40, STATES = 64 };
 
-static const int numbers[NUMBERS] = {1, 2, 3, 7};
+static const int numbers[NUMBERS] = {1, 2, 3, 8};
 
 /* What a run leaves: sums of its bits step by step, and how it ended. */
 typedef struct trace {
@@ -48,6 +49,8 @@ typedef struct scene {
   nsdae_system *system;
   nsdae_dims dims;
   const double *q0, *v0;
+  int steps;   /* 0: STEPS */
+  double give; /* contact_give; 0: 1, what is not solved fails */
 } scene;
 
 static void run(const scene *s, int method, int threads, double tol, trace *t)
@@ -60,11 +63,11 @@ static void run(const scene *s, int method, int threads, double tol, trace *t)
   options.method = method;
   options.dt = 2e-3;
   options.contact_tol = tol;
-  options.contact_give = 1; /* what is not solved fails */
+  options.contact_give = s->give > 0 ? s->give : 1;
   options.threads = threads;
   assert_int_equal(nsdae_sim_create(s->system, &options, &sim, NULL), NSDAE_OK);
   t->status = nsdae_sim_init(sim, 0, s->q0, s->v0);
-  for (; t->steps < STEPS && t->status >= 0; t->steps++) {
+  for (; t->steps < (s->steps > 0 ? s->steps : STEPS) && t->status >= 0; t->steps++) {
     t->status = nsdae_sim_step(sim);
     t->bits[t->steps] = bits_of(sim, &s->dims);
     nsdae_sim_get_stats(sim, &stats);
@@ -248,6 +251,73 @@ static void test_spread(void **state)
   spread(1, NSDAE_METHOD_MOREAU, 2.3e-16, 1);
 }
 
+/* Spheres, capsules and boxes in a lattice that falls into a tray: pairs by the grid, planes, one
+ * island with all bodies, and lists that grow from nothing. */
+enum { SIDE = 6, LAYERS = 6, LATTICE = SIDE * SIDE * LAYERS };
+
+static void add_lattice_body(nsdae_bodies *world, int i, uint64_t *seed)
+{
+  static const int shapes[] = {NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_BOX,
+                               NSDAE_SHAPE_BOX, NSDAE_SHAPE_BOX};
+  const int place[] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+  nsdae_rigid_body body = {
+      .mass = 1, .inertia = {4e-3, 4e-3, 3e-3}, .velocity = {-0.2, -0.2, -1 - 0.6 * place[2]}};
+  nsdae_solid solid = {.shape = shapes[random_below(seed, 5)], .radius = 0.1, .material = 1};
+  for (int j = 0; j < 3; j++)
+    body.position[j] = 0.205 * place[j] + 0.11 + 0.004 * (random_uniform(seed) - 0.5);
+  if (solid.shape == NSDAE_SHAPE_CAPSULE) solid.radius = 0.08, solid.length[2] = 0.04;
+  if (solid.shape == NSDAE_SHAPE_BOX) {
+    solid.radius = 0;
+    for (int j = 0; j < 3; j++) solid.length[j] = 0.2;
+  }
+  nsdae_bodies_add_solid(world, nsdae_bodies_add(world, &body), &solid);
+}
+
+static nsdae_bodies *draw_lattice(void)
+{
+  const double half = 0.5 * 0.205 * SIDE, turn = sqrt(0.5);
+  nsdae_bodies *world;
+  uint64_t seed = 11;
+  assert_int_equal(nsdae_bodies_create(3, &world, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(world, (double[3]){0, 0, -9.81});
+  nsdae_bodies_set_pair(world, 0, 1, 0.4, 0.1, 0);
+  nsdae_bodies_set_pair(world, 1, 1, 0.4, 0.1, 0);
+  nsdae_bodies_add_solid(world, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  for (int i = 0; i < 2; i++) { /* walls at x = 0 and y = 0, the normal inwards */
+    nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE, .quaternion = {turn}};
+    wall.position[1 - i] = half;
+    wall.quaternion[i == 0 ? 2 : 1] = i == 0 ? turn : -turn;
+    nsdae_bodies_add_solid(world, NSDAE_GROUND, &wall);
+  }
+  for (int i = 0; i < LATTICE; i++) add_lattice_body(world, i, &seed);
+  return world;
+}
+
+static void test_large_island(void **state)
+{
+  static double q0[7 * LATTICE], v0[6 * LATTICE];
+  static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
+  static trace first, other;
+  (void)state;
+  for (int m = 0; m < 2; m++) {
+    nsdae_bodies *world = draw_lattice();
+    scene s = {.q0 = q0, .v0 = v0, .steps = 40, .give = 100};
+    assert_int_equal(nsdae_bodies_get_dims(world, &s.dims), NSDAE_OK);
+    assert_int_equal(nsdae_bodies_system(world, &s.system), NSDAE_OK);
+    nsdae_bodies_get_start(world, q0, v0);
+    run(&s, methods[m], 1, 1e-4, &first);
+    print_message("%d contacts in an island, %d steps, %s\n", first.contacts, first.steps,
+                  first.error.text);
+    assert_true(first.contacts >= (m == 0 ? 256 : 64));
+    for (int i = 1; i < NUMBERS; i++) {
+      run(&s, methods[m], numbers[i], 1e-4, &other);
+      same(&first, &other);
+    }
+    nsdae_system_destroy(&s.system);
+    nsdae_bodies_destroy(&world);
+  }
+}
+
 /* As said by its key; none and too many are refused by it. */
 static void test_option(void **state)
 {
@@ -266,9 +336,8 @@ static void test_option(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mechanisms),
-      cmocka_unit_test(test_errors),
-      cmocka_unit_test(test_spread),
+      cmocka_unit_test(test_mechanisms), cmocka_unit_test(test_errors),
+      cmocka_unit_test(test_spread),     cmocka_unit_test(test_large_island),
       cmocka_unit_test(test_option),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,11 @@
 
 #include <nsdae/friction.h>
 
+#include "thread_pool.h"
+
+/* Threads for the solutions that follow, which have the same bits; NULL: the caller's alone. */
+void nsdae_fc_set_pool(nsdae_friction_solver *solver, nsdae_thread_pool *pool);
+
 /* From here on the solver allocates nothing for a problem in the local form that lists every pair
  * of its items, as this one does, and is no larger; this one must pass nsdae_friction_check.
  * Equations of such problems are solved by dense factorisations: the analysis of sparse ones takes

@@ -25,6 +25,7 @@ struct nsdae_friction_solver {
   nsdae_fc_condensed condensed;
   nsdae_friction_solver *contacts; /* of it; NULL: not needed so far */
   int double_double;               /* the caller takes r + low */
+  nsdae_thread_pool *pool;
 };
 
 void nsdae_friction_options_default(nsdae_friction_options *options)
@@ -67,6 +68,11 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   *solver = NULL;
 }
 
+void nsdae_fc_set_pool(nsdae_friction_solver *solver, nsdae_thread_pool *pool)
+{
+  solver->pool = pool;
+}
+
 /* ---- memory and data */
 
 /* The problem checked and without its masses. */
@@ -74,7 +80,7 @@ static int prepare(nsdae_friction_solver *s, const nsdae_friction_problem *p, ns
 {
   int status = nsdae_fc_problem_check(p, error);
   if (status != NSDAE_OK) return status;
-  s->global = (nsdae_fc_global){.view.p = p};
+  s->global = (nsdae_fc_global){.view.p = p, .pool = s->pool};
   if (nsdae_arena_fit(&s->global_memory, nsdae_fc_global_layout, &s->global) != NSDAE_OK)
     return nsdae_fc_refuse(error, NSDAE_E_MEMORY, "problem", -1, "out of memory");
   return nsdae_fc_global_fill(&s->global, error);

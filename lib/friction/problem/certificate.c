@@ -75,10 +75,10 @@ NSDAE_INLINED void item_velocity(const nsdae_fc_global *c, int i, int rows, impu
   for (int k = 0; k < rows; k++) u[row + k] = high[k] + low[k];
 }
 
-NSDAE_INLINED void all_velocities(const nsdae_fc_global *c, span s, impulse x, double *u)
+NSDAE_INLINED void item_velocities(const nsdae_fc_global *c, span s, int from, int to, impulse x,
+                                   double *u)
 {
-  if (c->view.p->form == NSDAE_FRICTION_GLOBAL) velocity(c, s, x);
-  for (int k = 0; k < s.items; k++) {
+  for (int k = from; k < to; k++) {
     int i = place(s.item, k), rows = nsdae_fc_rows(c->view.p, i);
     if (rows == 3)
       item_velocity(c, i, 3, x, u); /* laid out flat */
@@ -87,8 +87,32 @@ NSDAE_INLINED void all_velocities(const nsdae_fc_global *c, span s, impulse x, d
   }
 }
 
-NSDAE_DD_DISPATCH(relative_velocity, all_velocities,
-                  (const nsdae_fc_global *c, span s, impulse x, double *u), (c, s, x, u))
+NSDAE_DD_DISPATCH(body_velocities, velocity, (const nsdae_fc_global *c, span s, impulse x),
+                  (c, s, x))
+NSDAE_DD_DISPATCH(relative_velocities, item_velocities,
+                  (const nsdae_fc_global *c, span s, int from, int to, impulse x, double *u),
+                  (c, s, from, to, x, u))
+
+/* A point, and its velocities. */
+typedef struct evaluation {
+  const nsdae_fc_global *global;
+  span of;
+  impulse x;
+  double *u;
+} evaluation;
+
+static void evaluate_items(void *object, int from, int to)
+{
+  const evaluation *v = object;
+  relative_velocities(v->global, v->of, from, to, v->x, v->u);
+}
+
+static void evaluate(evaluation *v)
+{
+  const nsdae_fc_global *c = v->global;
+  if (c->view.p->form == NSDAE_FRICTION_GLOBAL) body_velocities(c, v->of, v->x);
+  nsdae_thread_pool_for(c->pool, v->of.items, NSDAE_FC_GRAIN, evaluate_items, v);
+}
 
 /* ---- velocities */
 
@@ -100,7 +124,7 @@ void nsdae_fc_island_velocities(const nsdae_fc_global *c, int island, const doub
                     .item = c->islands.member + from,
                     .blocks = c->islands.listed_start[island + 1] - first,
                     .block = c->islands.listed + first};
-  relative_velocity(c, one, (impulse){r, low}, u);
+  evaluate(&(evaluation){c, one, {r, low}, u});
 }
 
 /* ---- residual */
@@ -128,19 +152,23 @@ static double item_residual(const nsdae_fc_global *c, int i, impulse of, const d
   return left * nsdae_fc_natural(kind, mu, x, of.low ? low : NULL, y);
 }
 
+static double largest_residual(void *object, int from, int to)
+{
+  const evaluation *v = object;
+  double most = 0;
+  for (int i = from; i < to && most == most; i++) {
+    double one = item_residual(v->global, i, v->x, v->u + v->global->view.row[i]);
+    if (!(one <= most)) most = one;
+  }
+  return most;
+}
+
 double nsdae_fc_global_residual(const nsdae_fc_global *c, const double *r, const double *low,
                                 double *u)
 {
-  double most = 0;
-  const impulse x = {r, low};
-  const span all = {.items = c->view.items, .blocks = c->view.p->blocks};
-  relative_velocity(c, all, x, u);
+  evaluation all = {c, {.items = c->view.items, .blocks = c->view.p->blocks}, {r, low}, u};
+  evaluate(&all);
   for (int k = 0; k < c->view.m; k++)
     if (!(fabs(r[k]) <= DBL_MAX) || (low && !(fabs(low[k]) <= DBL_MAX))) return NAN;
-  for (int i = 0; i < c->view.items; i++) {
-    double one = item_residual(c, i, x, u + c->view.row[i]);
-    if (!(one <= most)) most = one;
-    if (most != most) return NAN;
-  }
-  return most;
+  return nsdae_thread_pool_most(c->pool, c->view.items, NSDAE_FC_GRAIN, largest_residual, &all);
 }

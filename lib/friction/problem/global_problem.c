@@ -78,14 +78,14 @@ static void solve_lower(const nsdae_fc_global *c, int b, int columns, double *B)
       for (int i = 0; i < n; i++) B[i] *= L[(size_t)i * (size_t)(n + 1)];
 }
 
-/* J = L^-1 H, L^-1 f in v, and q. */
-static void free_velocity(nsdae_fc_global *c)
+/* J and q of items from .. to - 1. */
+static void free_items(void *object, int from, int to)
 {
+  const nsdae_fc_global *c = object;
   const nsdae_friction_problem *p = c->view.p;
-  memcpy(c->J, p->value, c->view.at[c->view.entries] * sizeof *c->J);
-  memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
-  for (int b = 0; b < p->blocks; b++) solve_lower(c, b, 1, c->v + c->view.offset[b]);
-  for (int i = 0; i < c->view.items; i++)
+  size_t at = c->view.at[p->first[from]], end = c->view.at[p->first[to]];
+  memcpy(c->J + at, p->value + at, (end - at) * sizeof *c->J);
+  for (int i = from; i < to; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
       int b = p->block[e], n = p->size[b], rows = nsdae_fc_rows(p, i);
       double *J = c->J + c->view.at[e];
@@ -94,13 +94,23 @@ static void free_velocity(nsdae_fc_global *c)
     }
 }
 
+/* J = L^-1 H, L^-1 f in v, and q. */
+static void free_velocity(nsdae_fc_global *c)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  memcpy(c->v, p->f, (size_t)c->view.nv * sizeof *c->v);
+  for (int b = 0; b < p->blocks; b++) solve_lower(c, b, 1, c->v + c->view.offset[b]);
+  nsdae_thread_pool_for(c->pool, c->view.items, NSDAE_FC_GRAIN, free_items, c);
+}
+
 /* ---- diagonal and symmetry */
 
 /* Mean of the diagonal of W + C: of the global form the mean square length of the columns of J. */
-static void diagonals(nsdae_fc_global *c)
+static void diagonals(void *object, int from, int to)
 {
+  const nsdae_fc_global *c = object;
   const nsdae_friction_problem *p = c->view.p;
-  for (int i = 0; i < c->view.items; i++) {
+  for (int i = from; i < to; i++) {
     int rows = nsdae_fc_rows(p, i);
     double sum = 0;
     for (int k = 0; k < rows && p->compliance; k++) sum += p->compliance[c->view.row[i] + k];
@@ -257,7 +267,7 @@ int nsdae_fc_global_fill(nsdae_fc_global *c, nsdae_error *error)
   if (p->blocks > 0) status = factor_masses(c, error);
   if (status == NSDAE_OK && p->blocks > 0 && c->view.items > 0) free_velocity(c);
   if (status != NSDAE_OK) return status;
-  diagonals(c);
+  nsdae_thread_pool_for(c->pool, c->view.items, NSDAE_FC_GRAIN, diagonals, c);
   status = measure(c, error);
   if (status == NSDAE_OK && local) status = check_symmetry(c, error);
   if (status != NSDAE_OK) return status;

@@ -7,6 +7,10 @@
 #define NSDAE_FRICTION_GLOBAL_PROBLEM_H
 
 #include "problem.h"
+#include "thread_pool.h"
+
+/* Items that a thread takes at a time: some 10 us. */
+enum { NSDAE_FC_GRAIN = 64 };
 
 /* Parts that share no block; items that nothing moves (d = 0) are in none. */
 typedef struct nsdae_fc_islands {
@@ -22,18 +26,19 @@ typedef struct nsdae_fc_islands {
 
 typedef struct nsdae_fc_global {
   nsdae_fc_view view;
-  double *L;     /* Cholesky factors, in the layout of M */
-  int *diagonal; /* blocks: whether that of the block is, which then is inverted */
-  double *J;     /* in the layout of value */
-  double *q;     /* m */
-  double *d;     /* items: mean of the diagonal entries of W + C */
-  double *v;     /* nv: work of the certificate */
-  double *low;   /* nv: the same */
-  double *r;     /* m: the answer, until it is handed over */
-  double *r_low; /* m: its trailing part */
-  double *u;     /* m: velocities of a point on the way to it */
-  double scale;  /* max |q|; 1 if that is zero */
-  double most_d; /* max d */
+  nsdae_thread_pool *pool; /* or NULL */
+  double *L;               /* Cholesky factors, in the layout of M */
+  int *diagonal;           /* blocks: whether that of the block is, which then is inverted */
+  double *J;               /* in the layout of value */
+  double *q;               /* m */
+  double *d;               /* items: mean of the diagonal entries of W + C */
+  double *v;               /* nv: work of the certificate */
+  double *low;             /* nv: the same */
+  double *r;               /* m: the answer, until it is handed over */
+  double *r_low;           /* m: its trailing part */
+  double *u;               /* m: velocities of a point on the way to it */
+  double scale;            /* max |q|; 1 if that is zero */
+  double most_d;           /* max d */
   nsdae_fc_islands islands;
 } nsdae_fc_global;
 

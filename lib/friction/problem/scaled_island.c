@@ -138,16 +138,18 @@ static void fill_parts(nsdae_fc_scaled *c)
   }
 }
 
-void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
+/* Its diagonal blocks, and r from that of the whole. */
+typedef struct filling {
+  nsdae_fc_scaled *fc;
+  const double *r;
+} filling;
+
+static void fill_blocks(void *object, int from, int to)
 {
+  const filling *f = object;
+  const nsdae_fc_scaled *c = f->fc;
   const nsdae_fc_global *w = c->global;
-  c->largest = nsdae_fc_power_of_two(sqrt(w->most_d));
-  c->largest *= c->largest;
-  const double s = nsdae_fc_power_of_two(w->scale);
-  for (int k = 0; k < c->n; k++) fill_item(c, k, nsdae_fc_member(c, k), s);
-  nsdae_fc_gather(c, w->q, c->items.q);
-  fill_parts(c);
-  for (int k = 0; k < c->n; k++) {
+  for (int k = from; k < to; k++) {
     int rows = nsdae_fc_rows(w->view.p, c->items.item[k]), row = w->view.row[c->items.item[k]];
     double *D = c->items.D + 9 * (size_t)k, *S = c->items.S + 9 * (size_t)k;
     /* The diagonal block: C + J^T J, or (local form) the symmetric part of W_kk. */
@@ -168,10 +170,22 @@ void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
     memcpy(S + 6, D, 3 * sizeof *S);
     nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
     for (int j = 0; j < 3; j++) {
-      double own = j < rows ? r[row + j] / c->items.factor[k] : 0;
+      double own = j < rows ? f->r[row + j] / c->items.factor[k] : 0;
       c->r[3 * k + j] = isfinite(own) ? own : 0;
     }
   }
+}
+
+void nsdae_fc_fill(nsdae_fc_scaled *c, const double *r)
+{
+  const nsdae_fc_global *w = c->global;
+  c->largest = nsdae_fc_power_of_two(sqrt(w->most_d));
+  c->largest *= c->largest;
+  const double s = nsdae_fc_power_of_two(w->scale);
+  for (int k = 0; k < c->n; k++) fill_item(c, k, nsdae_fc_member(c, k), s);
+  nsdae_fc_gather(c, w->q, c->items.q);
+  fill_parts(c);
+  nsdae_thread_pool_for(w->pool, c->n, NSDAE_FC_GRAIN, fill_blocks, &(filling){c, r});
 }
 
 /* ---- impulses */
@@ -233,10 +247,24 @@ static void relative_velocity(const nsdae_fc_scaled *c, int k, int whole, const 
   }
 }
 
+/* A point r, y and its velocities. */
+typedef struct point {
+  const nsdae_fc_scaled *fc;
+  const double *r, *y;
+  double *u;
+} point;
+
+static void whole_velocities(void *object, int from, int to)
+{
+  const point *p = object;
+  for (int k = from; k < to; k++) relative_velocity(p->fc, k, 1, p->r, p->y, p->u);
+}
+
 void nsdae_fc_velocities(const nsdae_fc_scaled *c, const double *r, double *y, double *u)
 {
   if (!c->local) sum_impulses(c, r, y);
-  for (int k = 0; k < c->n; k++) relative_velocity(c, k, 1, r, c->local ? r : y, u);
+  point at = {c, r, c->local ? r : y, u};
+  nsdae_thread_pool_for(c->global->pool, c->n, NSDAE_FC_GRAIN, whole_velocities, &at);
 }
 
 void nsdae_fc_response(const nsdae_fc_scaled *c, const double *dr, double *dy, double *du)
@@ -270,13 +298,24 @@ double nsdae_fc_item_residual(const nsdae_fc_scaled *c, int k, const double *r, 
          (by * nsdae_fc_natural(c->items.kind[k], c->items.mu[k], x, based ? low : NULL, y));
 }
 
-double nsdae_fc_residual(const nsdae_fc_scaled *c, const double *r, const double *u)
+typedef struct residual_of {
+  const nsdae_fc_scaled *fc;
+  const double *r, *u;
+} residual_of;
+
+static double largest_residual(void *object, int from, int to)
 {
+  const residual_of *p = object;
   double most = 0;
-  for (int k = 0; k < c->n; k++) {
-    double one = nsdae_fc_item_residual(c, k, r, u + 3 * k);
+  for (int k = from; k < to && most == most; k++) {
+    double one = nsdae_fc_item_residual(p->fc, k, p->r, p->u + 3 * k);
     if (!(one <= most)) most = one;
-    if (most != most) return NAN;
   }
   return most;
+}
+
+double nsdae_fc_residual(const nsdae_fc_scaled *c, const double *r, const double *u)
+{
+  residual_of at = {c, r, u};
+  return nsdae_thread_pool_most(c->global->pool, c->n, NSDAE_FC_GRAIN, largest_residual, &at);
 }

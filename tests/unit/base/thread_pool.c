@@ -1,6 +1,7 @@
 /* Threads that share the passes of a loop: every pass once, the least that fails is told. */
 #include "check.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <stdint.h>
 
@@ -86,11 +87,75 @@ static void test_least_failure(void **state)
   }
 }
 
+/* Each item once, by ranges; the largest value, and NaN. */
+static void count_items(void *shared, int from, int to)
+{
+  job *j = shared;
+  for (int i = from; i < to; i++) atomic_fetch_add(&j->times[i], 1);
+}
+
+static double largest(void *shared, int from, int to)
+{
+  const job *j = shared;
+  double most = 0;
+  for (int i = from; i < to && most == most; i++)
+    if (!(j->result[i] <= most)) most = j->result[i];
+  return most;
+}
+
+static void test_ranges(void **state)
+{
+  static job j;
+  uint64_t seed = 3;
+  (void)state;
+  for (int size = 0; size <= 5; size++) { /* 0: no pool */
+    nsdae_thread_pool *pool = size > 0 ? nsdae_thread_pool_make(size) : NULL;
+    assert_int_equal(nsdae_thread_pool_size(pool), size > 0 ? size : 1);
+    for (int count = 0; count <= MOST; count += 1 + count / 2) {
+      double most = 0;
+      clear(&j, size);
+      nsdae_thread_pool_for(pool, count, 1 + count % 9, count_items, &j);
+      for (int i = 0; i < MOST; i++) {
+        assert_int_equal(atomic_load(&j.times[i]), i < count);
+        j.result[i] = random_uniform(&seed) * (i + 1);
+        if (i < count && j.result[i] > most) most = j.result[i];
+      }
+      assert_true(nsdae_thread_pool_most(pool, count, 1 + count % 9, largest, &j) == most);
+      if (count == 0) continue;
+      j.result[random_below(&seed, count)] = NAN;
+      assert_true(isnan(nsdae_thread_pool_most(pool, count, 1 + count % 9, largest, &j)));
+    }
+    nsdae_thread_pool_release(pool);
+  }
+}
+
+/* A loop within a pass is done by its thread. */
+static int nested(void *shared, int worker, int i)
+{
+  nsdae_thread_pool **pool = shared;
+  static job inner[8];
+  (void)worker;
+  clear(&inner[i], 1);
+  int failed = nsdae_thread_pool_run(*pool, 0, 100, 1, pass, &inner[i]);
+  return failed == -1 ? 0 : -1;
+}
+
+static void test_nested(void **state)
+{
+  nsdae_thread_pool *pool = nsdae_thread_pool_make(3);
+  (void)state;
+  for (int round = 0; round < 20; round++)
+    assert_int_equal(nsdae_thread_pool_run(pool, 0, 8, 1, nested, &pool), -1);
+  nsdae_thread_pool_release(pool);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_every_pass_once),
       cmocka_unit_test(test_least_failure),
+      cmocka_unit_test(test_ranges),
+      cmocka_unit_test(test_nested),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
