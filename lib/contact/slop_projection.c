@@ -5,10 +5,13 @@
 
 #include "dynamic_array.h"
 
-enum { SWEEPS = 40 }; /* forwards and backwards in turn */
+enum { PAIRS = 200 }; /* of sweeps, forwards and backwards */
 
 /* Depth up to which a contact stays, relative to the slop. */
 static const double deep = 1.1;
+
+/* Share of what deep allows that a pair of sweeps may still change: they converge slowly. */
+static const double CLOSE = 0.1;
 
 /* A contact that comes out by its own velocity u in this number of steps is not moved: a bounce
  * would get height from it. After an impact at v a body is up to (1 + (1 - e) / 2) h v deep and u =
@@ -17,14 +20,15 @@ static const double deep = 1.1;
  * (e v)^2 / 2 g = 0.5 g h^2 at e = 1/3, which is the slop: the ball comes to rest in it. */
 static const double own_steps = 4;
 
-enum { ARRAYS = 10 };
+enum { ARRAYS = 12 };
 
-#define EACH(s)                                                                              \
-  {                                                                                          \
-    NSDAE_ARRAY((s)->missing, 1), NSDAE_ARRAY((s)->slop, 1), NSDAE_ARRAY((s)->weight, 1),    \
-        NSDAE_ARRAY((s)->multiplier, 1), NSDAE_ARRAY((s)->gap, 1),                           \
-        NSDAE_ARRAY((s)->end.closed, 1), NSDAE_ARRAY((s)->end.islands.contact.of, 1),        \
-        NSDAE_ARRAY((s)->at, 1), NSDAE_ARRAY((s)->moved, 1), NSDAE_ARRAY((s)->end.number, 1) \
+#define EACH(s)                                                                               \
+  {                                                                                           \
+    NSDAE_ARRAY((s)->missing, 1), NSDAE_ARRAY((s)->slop, 1), NSDAE_ARRAY((s)->weight, 1),     \
+        NSDAE_ARRAY((s)->multiplier, 1), NSDAE_ARRAY((s)->gap, 1),                            \
+        NSDAE_ARRAY((s)->end.closed, 1), NSDAE_ARRAY((s)->end.islands.contact.of, 1),         \
+        NSDAE_ARRAY((s)->at, 1), NSDAE_ARRAY((s)->moved, 1), NSDAE_ARRAY((s)->end.number, 1), \
+        NSDAE_ARRAY((s)->last.before, 1), NSDAE_ARRAY((s)->last.begun, 1)                     \
   }
 
 void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsdae_arena *arena)
@@ -152,33 +156,72 @@ static void add(const nsdae_slop_projection *s, const nsdae_blocks *blocks, cons
   }
 }
 
-/* One row; returns how far its contact is beyond the slop, relative to it. */
-static double relax(nsdae_slop_projection *s, int island, const nsdae_terms *T, int row)
+static const nsdae_rows *row_of(const nsdae_slop_projection *s, int island, const nsdae_terms *T,
+                                int row, int *i)
 {
   const nsdae_contact_islands *is = &s->end.islands;
   int contact = row < s->contacts;
-  const nsdae_rows *rows = contact ? &T->by.normal : &T->by.jacobian;
-  int i = contact ? is->contact.of[is->contact.first[island] + row]
-                  : is->row.of[is->row.first[island] + row - s->contacts];
-  const nsdae_blocks *blocks = &T->system->blocks;
-  double residual = nsdae_rows_add_dot(blocks, rows, i, s->change, s->missing[row]);
+  *i = contact ? is->contact.of[is->contact.first[island] + row]
+               : is->row.of[is->row.first[island] + row - s->contacts];
+  return contact ? &T->by.normal : &T->by.jacobian;
+}
+
+/* The multiplier of a row becomes next, of a contact at least 0. */
+static void set_multiplier(nsdae_slop_projection *s, int island, const nsdae_terms *T, int row,
+                           double next)
+{
+  int i;
+  const nsdae_rows *rows = row_of(s, island, T, row, &i);
   double was = s->multiplier[row];
-  if (!(s->weight[row] > 0)) return 0;
-  double next = was - residual / s->weight[row];
-  if (contact && !(next > 0)) next = 0;
+  if (row < s->contacts && !(next > 0)) next = 0;
   s->multiplier[row] = next;
-  if (next != was) add(s, blocks, rows, i, row, next - was, s->change);
-  return contact ? -residual / s->slop[row] : 0;
+  if (next != was) add(s, &T->system->blocks, rows, i, row, next - was, s->change);
+}
+
+/* One row; returns how far its contact was from the solution, relative to the slop: beyond it, or
+ * above it with a multiplier. */
+static double relax(nsdae_slop_projection *s, int island, const nsdae_terms *T, int row)
+{
+  int i;
+  const nsdae_rows *rows = row_of(s, island, T, row, &i);
+  double residual = nsdae_rows_add_dot(&T->system->blocks, rows, i, s->change, s->missing[row]);
+  double was = s->multiplier[row], by = s->weight[row];
+  if (!(by > 0)) return 0;
+  set_multiplier(s, island, T, row, was - residual / by);
+  return row < s->contacts ? fabs(s->multiplier[row] - was) * by / s->slop[row] : 0;
+}
+
+/* l := l + (k - 1) / (k + 2) (l - before), before := l. Returns the next k; it is 1 again after a
+ * pair of sweeps against l - before. */
+static int extrapolate(nsdae_slop_projection *s, int island, const nsdae_terms *T, int k)
+{
+  double along = 0, *before = s->last.before, *begun = s->last.begun;
+  for (int row = 0; row < s->count; row++) {
+    double l = s->multiplier[row];
+    along += s->weight[row] * (l - begun[row]) * (l - before[row]);
+  }
+  if (along < 0) k = 1;
+  for (int row = 0; row < s->count; row++) {
+    double l = s->multiplier[row], by = (k - 1) / (k + 2.0);
+    if (k > 1) set_multiplier(s, island, T, row, l + by * (l - before[row]));
+    before[row] = l;
+    begun[row] = s->multiplier[row];
+  }
+  return k + 1;
 }
 
 /* A sweep backwards relaxes the rows of Phi_q first and sees what they do to the contacts. */
 static void solve_island(nsdae_slop_projection *s, int island, const nsdae_terms *T)
 {
-  for (int pair = 0; pair < SWEEPS / 2; pair++) {
-    double beyond = 0;
+  size_t bytes = (size_t)s->count * sizeof(double);
+  memset(s->last.before, 0, bytes);
+  memset(s->last.begun, 0, bytes);
+  for (int pair = 0, k = 1; pair < PAIRS; pair++) {
+    double off = 0;
     for (int row = 0; row < s->count; row++) relax(s, island, T, row);
-    for (int row = s->count - 1; row >= 0; row--) beyond = fmax(beyond, relax(s, island, T, row));
-    if (beyond <= deep - 1) return;
+    for (int row = s->count - 1; row >= 0; row--) off = fmax(off, relax(s, island, T, row));
+    if (off <= CLOSE * (deep - 1)) return;
+    k = extrapolate(s, island, T, k);
   }
 }
 

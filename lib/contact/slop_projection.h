@@ -2,10 +2,11 @@
  *
  *   min d^T M d / 2,   g_i + W_i^T d >= -s_i,   Phi_q d = 0
  *
- * over the islands with a contact deeper than 1.1 s_i, by projected Gauss-Seidel on the multipliers
- * (Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31), d = M^-1 (W l + Phi_q^T
- * m). q moves by H d and v stays, so that it gives no kinetic energy (as the split impulses of
- * Catto, GDC 2006).
+ * over the islands with a contact deeper than 1.1 s_i, d = M^-1 (W l + Phi_q^T m): by projected
+ * Gauss-Seidel on the multipliers, forwards and backwards, with Nesterov's extrapolation between
+ * and restarts (O'Donoghue and Candes, Found. Comput. Math. 15 (2015) 715). A tenth of the slop is
+ * enough: the next step moves what is deeper. q moves by H d and v stays, so that it gives no
+ * kinetic energy (as the split impulses of Catto, GDC 2006).
  *
  * Whether one is deeper follows from the gap at the end of the step by the rows at the point where
  * its contacts were closed: g_N + (t_1 - t) (W^T v + w), with the mean velocity v from there on.
@@ -35,6 +36,11 @@ typedef struct nsdae_slop_contacts {
   nsdae_contact_islands islands;
 } nsdae_slop_contacts;
 
+/* Multipliers, by rows: after the pair of sweeps before, and where the last one began. */
+typedef struct nsdae_slop_pair {
+  double *before, *begun;
+} nsdae_slop_pair;
+
 /* A row is a contact of an island or, after these, a row of Phi_q. */
 typedef struct nsdae_slop_projection {
   double *missing;       /* rows: g + s, 0 of Phi_q */
@@ -47,6 +53,7 @@ typedef struct nsdae_slop_projection {
   double *inverse;       /* values: M^-1 W, part by part */
   double *free, *change; /* nv: M^-1 F, d */
   nsdae_slop_contacts end;
+  nsdae_slop_pair last;
   nsdae_block_factor factor;
   int factored;        /* the block of it; -1: none */
   int contacts, count; /* of the island: contacts, rows */

@@ -174,6 +174,60 @@ static void jammed(void **state)
   }
 }
 
+/* ---- the quadratic program */
+
+/* A column of n balls at rest that overlap, some by less than the slop: of its solution d = q_1 -
+ * q_0,
+ *
+ *   W l = M d, so that l_i = sum of m_j d_j from ball i up,   l_i >= 0,
+ *   g_i + s_i >= 0 after it for the deep ones, and = 0 where l_i > 0
+ *
+ * to a tenth of the slop, g h^2 / 2 at the floor and twice that between two balls. */
+static void optimal_column(uint64_t seed, int method, int n, double ratio)
+{
+  const double r = 0.1, base = gravity * DT * DT / 2;
+  double mass[16], z = 0, before[16], most = 0;
+  nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
+  nsdae_system *system;
+  nsdae_record record;
+  for (int i = 0; i < n; i++) {
+    int deep = random_below(&seed, 3) > 0;
+    double slop = (i > 0 ? 2 : 1) * base;
+    before[i] = -slop * (deep ? random_between(&seed, 1.5, 20) : random_between(&seed, 0.2, 0.9));
+    mass[i] = pow(ratio, random_between(&seed, -1, 1));
+    z += before[i] + (i > 0 ? 2 : 1) * r;
+    add_ball(b, mass[i], r, 0, z);
+  }
+  nsdae_sim_options o = options_of(method, 1e-10);
+  nsdae_sim *sim = start(b, &o, &system);
+  double q[16 * 7], below = 0, above = 0, force[16];
+  nsdae_sim_get_record(sim, &record);
+  memcpy(q, record.q, (size_t)(7 * n) * sizeof *q);
+  assert_true(nsdae_sim_step(sim) >= 0);
+  nsdae_sim_get_record(sim, &record);
+  for (int i = n - 1; i >= 0; i--) {
+    above += mass[i] * (record.q[7 * i + 2] - q[7 * i + 2]);
+    force[i] = above;
+    most = fmax(most, fabs(above));
+    assert_near(record.v[6 * i + 2], 0, 1e-12);
+  }
+  for (int i = 0; i < n; i++) {
+    double slop = (i > 0 ? 2 : 1) * base, end = record.q[7 * i + 2] - below - (i > 0 ? 2 : 1) * r;
+    below = record.q[7 * i + 2];
+    assert_true(end >= fmin(before[i], -slop) - 0.1001 * slop);
+    assert_true(force[i] >= -1e-9 * most);
+    if (force[i] > 1e-9 * most) assert_at_most(end + slop, 0.1001 * slop);
+  }
+  end(b, system, sim);
+}
+
+static void is_optimal(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 60; i++)
+    optimal_column((uint64_t)i * 31 + 5, methods[i % METHODS], 1 + i % 12, i < 30 ? 1 : 5);
+}
+
 /* ---- invariants */
 
 /* n x n x n boxes of random sizes and orientations, which fall into a box. */
@@ -215,7 +269,7 @@ static double depth_at(nsdae_system *system, const double *q, int nv)
 
 static void boxes_do_not_sink(void **state)
 {
-  enum { SEEDS = 3, SIDE = 2 };
+  enum { SEEDS = 6, SIDE = 2 };
   long frozen = 0;
   (void)state;
   for (int run = 0; run < METHODS * SEEDS; run++) {
@@ -321,6 +375,30 @@ static void the_same_at_rest(void **state)
       end(b, system, sim);
     }
     assert_memory_equal(q[0], q[1], sizeof q[0]);
+  }
+}
+
+/* A wall whose courses are shifted by a quarter comes to rest at a coarse tolerance: its velocities
+ * are zeros. */
+static void wall_at_rest(void **state)
+{
+  enum { WIDE = 5, HIGH = 3, BOXES = WIDE * HIGH };
+  const double edge[3] = {0.1992, 0.1, 0.08};
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    nsdae_bodies *b = floor_and_walls(0.6, 0, 0, gravity);
+    nsdae_system *system;
+    nsdae_record r;
+    for (int i = 0; i < BOXES; i++)
+      add_box(b, edge,
+              &(nsdae_rigid_body){.position = {0.2 * (i % WIDE + 0.25 * (i / WIDE % 2)), 0,
+                                               (i / WIDE + 0.5) * 0.08}});
+    nsdae_sim_options o = options_of(methods[m], 1e-4);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 600; i++) assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &r);
+    for (int j = 0; j < 6 * BOXES; j++) assert_near(r.v[j], 0, 0);
+    end(b, system, sim);
   }
 }
 
@@ -564,12 +642,14 @@ int main(void)
                                      cmocka_unit_test(two_balls),
                                      cmocka_unit_test(on_a_joint),
                                      cmocka_unit_test(jammed),
+                                     cmocka_unit_test(is_optimal),
                                      cmocka_unit_test(boxes_do_not_sink),
                                      cmocka_unit_test(the_same_at_rest),
                                      cmocka_unit_test(restart),
                                      cmocka_unit_test(drops_end),
                                      cmocka_unit_test(slow_iteration),
                                      cmocka_unit_test(short_steps),
+                                     cmocka_unit_test(wall_at_rest),
                                      cmocka_unit_test(heavy),
                                      cmocka_unit_test(give),
                                      cmocka_unit_test(refused)};

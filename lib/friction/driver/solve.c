@@ -131,7 +131,7 @@ static int solve_islands(nsdae_friction_solver *s, const nsdae_friction_options 
     run->options = options;
     run->budget.tol = options->tol - fmin(0.2 * options->tol, ROUNDING);
     run->budget.double_double = s->double_double;
-    run->island.fc.exact = fmax(1e-15, 1e-4 * options->tol);
+    run->island.fc.exact = fmax(1e-15, 1e-3 * options->tol);
     nsdae_fc_fill(&run->island.fc, guess);
     status = nsdae_fc_run_stages(run);
     if (status == NSDAE_E_MEMORY) return status;

@@ -6,9 +6,9 @@
  *   p = (S + l)^-1 q_T,  g = (S + l)^-1 b,   and l is the root of  |r_T| - mu r_N,
  *
  * which is > 0 at l = 0, as it does not stick there, and < 0 at infinity. The root is kept in a
- * bracket and approached by secants, from the root of the sweep before and what would be the root
- * next to it if S were a number (as of the radius of a trust region: More and Sorensen, SIAM J.
- * Sci. Stat. Comput. 4 (1983) 553): two or three values as a rule. */
+ * bracket and approached from the root of the sweep before by Newton's method on mu r_N / |r_T|,
+ * which is linear in l if S is a number and b zero (as of the radius of a trust region: More and
+ * Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553): two values as a rule. */
 #include "one_contact.h"
 
 #include <float.h>
@@ -16,43 +16,55 @@
 
 #include "cone.h"
 
-/* |r_T| - mu r_N at l, with r. */
-static double excess(const double *D, const double *q, double mu, double l, double *r)
+/* |r_T| - mu r_N at l, with r and its derivative, and the root by Newton's method on
+ * h = mu r_N / |r_T| - 1:
+ *
+ *   r_N' = g . r_T / (w - b . g),   r_T' = -(S + l)^-1 r_T - g r_N' */
+typedef struct slide {
+  double r[3], slope[3], root;
+} slide;
+
+static inline double excess(const double *D, const double *q, double mu, double l, slide *at)
 {
   double s1 = 1 / (D[4] + l), s2 = 1 / (D[8] + l);
   double p1 = s1 * q[1], p2 = s2 * q[2], g1 = s1 * D[1], g2 = s2 * D[2];
-  r[0] = (D[1] * p1 + D[2] * p2 - q[0]) / (D[0] - D[1] * g1 - D[2] * g2);
-  r[1] = -p1 - g1 * r[0];
-  r[2] = -p2 - g2 * r[0];
-  return nsdae_fc_length(r[1], r[2]) - mu * r[0];
+  double width = 1 / (D[0] - D[1] * g1 - D[2] * g2);
+  double n = (D[1] * p1 + D[2] * p2 - q[0]) * width, a = -p1 - g1 * n, b = -p2 - g2 * n;
+  double square = a * a + b * b, length = sqrt(square), f = length - mu * n;
+  double dn = (g1 * a + g2 * b) * width, da = -s1 * a - g1 * dn, db = -s2 * b - g2 * dn;
+  *at = (slide){{n, a, b}, {dn, da, db}, 0};
+  at->root = l + f * square / (mu * (dn * square - n * (a * da + b * db)));
+  return f;
 }
 
-/* Of l with its r the next one, so that |r_T| = mu r_N if S were a number s and b zero, where
- * (s + l) |r_T| does not depend on l. */
-static double rescaled(const double *D, double mu, double l, const double *r)
+/* The root from guess on, kept in a bracket; 0: it sticks, which is asked once the method leads
+ * there. A step of Newton's method leaves the square of the excess, both relative to mu r_N: if
+ * that is within tol, the step needs no other value. Three steps that do not halve the excess are
+ * followed by the middle of the bracket. */
+static double sliding(const double *D, const double *q, double mu, double guess, double tol,
+                      slide *at)
 {
-  double s = (D[4] + D[8]) / 2;
-  return (s + l) * (nsdae_fc_length(r[1], r[2]) / (mu * r[0])) - s;
-}
-
-/* The root, from the guess on, kept in a bracket: secants while they halve the excess, else what it
- * would be if S were a number, else the middle. */
-static double frictional_joint(const double *D, const double *q, double mu, double guess,
-                               double tol, double *r)
-{
-  double low = 0, high = INFINITY, before = 0, at_before = 0;
-  double l = guess > 0 ? guess : rescaled(D, mu, 0, r);
-  if (!(l > low && l < high)) l = D[4] + D[8];
-  for (int k = 0, failed = 1; k < 200 && low < (1 - 2 * DBL_EPSILON) * high; k++) {
-    double f = excess(D, q, mu, l, r);
-    if (fabs(f) <= tol * mu * r[0]) return l;
+  double low = 0, high = INFINITY, before = INFINITY, l = guess;
+  int asked = !(guess > 0);
+  if (asked && !(excess(D, q, mu, 0, at) > 0)) return 0;
+  if (asked) l = at->root > 0 && at->root < INFINITY ? at->root : D[4] + D[8];
+  for (int k = 0, failed = 0; k < 200 && low < (1 - 2 * DBL_EPSILON) * high; k++) {
+    double f = excess(D, q, mu, l, at), share = fabs(f) / (mu * at->r[0]), next = at->root;
+    if (share <= tol && at->r[0] > 0) return l;
+    if (share * share <= tol && at->r[0] > 0 && next > low && next < high) {
+      for (int j = 0; j < 3; j++) at->r[j] += (next - l) * at->slope[j];
+      return next;
+    }
     if (f > 0)
-      low = l;
+      low = l, asked = 1;
     else
       high = l;
-    if (k > 0) failed = fabs(f) <= 0.5 * fabs(at_before) ? 0 : failed + 1;
-    double next = failed == 0 ? l - f * ((l - before) / (f - at_before)) : rescaled(D, mu, l, r);
-    before = l, at_before = f;
+    if (!asked && !(next > 0)) {
+      asked = 1;
+      if (!(excess(D, q, mu, 0, at) > 0)) return 0;
+    }
+    failed = fabs(f) <= 0.5 * before ? 0 : failed + 1;
+    before = fabs(f);
     if (failed < 3 && next > low && next < high)
       l = next;
     else if (!(high < INFINITY)) /* inside the bracket, whatever its ends */
@@ -60,24 +72,18 @@ static double frictional_joint(const double *D, const double *q, double mu, doub
     else
       l = low > 0 ? sqrt(low) * sqrt(high) : high / 256;
   }
+  if (!asked && !(excess(D, q, mu, 0, at) > 0)) return 0;
   l = high < INFINITY ? high : l;
-  excess(D, q, mu, l, r);
+  excess(D, q, mu, l, at);
   return l;
 }
 
 void nsdae_fc_solve_contact(const double *D, const double *q, double mu, double tol, double *slip,
                             double *r)
 {
-  if (q[0] >= 0) {
-    r[0] = r[1] = r[2] = 0;
-    return;
-  }
-  double f = excess(D, q, mu, 0, r);
-  if (f <= 0) {
-    *slip = 0;
-    return;
-  }
-  *slip = frictional_joint(D, q, mu, *slip, tol, r);
+  slide at = {{0}, {0}, 0};
+  if (!(q[0] >= 0)) *slip = sliding(D, q, mu, *slip, tol, &at);
+  for (int j = 0; j < 3; j++) r[j] = at.r[j];
 }
 
 /* The turn that makes the tangential part of D diagonal (one Jacobi rotation: Golub and Van Loan,

@@ -112,8 +112,10 @@ static void fill_parts(nsdae_fc_scaled *c)
   const nsdae_friction_problem *p = w->view.p;
   int f = 0;
   c->parts.offset[0] = 0;
+  c->parts.bodies = !c->local;
   for (int b = 0; b < c->blocks; b++) {
     c->parts.size[b] = block_size(c, b);
+    c->parts.bodies &= c->parts.size[b] == 6;
     c->parts.offset[b + 1] = c->parts.offset[b] + c->parts.size[b];
   }
   c->parts.at[0] = 0;
@@ -169,6 +171,7 @@ static void fill_blocks(void *object, int from, int to)
     nsdae_fc_invert(D, S);
     memcpy(S + 6, D, 3 * sizeof *S);
     nsdae_fc_turn_matrix(D, c->items.turn + 2 * k);
+    for (int j = 0; j < 3; j++) D[4 * j] += NSDAE_FC_PROXIMAL;
     for (int j = 0; j < 3; j++) {
       double own = j < rows ? f->r[row + j] / c->items.factor[k] : 0;
       c->r[3 * k + j] = isfinite(own) ? own : 0;

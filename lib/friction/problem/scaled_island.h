@@ -25,11 +25,11 @@ typedef struct nsdae_fc_items {
   double *factor; /* n: r = factor r' */
   double *q;      /* 3 n */
   double *C;      /* 3 n: compliance */
-  double *D;      /* 9 n: diagonal blocks of W + C, symmetric, in a frame turned about the normal
-                     where D[5] = D[7] = 0 */
+  double *D;      /* 9 n: diagonal blocks of W + C + NSDAE_FC_PROXIMAL, symmetric, in a frame
+                     turned about the normal where D[5] = D[7] = 0 */
   double *turn;   /* 2 n: cosine and sine of that */
   double *S;      /* 9 n: inverse of D + NSDAE_FC_PROXIMAL in its own frame, its lower triangle by
-                     columns, S[0] NaN if there is none; and the first row of D there */
+                     columns, S[0] NaN if there is none; and the first row of W + C there */
 } nsdae_fc_items;
 
 /* J by parts: item k has parts first[k] .. first[k + 1] - 1, part e the columns of block[e]. */
@@ -42,6 +42,7 @@ typedef struct nsdae_fc_parts {
   double *J;     /* size x 3 each, column-major */
   int *size;     /* blocks */
   int *offset;   /* blocks + 1: of y */
+  int bodies;    /* every block has six entries of y */
 } nsdae_fc_parts;
 
 /* Impulses [3 n] that r is added to, leading and trailing parts, if q are their velocities; NULL:

@@ -41,6 +41,7 @@ int nsdae_fc_aclm(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budge
       s->anderson.before[3 * k] = s->socp.s[k];
       s->fc.r[3 * k] = nsdae_fc_s_of(&s->fc, k);
     }
+    nsdae_fc_anderson_collect(&s->anderson, &s->fc);
     nsdae_fc_anderson_extrapolate(&s->anderson, &s->fc);
     for (int k = 0; k < s->fc.n; k++) s->socp.s[k] = fmax(0, s->fc.r[3 * k]);
     nsdae_fc_set_point(s, s->socp.end);

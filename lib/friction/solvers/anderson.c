@@ -28,21 +28,46 @@ void nsdae_fc_anderson_begin(nsdae_fc_anderson *s)
   s->held = s->next = s->begun = 0;
 }
 
-double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc_scaled *c, double *slip)
-{
-  memcpy(s->before, c->r, 3 * (size_t)c->n * sizeof *c->r);
-  return nsdae_fc_sweep(c, slip);
-}
-
 NSDAE_INLINED double *column(double *A, int rows, int k)
 {
   return A + (size_t)k * (size_t)rows;
 }
 
-/* x -= A c */
+/* x -= A c; columns that are not held have c = 0. */
 NSDAE_INLINED void subtract(int n, double *A, int held, const double *c, double *x)
 {
-  for (int k = 0; k < held; k++) nsdae_simd_add(n, -c[k], column(A, n, k), x);
+  const double *a[WINDOW];
+  double by[WINDOW];
+  int i = 0;
+  for (int k = 0; k < WINDOW; k++) {
+    a[k] = column(A, n, k < held ? k : 0);
+    by[k] = k < held ? c[k] : 0;
+  }
+  for (; i + 4 <= n; i += 4) {
+    nsdae_four sum = by[0] * *(const nsdae_four *)(a[0] + i);
+    for (int k = 1; k < WINDOW; k++) sum += by[k] * *(const nsdae_four *)(a[k] + i);
+    *(nsdae_four *)(x + i) -= sum;
+  }
+  for (; i < n; i++) {
+    double sum = by[0] * a[0][i];
+    for (int k = 1; k < WINDOW; k++) sum += by[k] * a[k][i];
+    x[i] -= sum;
+  }
+}
+
+/* to = x - before, before = x */
+NSDAE_INLINED void difference(int n, const double *x, double *before, double *to)
+{
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    nsdae_four now = *(const nsdae_four *)(x + i);
+    *(nsdae_four *)(to + i) = now - *(const nsdae_four *)(before + i);
+    *(nsdae_four *)(before + i) = now;
+  }
+  for (; i < n; i++) {
+    to[i] = x[i] - before[i];
+    before[i] = x[i];
+  }
 }
 
 /* x := A^-1 x, A positive semidefinite, by LDL^T without pivoting; dependent columns get x = 0. */
@@ -66,43 +91,63 @@ static void solve_gram(int m, const double *gram, double *x)
   }
 }
 
-NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
+NSDAE_INLINED void collect_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
 {
-  int n = 3 * c->n, ny = c->local ? 0 : c->ny;
-  double *f = s->before, product[WINDOW];
+  int n = 3 * c->n, ny = c->local ? 0 : c->ny, j = s->next;
+  double *f = s->before;
   nsdae_simd_subtract(n, c->r, f, f);
   double square = nsdae_simd_dot(n, f, f);
   if (s->begun && square <= GROWN * s->square) {
     /* The differences between this sweep, which changed r by f, and the one before. */
-    int j = s->next;
     double *F = column(s->F, n, j);
-    nsdae_simd_subtract(n, f, s->f, F);
-    nsdae_simd_subtract(n, c->r, s->g, column(s->G, n, j));
-    nsdae_simd_subtract(ny, c->y, s->y, column(s->Y, ny, j));
+    difference(n, f, s->f, F);
+    difference(n, c->r, s->g, column(s->G, n, j));
+    difference(ny, c->y, s->y, column(s->Y, ny, j));
     if (s->held < WINDOW) s->held++;
     s->next = (j + 1) % WINDOW;
     for (int k = 0; k < s->held; k++)
       s->gram[j * WINDOW + k] = s->gram[k * WINDOW + j] = nsdae_simd_dot(n, column(s->F, n, k), F);
   } else {
     s->held = s->next = 0;
+    memcpy(s->f, f, (size_t)n * sizeof *f);
+    memcpy(s->g, c->r, (size_t)n * sizeof *f);
+    memcpy(s->y, c->y, (size_t)ny * sizeof *f);
   }
-  memcpy(s->f, f, (size_t)n * sizeof *f);
-  memcpy(s->g, c->r, (size_t)n * sizeof *f);
-  memcpy(s->y, c->y, (size_t)ny * sizeof *f);
   s->begun = 1;
   s->square = square;
   s->left = 1;
+}
+
+NSDAE_INLINED void extrapolate_lanes(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
+{
+  int n = 3 * c->n, ny = c->local ? 0 : c->ny;
+  double product[WINDOW];
   if (s->held == 0) return;
   for (int k = 0; k < s->held; k++)
-    s->share[k] = product[k] = nsdae_simd_dot(n, column(s->F, n, k), f);
+    s->share[k] = product[k] = nsdae_simd_dot(n, column(s->F, n, k), s->f);
   solve_gram(s->held, s->gram, s->share);
-  for (int k = 0; k < s->held; k++) s->left -= s->share[k] * product[k] / square;
+  for (int k = 0; k < s->held; k++) s->left -= s->share[k] * product[k] / s->square;
   subtract(n, s->G, s->held, s->share, c->r);
   subtract(ny, s->Y, s->held, s->share, c->y);
 }
 
+NSDAE_DISPATCH("avx2", collect, collect_lanes, (nsdae_fc_anderson * s, nsdae_fc_scaled *c), (s, c))
+
 NSDAE_DISPATCH("avx2", extrapolate, extrapolate_lanes, (nsdae_fc_anderson * s, nsdae_fc_scaled *c),
                (s, c))
+
+double nsdae_fc_anderson_sweep(nsdae_fc_anderson *s, nsdae_fc_scaled *c, double *slip)
+{
+  memcpy(s->before, c->r, 3 * (size_t)c->n * sizeof *c->r);
+  double change = nsdae_fc_sweep(c, slip);
+  collect(s, c);
+  return change;
+}
+
+void nsdae_fc_anderson_collect(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
+{
+  collect(s, c);
+}
 
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *s, nsdae_fc_scaled *c)
 {

@@ -29,12 +29,12 @@ int nsdae_fc_sweep_converged(const nsdae_fc_scaled *fc, double tol, int *first);
 enum { NSDAE_FC_WINDOW = 3 };
 
 typedef struct nsdae_fc_anderson {
-  double *before;    /* 3 n: r before the sweep; after an extrapolation its change, f */
-  double *f, *g, *y; /* 3 n, 3 n, ny: of the sweep before; y of g */
+  double *before;    /* 3 n: r before the sweep, then its change, f */
+  double *f, *g, *y; /* 3 n, 3 n, ny: of the last sweep; y of g */
   double *F, *G, *Y; /* their differences, a column each of NSDAE_FC_WINDOW */
   double gram[NSDAE_FC_WINDOW * NSDAE_FC_WINDOW]; /* F^T F */
   double share[NSDAE_FC_WINDOW];                  /* held: c of the last extrapolation */
-  double square;                                  /* |f|^2 of the sweep before */
+  double square;                                  /* |f|^2 of the last sweep */
   double left;                                    /* its |f - F c|^2 / |f|^2 */
   int held, next;                                 /* columns; the one to be overwritten */
   int begun;                                      /* there was a sweep before */
@@ -43,10 +43,12 @@ typedef struct nsdae_fc_anderson {
 void nsdae_fc_anderson_layout(nsdae_fc_anderson *anderson, const nsdae_fc_scaled *fc,
                               nsdae_arena *arena);
 
-/* From fc->r on, whose fc->y is current; then a sweep and an extrapolation in turn. */
+/* From fc->r on, whose fc->y is current; then sweeps, after any of them an extrapolation. */
 void nsdae_fc_anderson_begin(nsdae_fc_anderson *anderson);
 /* Returns the largest weighted change of r; r is inside the cones, to fc->exact. */
 double nsdae_fc_anderson_sweep(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc, double *slip);
+/* The same of another fixed point g: fc->r is g(r), r in before. */
+void nsdae_fc_anderson_collect(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc);
 /* r need not be inside. */
 void nsdae_fc_anderson_extrapolate(nsdae_fc_anderson *anderson, nsdae_fc_scaled *fc);
 /* f - F c of the last extrapolation, into before. At most once after each. */
