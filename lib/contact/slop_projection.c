@@ -255,17 +255,23 @@ double nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const n
 
 /* ---- the contacts at the end */
 
+/* Whether contacts have numbers at each point alone. */
+static int finds_contacts(const nsdae_system *system)
+{
+  return nsdae_terms_most(system) == NSDAE_ANY_NUMBER;
+}
+
 /* Number at the end of closed contact a. */
 static int number_at_end(const nsdae_problem *p, int a)
 {
-  return p->system->by_list ? p->picked.place[a] : p->number[a];
+  return finds_contacts(p->system) ? p->picked.place[a] : p->number[a];
 }
 
 /* Those within reach, and their islands. */
 static int find_contacts(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms *end, double reach)
 {
   int near = 0, count = p->system->dims.k;
-  if (p->system->by_list) {
+  if (finds_contacts(p->system)) {
     int status = nsdae_problem_update(p, end, reach);
     if (status < 0) return status;
     count = end->by.list.count;

@@ -108,7 +108,9 @@ void nsdae_step_end(const nsdae_step *step)
   if (result->smooth) return;
   result->work = nsdae_problem_work(&s->problem);
   result->worst_residual = nsdae_problem_residual(&s->problem);
-  result->counters.given = s->problem.dispatch.solved->accepted > 0;
+  /* islands are solved by their own scale, a step is by that of all */
+  result->counters.given = s->problem.dispatch.solved->accepted > 0 &&
+                           !(result->worst_residual <= s->options->contact_tol);
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)

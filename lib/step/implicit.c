@@ -37,10 +37,15 @@ static const double TRUNCATION = 1e-5;
 
 enum { STAGNATION = 10 }; /* a contraction by 0.93 and less is halved in fewer */
 
+/* An iterate that has nothing in common with the one before, this often in turn: large impulses
+ * that hold each other make (W_1 - W_h) Lambda_c larger than all else, and it grows by squares. */
+enum { DIVERGED = 3 };
+
 /* How the iteration goes. */
 typedef struct progress {
   double moved, mark; /* relative change of q_1 and v_1; that at the last halving */
-  int since;          /* iterations since then */
+  int since, count;   /* iterations since then; in all */
+  int apart;          /* those in turn with a change of 1 and more */
   int frozen;         /* W_1 and w_1 are those of an iterate before */
   int rank[2];        /* least and largest of the constraints */
 } progress;
@@ -49,6 +54,8 @@ static void follow(progress *p, double moved)
 {
   p->moved = moved;
   p->since++;
+  p->count++;
+  p->apart = moved < 1 ? 0 : p->apart + 1;
   if (moved <= p->mark / 2) p->mark = moved, p->since = 0;
 }
 
@@ -185,14 +192,14 @@ static int no_convergence(const nsdae_step *step, const progress *p)
                     "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
                     "rank of Phi_q is %d in one and %d in another, as redundant constraints drift "
                     "by about rank_tol = %g: make it larger than the drift, or dt smaller",
-                    nsdae_terms_time(step->start), s->options->iteration_max, p->moved, rank[0],
-                    rank[1], s->options->rank_tol);
+                    nsdae_terms_time(step->start), p->count, p->moved, rank[0], rank[1],
+                    s->options->rank_tol);
   else
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
         "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
         "%.3g): make dt smaller%s",
-        nsdae_terms_time(step->start), s->options->iteration_max, p->moved, settled(step, p), text);
+        nsdae_terms_time(step->start), p->count, p->moved, settled(step, p), text);
   if (violated >= 0) nsdae_system_name_item(s->system, NSDAE_NAME_CONSTRAINT, violated, s->error);
   s->error->time = nsdae_terms_time(step->start);
   return NSDAE_E_CONVERGENCE;
@@ -233,9 +240,10 @@ static int attempt(const nsdae_step *step, int all_impacts)
     if (now > p.rank[1]) p.rank[1] = now;
     follow(&p, nsdae_relative_change(dims->nq, s->q, step->end->q) +
                    nsdae_relative_change(dims->nv, s->v, step->end->v));
-    if (p.moved <= settled(step, &p)) return end_iteration(step, &p); /* NaN goes on */
+    if (p.moved <= settled(step, &p)) return end_iteration(step, &p);
+    if (p.apart >= DIVERGED) break; /* or NaN */
     if (p.frozen || p.since < STAGNATION || s->problem.count == 0) continue;
-    p = (progress){p.moved, p.moved, 0, 1, {p.rank[0], p.rank[1]}};
+    p.mark = p.moved, p.since = 0, p.frozen = 1;
   }
   /* between solutions of the contact problem, which friction makes several */
   if (p.frozen && p.since >= STAGNATION && p.moved <= TRUNCATION) return end_iteration(step, &p);

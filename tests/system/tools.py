@@ -112,9 +112,11 @@ def examples():
 
 
 def make(example, data, shorter=()):
-    """Its trajectory by the parameters in the folder data, or its own."""
-    parameters = os.path.join(data, f"{example}.ini")
+    """Its trajectory by the parameters or the scene in the folder data, or its own."""
+    parameters, scene = (os.path.join(data, example + end) for end in (".ini", "_boxes.csv"))
     given = ["--params", parameters] if os.path.exists(parameters) else []
+    if os.path.exists(scene):
+        given.append(scene)
     runs(f"nsdae-{example}", "--quiet", *given, *shorter, "--output", f"{example}.h5")
 
 
