@@ -425,7 +425,8 @@ public:
   }
   /* b(t,q,v) [f]: what varies of the bounds of the frictional joints, at least 0. It is added to
    * the constant ones of nsdae_system_set_friction_bound. A jump in time belongs at the end of a
-   * step. f(double t, const double *q, const double *v, double *bound) */
+   * step.
+   *   f(double t, const double *q, const double *v, double *bound) */
   template <class F> system &joint_friction_bound(F f)
   {
     return keep(NSDAE_CALLBACK(joint_friction_bound), std::move(f));

@@ -85,8 +85,9 @@ typedef int (*nsdae_contact_acceleration_fn)(double t, const double *q, const do
  * v_S = W_S^T v + w_S. */
 typedef int (*nsdae_frictional_joint_fn)(double t, const double *q, double *W, int ldw, double *w_s,
                                          void *user);
-/* b(t,q,v) [f]: what varies of the bounds of the frictional joints, at least 0. It is added to the
- * constant ones of nsdae_system_set_friction_bound. A jump in time belongs at the end of a step. */
+/* b(t,q,v) [f]: what varies of the bounds of the frictional joints, at least 0. It is added to
+ * the constant ones of nsdae_system_set_friction_bound. A jump in time belongs at the end of a
+ * step. */
 typedef int (*nsdae_joint_friction_bound_fn)(double t, const double *q, const double *v,
                                              double *bound, void *user);
 /* dq/dt [nq] from v [nv], linear in v. */

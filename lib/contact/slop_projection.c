@@ -267,7 +267,8 @@ static int number_at_end(const nsdae_problem *p, int a)
   return finds_contacts(p->system) ? p->picked.place[a] : p->number[a];
 }
 
-/* Those within reach, and their islands. */
+/* Those within reach, and their islands. Closed contacts of a list that are farther have gap =
+ * reach there, by nsdae_problem_update. */
 static int find_contacts(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms *end, double reach)
 {
   int near = 0, count = p->system->dims.k;
@@ -279,9 +280,13 @@ static int find_contacts(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms
   }
   for (int i = 0; i < count; i++) {
     s->end.closed[i] = 0;
-    if (end->gap[i] <= reach) s->end.number[near++] = i;
+    if (end->gap[i] < reach) s->end.number[near++] = i;
   }
-  for (int a = 0; a < p->count; a++) s->end.closed[number_at_end(p, a)] = 1;
+  for (int a = 0; a < p->count; a++) {
+    int j = number_at_end(p, a);
+    s->end.closed[j] = 1;
+    if (end->gap[j] < reach) s->gap[p->number[a]] = end->gap[j];
+  }
   nsdae_contact_islands_find(&s->end.islands, end, near, s->end.number);
   return NSDAE_OK;
 }
@@ -309,7 +314,7 @@ void nsdae_slop_moved(nsdae_slop_projection *s, const nsdae_problem *p, const ns
   for (int a = 0; a < p->count; a++) {
     int i = p->number[a], j = number_at_end(p, a);
     s->moved[i] = nsdae_rows_dot(&p->system->blocks, &end->by.normal, j, change);
-    s->gap[i] = end->gap[j] + s->moved[i];
+    s->gap[i] += s->moved[i];
   }
   keep_gaps(s, p);
 }

@@ -128,15 +128,18 @@ int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms)
 }
 
 /* As far as closed contacts may have come apart since the start, twice: the fastest along its
- * directions, as its normal turns. */
+ * directions and, as its normal turns, along any: |W|^T |v|. */
 int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms)
 {
   const nsdae_impulses *r = &step->result->impulses;
   int count = step->result->closed.count, nt = terms->system->dims.nt;
   if (count == 0) return NSDAE_OK;
   double fastest = fmax(nsdae_largest(count, r->before), nsdae_largest(count * nt, r->before_t));
-  for (int a = 0; a < count; a++)
-    fastest = fmax(fastest, fabs(nsdae_terms_normal_rate(step->start, a, terms->v)));
+  for (int a = 0; a < count; a++) {
+    const nsdae_terms *start = step->start;
+    double along = nsdae_rows_dot_sizes(&start->system->blocks, &start->by.normal, a, terms->v);
+    fastest = fmax(fastest, along + fabs(start->w_N[a]));
+  }
   return nsdae_problem_update(&step->tools->problem, terms,
                               nsdae_terms_touch(terms) + 2 * step->h * fastest);
 }

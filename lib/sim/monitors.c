@@ -137,7 +137,8 @@ static double size_of_pair(const double *size, const int *block)
   return isfinite(least) ? least : 0;
 }
 
-/* The overlap that the method explains if sizes are unknown. Time stepping: see above.
+/* The overlap that the method explains if sizes are unknown. Time stepping: see above; or the
+ * rounding of a gap, 1.1 of which projection = slop leaves.
  * penalty: a spring has stored no more than its contact has taken, of what was in motion, or of the
  * work of a load or of a moving wall; a load that is put on suddenly compresses it to twice the
  * depth of rest. */
@@ -145,7 +146,8 @@ static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
 {
   const nsdae_monitors *w = &point->accounts.watch;
   const nsdae_sim_options *o = &sim->options;
-  if (o->method != NSDAE_METHOD_PENALTY) return (watch_late + 2 * pi) * w->change;
+  if (o->method != NSDAE_METHOD_PENALTY)
+    return fmax((watch_late + 2 * pi) * w->change, 2 * nsdae_terms_touch(&point->result.end));
   double n = o->penalty_law == NSDAE_PENALTY_KELVIN_VOIGT ? 1 : o->penalty_exponent;
   double stored = fmax(w->scale, point->record.dissipated);
   return watch_sudden * pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
