@@ -525,6 +525,19 @@ static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equation
   return 0;
 }
 
+/* The status by the residual in units of c->fastest, if that is known. */
+static int judge_limited(const nsdae_cone_island *c, nsdae_cone_work *work,
+                         const nsdae_cone_work *begin, int status)
+{
+  double speed = nsdae_fc_speed(work->solver), residual = work->info.residual;
+  work->tol = begin->tol;
+  work->accept = begin->accept;
+  if ((status < 0 && status != NSDAE_E_LCP) || !(c->fastest > 0)) return status;
+  if (speed > 0) residual *= speed / c->fastest;
+  work->accepted = residual > work->tol && residual <= work->accept;
+  return residual <= work->tol || work->accepted ? NSDAE_OK : NSDAE_E_LCP;
+}
+
 /* With the limits of the joints as in slides.h. */
 static int solve_limited(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                          nsdae_cone_work *work)
@@ -539,10 +552,13 @@ static int solve_limited(nsdae_cone_island *c, const nsdae_island_equations *w, 
     if (joints > 0) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
     *work = begin;
-    if (joints > 0) work->tol /= NSDAE_BOUND_FIRST; /* d times a limit is that much faster */
+    if (joints > 0) { /* d times a limit is that much faster */
+      work->tol = fmax(work->tol / times, 32 * DBL_EPSILON);
+      work->accept /= times;
+    }
     work->budget = nsdae_contacts_budget(work->budget, c->contacts + joints);
     status = solve(c, work);
-    if (joints == 0 || !reaches_limit(c, w)) return status;
+    if (joints == 0 || !reaches_limit(c, w)) return judge_limited(c, work, &begin, status);
   }
 }
 

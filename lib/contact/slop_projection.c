@@ -37,15 +37,22 @@ void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsd
   s->change = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->factor.L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
   nsdae_contact_islands_layout(&s->end.islands, system, arena);
+  s->end.stuck = NSDAE_ARENA_INTS(arena, system->dims.f);
+}
+
+/* Values of the rows of frictional joints, at most. */
+static size_t joint_values(const nsdae_system *system)
+{
+  return (size_t)system->dims.f * (size_t)system->dims.nv;
 }
 
 int nsdae_slop_grow(nsdae_slop_projection *s, const nsdae_system *system,
                     const nsdae_room *contacts, const nsdae_room *rows)
 {
   const nsdae_array each[ARRAYS] = EACH(s), values[] = {NSDAE_ARRAY(s->inverse, 1)};
-  size_t m = (size_t)system->dims.m, of_rows = m * (size_t)system->dims.nv;
+  size_t m = (size_t)(system->dims.m + system->dims.f), of_rows = m * (size_t)system->dims.nv;
   nsdae_room all = nsdae_terms_room(system, contacts);
-  if (system->call.constraint_rows) of_rows = rows->values;
+  if (system->call.constraint_rows) of_rows = rows->values + joint_values(system);
   int status = nsdae_arrays_grow(each, ARRAYS, all.entries + m);
   return status < 0 ? status : nsdae_arrays_grow(values, 1, all.values + of_rows);
 }
@@ -140,6 +147,11 @@ static int begin_island(nsdae_slop_projection *s, int island, const nsdae_terms 
     s->missing[s->count] = 0;
     at = append(s, T, &T->by.jacobian, is->row.of[i], at);
   }
+  for (int i = is->joint.first[island]; i < is->joint.first[island + 1]; i++) {
+    s->missing[s->count] = 0;
+    at = append(s, T, &T->by.frictional_joint, is->joint_number[is->joint.of[i]], at);
+    if (!s->end.stuck[is->joint_number[is->joint.of[i]]]) s->weight[s->count - 1] = 0;
+  }
   return 1;
 }
 
@@ -160,10 +172,11 @@ static const nsdae_rows *row_of(const nsdae_slop_projection *s, int island, cons
                                 int row, int *i)
 {
   const nsdae_contact_islands *is = &s->end.islands;
-  int contact = row < s->contacts;
-  *i = contact ? is->contact.of[is->contact.first[island] + row]
-               : is->row.of[is->row.first[island] + row - s->contacts];
-  return contact ? &T->by.normal : &T->by.jacobian;
+  int bilateral = row - s->contacts, joint = bilateral - nsdae_members_count(&is->row, island);
+  *i = bilateral < 0 ? is->contact.of[is->contact.first[island] + row]
+       : joint < 0   ? is->row.of[is->row.first[island] + bilateral]
+                     : is->joint_number[is->joint.of[is->joint.first[island] + joint]];
+  return bilateral < 0 ? &T->by.normal : joint < 0 ? &T->by.jacobian : &T->by.frictional_joint;
 }
 
 /* The multiplier of a row becomes next, of a contact at least 0. */
@@ -287,6 +300,8 @@ static int find_contacts(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms
     s->end.closed[j] = 1;
     if (end->gap[j] < reach) s->gap[p->number[a]] = end->gap[j];
   }
+  for (int j = 0; j < p->system->dims.f; j++)
+    s->end.stuck[j] = p->results->frictional_joint_mode[j] == NSDAE_MODE_STICK;
   nsdae_contact_islands_find(&s->end.islands, end, near, s->end.number);
   return NSDAE_OK;
 }

@@ -1,6 +1,6 @@
 /* Contacts that are deeper than a slop are moved to it, after a step:
  *
- *   min d^T M d / 2,   g_i + W_i^T d >= -s_i,   Phi_q d = 0
+ *   min d^T M d / 2,   g_i + W_i^T d >= -s_i,   Phi_q d = 0,   W_S^T d = 0 of joints that stick
  *
  * over the islands with a contact deeper than 1.1 s_i, d = M^-1 (W l + Phi_q^T m): by projected
  * Gauss-Seidel on the multipliers, forwards and backwards, with Nesterov's extrapolation between
@@ -33,6 +33,7 @@
 typedef struct nsdae_slop_contacts {
   int *number; /* of those within reach */
   int *closed; /* by number: 1 if the step closed it */
+  int *stuck;  /* f: 1 for frictional joints that stick */
   nsdae_contact_islands islands;
 } nsdae_slop_contacts;
 
@@ -41,7 +42,7 @@ typedef struct nsdae_slop_pair {
   double *before, *begun;
 } nsdae_slop_pair;
 
-/* A row is a contact of an island or, after these, a row of Phi_q. */
+/* A row is a contact of an island or, after these, a row of Phi_q or a frictional joint. */
 typedef struct nsdae_slop_projection {
   double *missing;       /* rows: g + s, 0 of Phi_q */
   double *slop;          /* contacts of the island: s */

@@ -196,7 +196,7 @@ static int measure_rates(nsdae_certificate *c, nsdae_result *r)
     if (status < 0) return status;
     there = 1;
   }
-  if (there) nsdae_result_rate(r, &r->end, r->end.v);
+  if (there && !r->rate.known) nsdae_result_rate(r, &r->end, r->end.v);
   c->constraint_rate = r->rate.most;
   c->rate_constraint = r->rate.constraint;
   return NSDAE_OK;

@@ -179,7 +179,7 @@ static int find_drift(nsdae_terms *T, int *drifted)
 /* What projection = slop needs at the end of the step. */
 static int need_end(nsdae_terms *end)
 {
-  unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN;
+  unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN | NSDAE_TERM_SLIDE;
   if (nsdae_terms_most(end->system) != NSDAE_ANY_NUMBER)
     terms |= NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
   return nsdae_terms_need(end, terms);

@@ -242,9 +242,9 @@ static int attempt(const nsdae_step *step, int all_impacts)
     follow(&p, nsdae_relative_change(dims->nq, s->q, step->end->q) +
                    nsdae_relative_change(dims->nv, s->v, step->end->v));
     if (p.moved <= settled(step, &p)) return end_iteration(step, &p);
-    if (p.apart >= DIVERGED) break; /* or NaN */
-    if (p.frozen || p.since < STAGNATION || s->problem.count == 0) continue;
-    p.mark = p.moved, p.since = 0, p.frozen = 1;
+    if (p.frozen && p.apart >= DIVERGED) break; /* or NaN */
+    if (p.frozen || (p.since < STAGNATION && p.apart < DIVERGED) || s->problem.count == 0) continue;
+    p.mark = p.moved, p.since = p.apart = 0, p.frozen = 1;
   }
   /* between solutions of the contact problem, which friction makes several */
   if (p.frozen && p.since >= STAGNATION && p.moved <= TRUNCATION) return end_iteration(step, &p);

@@ -240,7 +240,7 @@ static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem 
   }
   if (!low) {
     status = solve_condensed(s, options, r, u, info);
-    if (status <= 0) return status;
+    if (status < 0 || (status == NSDAE_OK && options->refine == 0)) return status;
   }
   status = solve_islands(s, options, r, info);
   if (status == NSDAE_E_INFEASIBLE) return refute(&s->global, r, u, info);

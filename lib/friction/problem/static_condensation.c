@@ -12,6 +12,10 @@ static const double DEPENDENT = 1e-12;
  * J, of which a chain of n joints needs some n^2. */
 enum { NUMBERS = 8 };
 
+/* Pairs of contacts that are looked at, for each value of H: as many as the sweeps of a solution
+ * that read it. */
+enum { PAIRS = 20 };
+
 static inline int least(int a, int b)
 {
   return a < b ? a : b;
@@ -275,6 +279,7 @@ int nsdae_fc_condense(nsdae_fc_condensed *c, const nsdae_fc_global *global)
   c->rows = p->bilateral;
   if (p->form != NSDAE_FRICTION_GLOBAL || c->rows == 0 || p->contacts == 0 || p->blocks < 2)
     return 0;
+  if ((size_t)p->contacts * (size_t)p->contacts > PAIRS * v->values) return 0;
   if (nsdae_arena_fit(&c->memory[0], lay_out_pattern, c) < 0) return NSDAE_E_MEMORY;
   find_envelope(c);
   list_parts(c);
