@@ -612,6 +612,38 @@ static void give(void **state)
     }
 }
 
+/* A ball of 1000 kg falls on a plate of 1 kg that a motor holds on a vertical slide with a force
+ * that is never reached. The plate is a body of infinite mass then: it does not move, by the slop
+ * neither more than that leaves, a tenth of 1.1 s. */
+static void brake(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    const double r = 0.2, edge[] = {1, 1, 0.2}, slop = gravity * DT * DT / 2;
+    nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
+    nsdae_system *system;
+    nsdae_record record;
+    nsdae_rigid_body at = {.position = {0, 0, 2}};
+    int plate = add_box(b, edge, &at);
+    add_ball(b, 1000, r, 0.1, 2.1 + r + 0.058);
+    int joint = nsdae_bodies_add_joint(b, &(nsdae_joint){.kind = NSDAE_JOINT_PRISMATIC,
+                                                         .body = {NSDAE_GROUND, plate},
+                                                         .axis = {0, 0, 1}});
+    nsdae_bodies_add_motor(b,
+                           &(nsdae_motor){.joint = joint, .kind = NSDAE_MOTOR_SPEED, .limit = 1e9});
+    nsdae_sim_options o = options_of(methods[m], 1e-8);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 250; i++) {
+      if (nsdae_sim_step(sim) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+      nsdae_sim_get_record(sim, &record);
+      assert_near(record.q[2], 2, slop);
+    }
+    assert_true(record.projection_energy > 0);
+    assert_near(record.q[9], 2.1 + r, 1.1 * 2 * slop); /* the forces of both add up */
+    end(b, system, sim);
+  }
+}
+
 static void refused(void **state)
 {
   (void)state;
@@ -652,6 +684,7 @@ int main(void)
                                      cmocka_unit_test(wall_at_rest),
                                      cmocka_unit_test(heavy),
                                      cmocka_unit_test(give),
+                                     cmocka_unit_test(brake),
                                      cmocka_unit_test(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
