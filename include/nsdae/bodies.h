@@ -135,7 +135,9 @@ typedef struct nsdae_joint {
 
 /* Ends of a coordinate of a joint: contacts without friction, with the gaps coordinate - low and
  * high - coordinate. An infinite end is free. A rotation in space has no count of its turns: it
- * needs both ends, with high - low < 2 pi. */
+ * needs both ends, with high - low < 2 pi. There the angle must not go further beyond an end than
+ * z = pi - (high - low) / 2: it would come in at the other end. So a step of time stepping needs
+ * |omega| dt < z. */
 typedef struct nsdae_limit {
   int joint;        /* a joint's number */
   int coordinate;   /* 0 or 1, of nsdae_joint */
@@ -153,11 +155,14 @@ typedef struct nsdae_rope {
 } nsdae_rope;
 
 /* A spring and damper of a coordinate of a joint: force or torque -stiffness (s - rest) - damping
- * s'. SPHERICAL has damping only: torque -damping (omega_1 - omega_0). */
+ * s'. SPHERICAL has damping only: torque -damping (omega_1 - omega_0).
+ *
+ * Turns of a rotation in space are not counted: s - rest is in (-pi, pi] and rest in -pi .. pi.
+ * Half a turn from rest the torque changes its sign; the energy is continuous. */
 typedef struct nsdae_joint_spring {
   int joint, coordinate;     /* as in nsdae_limit; SPHERICAL: coordinate 0 */
   double stiffness, damping; /* >= 0 */
-  double rest;               /* s without force [m or rad] */
+  double rest;               /* s without force [m or rad]; a rotation in space: -pi .. pi */
 } nsdae_joint_spring;
 
 /* Kinds of motors; see nsdae_motor. */
@@ -180,10 +185,12 @@ typedef struct nsdae_motor {
   int joint, coordinate;  /* as in nsdae_limit */
   int kind;               /* enum nsdae_motor_kind */
   double target;          /* if drive is NULL [N, N m; m/s, rad/s; m, rad] */
-  double limit;           /* SPEED: >= 0, finite; others: > 0, INFINITY: none [N or N m] */
-  double kp, kd;          /* POSITION: >= 0; else 0 */
+  double limit;           /* SPEED: >= 0, finite, > 0 with a target; others: > 0, INFINITY: none
+                             [N or N m] */
+  double kp, kd;          /* POSITION: >= 0, not both 0; else 0 */
   nsdae_drive_fn drive;   /* target and its rate, f and f'; or NULL */
-  nsdae_drive_fn vary;    /* SPEED: the limit f >= 0 at t, in place of limit; or NULL */
+  nsdae_drive_fn vary;    /* SPEED: the limit f >= 0 at t, in place of limit; or NULL.
+                             nsdae_sim_set_friction_bound adds to it */
   void *user, *vary_user; /* last arguments of drive and vary */
 } nsdae_motor;
 
@@ -212,12 +219,13 @@ typedef struct nsdae_spring {
 } nsdae_spring;
 
 /* A rotational spring and damper about an axis (planar: z). phi is the angle of body 1 relative to
- * body 0 since the start. In space the joints must allow relative rotation about this axis only. */
+ * body 0 since the start. In space the joints must allow relative rotation about this axis only.
+ * There turns are not counted: see nsdae_joint_spring. */
 typedef struct nsdae_torsion {
   int body[2];               /* NSDAE_GROUND or a body's number; two different ones */
   double axis[3];            /* spatial: in space at the start, of any length > 0 */
   double stiffness, damping; /* >= 0 [N m/rad, N m s/rad] */
-  double rest;               /* phi of zero torque [rad] */
+  double rest;               /* phi of zero torque [rad]; in space -pi .. pi */
 } nsdae_torsion;
 
 /* Force [N] and torque [N m], in space, on a point of a body. Inputs are the point's position [m]
@@ -363,11 +371,12 @@ typedef struct nsdae_scene {
   int bodies;             /* >= 0 */
   nsdae_rigid_body *body; /* [bodies] */
   nsdae_solid *solid;     /* [bodies], of each body; nsdae_scene_read gives them the material 1 */
-  double wall[2];         /* walls at x and y = wall[0] and wall[1] [m]; not finite: none */
-  double floor;           /* z of the floor [m] */
-  double mu, e_n;         /* of all contacts: friction, normal restitution */
-  double g;               /* gravity along -z [m/s^2] */
-  double dt;              /* time step for the scene [s] */
+  double wall[2];         /* walls at x and y = wall[0] and wall[1] [m]; wall[0] < wall[1];
+                             -INFINITY, INFINITY: none */
+  double floor;           /* z of the floor, finite [m] */
+  double mu, e_n;         /* of all contacts: friction >= 0, normal restitution 0 .. 1 */
+  double g;               /* gravity along -z, >= 0 [m/s^2] */
+  double dt;              /* time step for the scene, > 0 [s] */
 } nsdae_scene;
 
 /* Reads a scene from a CSV file (docs/guide/scenes.md). nsdae_scene_release frees it; after an

@@ -404,7 +404,8 @@ NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *opt
 /* Sets the coefficients of fixed contact i or frictional joint j in this simulation, in place of
  * the system's; those of a contact list are in its callback. A frictionless contact or joint must
  * remain frictionless, and a frictional joint must keep mu > 0: else NSDAE_E_ARGUMENT.
- * nsdae_sim_set_friction_bound sets the bound of a joint that has one in the system. */
+ * nsdae_sim_set_friction_bound sets the bound of a joint that has one in the system. The
+ * callback joint_friction_bound, such as vary of a motor, adds to it. */
 NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
 NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
 NSDAE_API int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound);

@@ -122,7 +122,7 @@ int nsdae_bodies_check_least(nsdae_bodies *b, const char *what, const char *argu
 {
   if (isfinite(x) && (open ? x > least : x >= least)) return NSDAE_OK;
   return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, argument, index,
-                             "%s = %g is not a number %s %g", argument, x,
+                             "%s = %g is not a finite number %s %g", argument, x,
                              open ? "above" : "of at least", least);
 }
 
@@ -139,10 +139,10 @@ int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const 
 {
   for (int i = 0; i < 2; i++)
     if (body[i] < NSDAE_GROUND || body[i] >= b->body.count)
-      return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies", "body",
-                             "number %d: body = %d is not a body: there are %d, from 0, and the "
-                             "ground (%d)",
-                             index, body[i], b->body.count, NSDAE_GROUND);
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "body", index,
+                                 "body = %d is not a body: there are %d, from 0, and the ground "
+                                 "(%d)",
+                                 body[i], b->body.count, NSDAE_GROUND);
   if (body[0] != body[1]) return NSDAE_OK;
   return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "body", index,
                              "both are body %d: they must be two different bodies", body[0]);

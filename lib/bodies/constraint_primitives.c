@@ -2,14 +2,14 @@
 
 static const nsdae_jet3 zero = {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
 
-/* phi = n . d.  Of a direction n that turns with body 0, n' . d = w_0 . (n x d): as if the point of
- * body 0 were at x_1. */
+/* phi = n . d - offset.  Of a direction n that turns with body 0, n' . d = w_0 . (n x d): as if the
+ * point of body 0 were at x_1. */
 static void along(const nsdae_primitive *e, const nsdae_pose pose[2], nsdae_primitive_value *value)
 {
   nsdae_jet3 x0 = nsdae_pose_point(&pose[0], e->point[0]),
              x1 = nsdae_pose_point(&pose[1], e->point[1]);
   nsdae_jet3 n = e->in_space ? nsdae_jet3_of(e->a) : nsdae_pose_direction(&pose[0], e->a);
-  value->phi = nsdae_jet3_dot(n, nsdae_jet3_sub(x1, x0));
+  value->phi = nsdae_jet_sub(nsdae_jet3_dot(n, nsdae_jet3_sub(x1, x0)), nsdae_jet_of(e->offset));
   value->wrench = (nsdae_wrench){n, zero, {e->in_space ? x0 : x1, x1}, 1};
 }
 
@@ -89,6 +89,17 @@ void nsdae_primitive_evaluate(const nsdae_primitive *e, const nsdae_pose pose[2]
     value->row.angular[0][i] -= w->ratio * w->torque.at[i].x;
     value->row.angular[1][i] += w->torque.at[i].x;
   }
+}
+
+void nsdae_primitive_turn_cut(nsdae_primitive *e, double angle)
+{
+  double c = cos(angle), s = sin(angle);
+  for (int i = 0; i < 3; i++) {
+    double a = e->a[i], b = e->b[i];
+    e->a[i] = c * a + s * b;
+    e->b[i] = c * b - s * a;
+  }
+  e->offset -= angle;
 }
 
 const char *nsdae_primitive_unit(const nsdae_primitive *e)

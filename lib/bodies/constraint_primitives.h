@@ -1,7 +1,7 @@
 /* Constraint primitives: scalar coordinates of two bodies. Joints, limits, springs and couplers are
  * made of them.
  *
- *   ALONG      n . (x_1 - x_0)                       n fixed in body 0, or in space
+ *   ALONG      n . (x_1 - x_0) - offset              n fixed in body 0, or in space
  *   SQUARE     a . c                                 a in body 0, c in body 1
  *   DISTANCE   |x_1 - x_0| - offset
  *   TURN       theta_1 - ratio theta_0 - offset      planar: turns are counted
@@ -59,6 +59,9 @@ static inline int nsdae_primitive_is_periodic(const nsdae_primitive *primitive)
 {
   return primitive->kind == NSDAE_PRIMITIVE_ANGLE;
 }
+
+/* Turns a and b of an ANGLE by the angle: its cut, where it jumps by a turn, is opposite of it. */
+void nsdae_primitive_turn_cut(nsdae_primitive *primitive, double angle);
 
 /* "m", "rad" or "1" */
 const char *nsdae_primitive_unit(const nsdae_primitive *primitive);

@@ -133,18 +133,18 @@ static int has_no_length(const nsdae_bodies *b, const nsdae_primitive *e, const 
   return e->kind == NSDAE_PRIMITIVE_DISTANCE && coincide(x[0], x[1]);
 }
 
-/* A drive that failed or is not finite; 0 if it is neither. */
-static int explain_drive(nsdae_drive_fn drive, void *user, double t, const char *words,
-                         nsdae_reason *r)
+/* A drive or vary (name) that failed or is not finite; 0 if it is neither. */
+static int explain_drive(const char *name, nsdae_drive_fn drive, void *user, double t,
+                         const char *words, nsdae_reason *r)
 {
   static const char *const rate[3] = {"f", "f'", "f''"};
   double f[3] = {0, 0, 0};
   int code = drive ? drive(t, f, user) : 0, j = 0;
   while (j < 3 && isfinite(f[j])) j++;
   if (code)
-    snprintf(r->text, sizeof r->text, "the drive of %s returned %d", words, code);
+    snprintf(r->text, sizeof r->text, "the %s of %s returned %d", name, words, code);
   else if (j < 3)
-    snprintf(r->text, sizeof r->text, "the drive of %s gave %s = %g", words, rate[j], f[j]);
+    snprintf(r->text, sizeof r->text, "the %s of %s gave %s = %g", name, words, rate[j], f[j]);
   return code || j < 3;
 }
 
@@ -157,9 +157,20 @@ static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q
   joint_words(b, c->joint, joint, sizeof joint);
   r->element = "joint";
   r->index = c->joint;
-  if (explain_drive(c->drive, c->user, t, joint, r)) return 1;
+  if (explain_drive("drive", c->drive, c->user, t, joint, r)) return 1;
   if (!has_no_length(b, &c->value, q)) return 0;
   snprintf(r->text, sizeof r->text, "%s: its ends coincide, it has no direction", joint);
+  return 1;
+}
+
+/* A limit below 0 from vary; 0 if it is not. */
+static int explain_negative(const nsdae_bodies_frictional_joint *f, double t, const char *words,
+                            nsdae_reason *r)
+{
+  double limit[3] = {0, 0, 0};
+  if (!f->vary || f->vary(t, limit, f->vary_user) || !(limit[0] < 0)) return 0;
+  snprintf(r->text, sizeof r->text, "the vary of %s gave f = %g: it must be at least 0", words,
+           limit[0]);
   return 1;
 }
 
@@ -171,8 +182,9 @@ static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r
   motor_words(f->motor, f->along.body, motor, sizeof motor);
   r->element = "motor";
   r->index = f->motor;
-  return explain_drive(f->drive, f->user, t, motor, r) ||
-         explain_drive(f->vary, f->vary_user, t, motor, r);
+  return explain_drive("drive", f->drive, f->user, t, motor, r) ||
+         explain_drive("vary", f->vary, f->vary_user, t, motor, r) ||
+         explain_negative(f, t, motor, r);
 }
 
 /* Of a motor the drive. */
@@ -184,7 +196,7 @@ static int explain_spring(const nsdae_bodies *b, int i, double t, const double *
   r->element = s->owner >= NSDAE_FORCE_MOTOR ? "motor" : "spring";
   r->index = s->number;
   motor_words(s->number, e->body, motor, sizeof motor);
-  if (explain_drive(s->drive, s->user, t, motor, r)) return 1;
+  if (explain_drive("drive", s->drive, s->user, t, motor, r)) return 1;
   if (!has_no_length(b, e, q)) return 0;
   snprintf(r->text, sizeof r->text,
            "spring %d of %s: its ends coincide, its force has no direction", r->index,

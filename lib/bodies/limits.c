@@ -18,18 +18,6 @@ static int add_end(nsdae_bodies *b, const nsdae_primitive *value, int joint, dou
   return NSDAE_OK;
 }
 
-/* a and b turned by the angle, so that the cut is opposite of it. */
-static void turn_cut(nsdae_primitive *value, double angle)
-{
-  double c = cos(angle), s = sin(angle);
-  for (int i = 0; i < 3; i++) {
-    double a = value->a[i], b = value->b[i];
-    value->a[i] = c * a + s * b;
-    value->b[i] = c * b - s * a;
-  }
-  value->offset -= angle;
-}
-
 static int check_e_n(nsdae_bodies *b, const char *what, int index, double e_n)
 {
   if (e_n >= 0 && e_n <= 1) return NSDAE_OK;
@@ -40,6 +28,9 @@ static int check_e_n(nsdae_bodies *b, const char *what, int index, double e_n)
 static int check_limit(nsdae_bodies *b, int index, const nsdae_limit *l, const nsdae_primitive *of)
 {
   const char *what = "limit";
+  if (isnan(l->high))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "high", index,
+                               "high = %g is not a number", l->high);
   if (!(l->low < l->high))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "low", index,
                                "low = %g must be below high = %g", l->low, l->high);
@@ -63,7 +54,8 @@ int nsdae_bodies_add_limit(nsdae_bodies *b, const nsdae_limit *limit)
       nsdae_bodies_joint_coordinate(b, "limit", index, limit->joint, limit->coordinate, 0);
   if (!of || check_limit(b, index, limit, of) < 0) return b->error.status;
   nsdae_primitive value = *of;
-  if (nsdae_primitive_is_periodic(of)) turn_cut(&value, (limit->low + limit->high) / 2);
+  if (nsdae_primitive_is_periodic(of))
+    nsdae_primitive_turn_cut(&value, (limit->low + limit->high) / 2);
   if (isfinite(limit->low)) status = add_end(b, &value, limit->joint, 1, limit->low, limit->e_n);
   if (isfinite(limit->high) && status == NSDAE_OK)
     status = add_end(b, &value, limit->joint, -1, limit->high, limit->e_n);

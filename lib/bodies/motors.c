@@ -45,11 +45,18 @@ static int check_motor(nsdae_bodies *b, int index, const nsdae_motor *m)
                                speed ? "limit = %g of a speed motor must be at least 0, and finite"
                                      : "limit = %g must be above 0; INFINITY: without a limit",
                                m->limit);
+  if (speed && m->limit == 0 && !m->vary && (m->drive || m->target != 0))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "limit", index,
+                               "limit = 0 of a speed motor with a target must be above 0, or give "
+                               "vary");
   if (m->vary && !speed)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "vary", index,
                                "vary is for speed motors: limit it in the target");
   nsdae_bodies_check_least(b, what, "kp", index, m->kp, 0, 0);
   nsdae_bodies_check_least(b, what, "kd", index, m->kd, 0, 0);
+  if (position && m->kp == 0 && m->kd == 0)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "kp", index,
+                               "kp = 0, kd = 0 of a position motor: one of them must be above 0");
   if (position || (m->kp == 0 && m->kd == 0)) return b->error.status;
   return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "kp", index,
                              "kp = %g, kd = %g are of position motors: they must be 0", m->kp,

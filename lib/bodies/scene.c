@@ -337,9 +337,30 @@ static void add_plane(nsdae_bodies *b, int axis, double sign, double at)
   nsdae_bodies_add_solid(b, NSDAE_GROUND, &plane);
 }
 
+/* The bounds of a file hold for a struct, and an infinite wall is none. */
+static int check_scene(nsdae_bodies *b, const nsdae_scene *s)
+{
+  const nsdae_params table = {settings + FLOOR, SETTINGS - FLOOR};
+  const char *where = "nsdae_bodies_add_scene", *missing = s->body ? "solid" : "body";
+  if (b->dimension == 2)
+    return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, "dimension",
+                           "dimension = 2: a scene needs a model of dimension 3");
+  if (s->bodies < 0)
+    return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, "bodies",
+                           "bodies = %d must be at least 0", s->bodies);
+  if (s->bodies > 0 && !(s->body && s->solid))
+    return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+  if (!(s->wall[0] < s->wall[1]))
+    return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, "wall",
+                           "wall[0] = %g must be below wall[1] = %g; -INFINITY, INFINITY: none",
+                           s->wall[0], s->wall[1]);
+  return nsdae_params_check(&table, s, &b->error);
+}
+
 int nsdae_bodies_add_scene(nsdae_bodies *b, const nsdae_scene *s)
 {
   int status = nsdae_bodies_open(b, s, "scene");
+  if (status == NSDAE_OK) status = check_scene(b, s);
   if (status < 0) return status;
   nsdae_bodies_set_gravity(b, (const double[]){0, 0, -s->g});
   add_plane(b, 2, 1, s->floor);

@@ -1,6 +1,7 @@
 /* Lengths that overlap and drift are measured by (nsdae_system_set_size): of a body, how wide its
  * narrowest solid is; of a constraint, the arm of its points about their bodies' centres, or 1 if
- * it holds an angle. */
+ * it holds an angle. A row that is known up to a period has the size period / (2 pi): of a screw
+ * and a rack the displacement per radian. So its drift is bounded before it jumps by a period. */
 #include "bodies_impl.h"
 
 /* The least height of all corners below an edge: of the plane, whose solids are convex. */
@@ -56,12 +57,14 @@ int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
     status = set_size(system, NSDAE_NAME_CONTACT, i, fmin(first, second));
   }
   for (int i = 0; i < b->constraint.count && status == NSDAE_OK; i++) {
-    const nsdae_primitive *e = &nsdae_constraint_at(b, i)->value;
+    const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
+    const nsdae_primitive *e = &c->value;
     int length = e->kind == NSDAE_PRIMITIVE_DISTANCE;
     int angle = !length && e->kind != NSDAE_PRIMITIVE_ALONG;
-    double arm = length ? nsdae_constraint_at(b, i)->p[0] : angle;
+    double arm = length ? c->p[0] : angle;
     for (int j = 0; j < 2 && !angle; j++)
       if (e->body[j] != NSDAE_GROUND) arm = fmax(arm, sqrt(nsdae_dot3(e->point[j], e->point[j])));
+    if (c->period > 0) arm = c->period / (2 * nsdae_pi);
     status = set_size(system, NSDAE_NAME_CONSTRAINT, i, arm);
   }
   return status;

@@ -1,5 +1,9 @@
 /* Springs and dampers, each along a coordinate of two bodies: the distance of two points, an angle,
- * a coordinate of a joint. */
+ * a coordinate of a joint:
+ *
+ *   F = -stiffness (s - rest) - damping s',     U = stiffness (s - rest)^2 / 2
+ *
+ * A rotation in space has the cut opposite of rest: there s - rest is -pi or pi, of equal U. */
 #include <math.h>
 
 #include "bodies_impl.h"
@@ -14,6 +18,21 @@ static int check_spring(nsdae_bodies *b, const char *what, int index, double sti
     nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "rest", index,
                         "rest = %g is not a finite number", rest);
   return b->error.status;
+}
+
+/* value := value - rest. The turns of a rotation in space are not counted: rest neither. */
+static int set_rest(nsdae_bodies *b, const char *what, int index, nsdae_primitive *value,
+                    double rest)
+{
+  int periodic = nsdae_primitive_is_periodic(value);
+  if (periodic && fabs(rest) > nsdae_pi)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "rest", index,
+                               "rest = %g of a rotation in space must be -pi .. pi, because its "
+                               "turns are not counted",
+                               rest);
+  if (periodic) nsdae_primitive_turn_cut(value, rest);
+  value->offset += rest;
+  return NSDAE_OK;
 }
 
 static int add(nsdae_bodies *b, int owner, int number, nsdae_primitive value, double stiffness,
@@ -57,7 +76,8 @@ int nsdae_bodies_add_spring(nsdae_bodies *b, const nsdae_spring *spring)
   return status < 0 ? status : index;
 }
 
-/* In space the angle in (-pi, pi] of a direction of body 1 in the frame of body 0. */
+/* In space the angle, in a range of a turn about rest, of a direction of body 1 in the frame of
+ * body 0. */
 int nsdae_bodies_add_torsion(nsdae_bodies *b, const nsdae_torsion *torsion)
 {
   int status = nsdae_bodies_open(b, torsion, "torsion");
@@ -76,15 +96,16 @@ int nsdae_bodies_add_torsion(nsdae_bodies *b, const nsdae_torsion *torsion)
   nsdae_complete_frame(axis, zero, quarter);
   nsdae_primitive angle = {.kind = planar ? NSDAE_PRIMITIVE_TURN : NSDAE_PRIMITIVE_ANGLE,
                            .body = {torsion->body[0], torsion->body[1]},
-                           .ratio = 1,
-                           .offset = torsion->rest};
+                           .ratio = 1};
   if (planar)
-    angle.offset += nsdae_bodies_start_pose(b, torsion->body[1]).angle -
-                    nsdae_bodies_start_pose(b, torsion->body[0]).angle;
+    angle.offset = nsdae_bodies_start_pose(b, torsion->body[1]).angle -
+                   nsdae_bodies_start_pose(b, torsion->body[0]).angle;
   nsdae_bodies_own_direction(b, torsion->body[0], zero, angle.a);
   nsdae_bodies_own_direction(b, torsion->body[0], quarter, angle.b);
   nsdae_bodies_own_direction(b, torsion->body[1], zero, angle.c);
-  status = add(b, NSDAE_TORSION, index, angle, torsion->stiffness, torsion->damping);
+  status = set_rest(b, what, index, &angle, torsion->rest);
+  if (status == NSDAE_OK)
+    status = add(b, NSDAE_TORSION, index, angle, torsion->stiffness, torsion->damping);
   return status < 0 ? status : index;
 }
 
@@ -102,7 +123,7 @@ int nsdae_bodies_add_joint_spring(nsdae_bodies *b, const nsdae_joint_spring *spr
   status = check_spring(b, what, index, spring->stiffness, spring->damping, spring->rest);
   if (status < 0) return status;
   nsdae_primitive value = *of;
-  value.offset += spring->rest;
+  status = set_rest(b, what, index, &value, spring->rest);
   for (int i = 0; i < (value.kind == NSDAE_PRIMITIVE_SPIN ? 3 : 1) && status == NSDAE_OK; i++) {
     if (value.kind == NSDAE_PRIMITIVE_SPIN)
       for (int j = 0; j < 3; j++) value.a[j] = i == j;

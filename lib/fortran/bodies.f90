@@ -79,7 +79,7 @@ module nsdae_f_bodies
   type, bind(C), public :: nsdae_joint_spring
     integer(c_int) :: joint = 0, coordinate = 0
     real(c_double) :: stiffness = 0, damping = 0
-    real(c_double) :: rest = 0  ! coordinate without force
+    real(c_double) :: rest = 0  ! coordinate without force; a rotation in space: -pi .. pi
   end type
 
   ! Coordinates of two joints: s_1 = p(1) + p(2) s_0 + p(3) s_0**2 + ...
@@ -112,7 +112,7 @@ module nsdae_f_bodies
     integer(c_int) :: body(2) = NSDAE_GROUND
     real(c_double) :: axis(3) = 0
     real(c_double) :: stiffness = 0, damping = 0
-    real(c_double) :: rest = 0  ! angle of zero torque
+    real(c_double) :: rest = 0  ! angle of zero torque; in space -pi .. pi
   end type
 
   ! The user's own coordinates, constraints, contacts and frictional joints; the C header describes

@@ -395,11 +395,14 @@ static int bound(nsdae_terms *T)
   int status = outcome(T, NSDAE_TERM_BOUND, code, callback, b, f, 1);
   for (int j = 0; j < f && status == NSDAE_OK && negative < 0; j++)
     if (b[j] < 0) negative = j;
+  double value = negative < 0 ? 0 : b[negative];
   for (int j = 0; j < f; j++) b[j] += s->frictional_joint[j].bound;
   if (negative < 0) return status;
   T->have &= ~(unsigned)NSDAE_TERM_BOUND;
   nsdae_error_set(T->error, NSDAE_E_CALLBACK, "nsdae_terms", callback,
-                  "%s gives a negative bound at t = %.17g: it must be at least 0", callback, t);
+                  "%s gives a negative bound %g at t = %.17g: it must be at least 0", callback,
+                  value, t);
+  if (nsdae_system_explain(s, t, T->q, T->v, T->error)) return NSDAE_E_CALLBACK;
   nsdae_system_name_item(s, NSDAE_NAME_FRICTIONAL_JOINT, negative, T->error);
   return nsdae_error_at(T->error, NSDAE_E_CALLBACK, negative, t);
 }

@@ -260,7 +260,8 @@ class Bodies:
         joint : int
             Number of the joint.
         low, high : float
-            Ends [m or rad]. In space a rotation needs both, with high - low < 2 pi.
+            Ends [m or rad]. In space a rotation needs both, with high - low < 2 pi. A step of time stepping then needs
+            a rotation of less than pi - (high - low) / 2.
         coordinate : int
             0: rotation of "revolute", displacement of "prismatic", "slot", "cylindrical", "screw", rotation about
             axis of "universal". 1: rotation of "slot", "cylindrical", "screw", rotation about cross of "universal".
@@ -332,10 +333,11 @@ class Bodies:
         coordinate : int
             See `add_limit`.
         limit : float or callable
-            Largest force or torque. "speed" needs one, and may have ``limit(t, f)``, which writes it to f[0]. With the
-            target 0 it is dry friction or a brake, and a clutch if the limit varies.
+            Largest force or torque. "speed" needs one, and may have ``limit(t, f)``, which writes it to f[0].
+            `Sim.set_friction_bound` adds to that. With the target 0 it is dry friction or a brake, and a clutch if the
+            limit varies.
         kp, kd : float
-            Gains of "position".
+            Gains of "position", not both 0.
 
         Returns
         -------
@@ -364,7 +366,7 @@ class Bodies:
         damping : float
             [N s/m or N m s/rad]
         rest : float
-            Coordinate without force [m or rad].
+            Coordinate without force [m or rad]. In space a rotation has it in -pi .. pi: its turns are not counted.
 
         Returns
         -------
@@ -413,7 +415,7 @@ class Bodies:
         damping : float
             [N m s/rad]
         rest : float
-            Angle without torque [rad].
+            Angle without torque [rad], in space in -pi .. pi.
 
         Returns
         -------

@@ -11,7 +11,8 @@ enum { NQ_MAX = 28, NV_MAX = 24 };
 /* The state at the end of a run. */
 typedef struct ending {
   double q[NQ_MAX], v[NV_MAX];
-  double last; /* time of the last impact */
+  double last;  /* time of the last impact */
+  double drift; /* the largest of the records */
   int impacts;
 } ending;
 
@@ -21,6 +22,7 @@ static inline int keep(const nsdae_record *r, nsdae_error *error, void *user)
   (void)error;
   for (int i = 0; i < r->impacts; i++) e->last = r->impact[i].time;
   e->impacts += r->impacts;
+  e->drift = fmax(e->drift, r->constraint_drift);
   return 0;
 }
 

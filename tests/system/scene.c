@@ -253,7 +253,7 @@ static void wrong_structs_have_errors(void **state)
 {
   nsdae_rigid_body body = {.mass = -1, .inertia = {1, 1, 1}};
   nsdae_solid solid = {.shape = NSDAE_SHAPE_SPHERE, .radius = 1, .material = 1};
-  const nsdae_scene s = {.bodies = 1, .body = &body, .solid = &solid, .wall = {-1, 1}};
+  const nsdae_scene s = {.bodies = 1, .body = &body, .solid = &solid, .wall = {-1, 1}, .dt = 0.01};
   nsdae_bodies *b;
   (void)state;
   assert_int_equal(nsdae_bodies_add_scene(NULL, &s), NSDAE_E_ARGUMENT);
@@ -267,6 +267,44 @@ static void wrong_structs_have_errors(void **state)
   assert_int_equal(nsdae_bodies_add_scene(b, &s), NSDAE_E_ARGUMENT);
   assert_non_null(strstr(nsdae_bodies_error(b)->text, "body 0: mass = -1"));
   nsdae_bodies_destroy(&b);
+}
+
+static void refuse_struct(int dimension, nsdae_scene s, const char *argument, const char *words)
+{
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(dimension, &b, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_add_scene(b, &s), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_bodies_error(b)->argument, argument);
+  if (!strstr(nsdae_bodies_error(b)->text, words)) fail_msg("%s", nsdae_bodies_error(b)->text);
+  nsdae_bodies_destroy(&b);
+}
+
+/* A struct has the bounds of a file. */
+static void structs_are_checked(void **state)
+{
+  nsdae_rigid_body body = {.mass = 1, .inertia = {1, 1, 1}};
+  nsdae_solid solid = {.shape = NSDAE_SHAPE_SPHERE, .radius = 1, .material = 1};
+  const nsdae_scene good = {
+      .bodies = 1, .body = &body, .solid = &solid, .wall = {-INFINITY, INFINITY}, .dt = 0.01};
+  nsdae_scene s = good;
+  nsdae_bodies *b;
+  (void)state;
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_add_scene(b, &s), NSDAE_OK);
+  nsdae_bodies_destroy(&b);
+  refuse_struct(2, s, "dimension", "dimension = 2: a scene needs");
+  s.bodies = -3, refuse_struct(3, s, "bodies", "bodies = -3 must be at least 0"), s = good;
+  s.body = NULL, refuse_struct(3, s, "body", "NULL"), s = good;
+  s.solid = NULL, refuse_struct(3, s, "solid", "NULL"), s = good;
+  s.wall[0] = 3, s.wall[1] = -3, refuse_struct(3, s, "wall", "wall[0] = 3 must be below"), s = good;
+  s.wall[0] = s.wall[1] = 0, refuse_struct(3, s, "wall", "wall[0] = 0 must be below"), s = good;
+  s.wall[1] = NAN, refuse_struct(3, s, "wall", "wall[1] = nan"), s = good;
+  s.floor = NAN, refuse_struct(3, s, "floor", "floor = nan"), s = good;
+  s.floor = -INFINITY, refuse_struct(3, s, "floor", "floor = -inf"), s = good;
+  s.mu = -1, refuse_struct(3, s, "mu", "mu = -1"), s = good;
+  s.e_n = 2, refuse_struct(3, s, "e_N", "at most 1"), s = good;
+  s.g = -9.81, refuse_struct(3, s, "g", "at least 0"), s = good;
+  s.dt = 0, refuse_struct(3, s, "dt", "greater than 0");
 }
 
 /* ---- mutations */
@@ -364,10 +402,10 @@ static void lost_allocations(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(reads_what_was_written),    cmocka_unit_test(planes_are_in_place),
-      cmocka_unit_test(wrong_files_have_errors),   cmocka_unit_test(strange_files_have_errors),
-      cmocka_unit_test(wrong_structs_have_errors), cmocka_unit_test(mutations_are_errors_or_scenes),
-      cmocka_unit_test(lost_allocations),
+      cmocka_unit_test(reads_what_was_written),         cmocka_unit_test(planes_are_in_place),
+      cmocka_unit_test(wrong_files_have_errors),        cmocka_unit_test(strange_files_have_errors),
+      cmocka_unit_test(wrong_structs_have_errors),      cmocka_unit_test(structs_are_checked),
+      cmocka_unit_test(mutations_are_errors_or_scenes), cmocka_unit_test(lost_allocations),
   };
   int file = mkstemp(path);
   if (file < 0) return 77;

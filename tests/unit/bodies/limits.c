@@ -112,6 +112,108 @@ static void test_wide(void **state)
   assert_near(angle_of(3, end.q), 5, 1e-10); /* 6 - 2 (2 - 1.5) */
 }
 
+/* ---- springs with rest */
+
+/* Kinds with a displacement, and the mass along it: of a screw of pitch h = 0.3 m, m + J (2 pi /
+ * h)^2. */
+static const struct {
+  int d, kind;
+} sliders[] = {{2, NSDAE_JOINT_PRISMATIC},
+               {2, NSDAE_JOINT_SLOT},
+               {3, NSDAE_JOINT_PRISMATIC},
+               {3, NSDAE_JOINT_CYLINDRICAL},
+               {3, NSDAE_JOINT_SCREW}};
+enum { SLIDERS = sizeof sliders / sizeof *sliders };
+static int slider;
+
+static nsdae_bodies *on_spring(double damping, double *mass)
+{
+  const double m = 2, J = 0.01, turn = 2 * pi / 0.3;
+  int d = sliders[slider].d, kind = sliders[slider].kind;
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = hang(b, d, kind, (nsdae_rigid_body){.mass = m, .inertia = {J, J, J}});
+  nsdae_joint_spring s = {joint, .stiffness = 100, .damping = damping, .rest = 0.5};
+  assert_true(nsdae_bodies_add_joint_spring(b, &s) >= 0);
+  *mass = m + (kind == NSDAE_JOINT_SCREW ? J * turn * turn : 0);
+  return b;
+}
+
+/* Damped, it comes to s = rest. */
+static void test_rest(void **state)
+{
+  (void)state;
+  for (slider = 0; slider < SLIDERS; slider++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++) {
+      double mass;
+      ending end = run(on_spring(20, &mass), method, 0.01, 20);
+      assert_near(end.q[sliders[slider].d == 2 ? 0 : 2], 0.5, 1e-10);
+    }
+}
+
+/* Without damping s = rest (1 - cos(w t)), which keeps the energy. */
+static double swinging(int d, int method, double dt)
+{
+  const double t = 1.5, rest = 0.5;
+  int axis = sliders[slider].d == 2 ? 0 : 2;
+  double mass;
+  nsdae_bodies *b = on_spring(0, &mass);
+  ending end = run(b, method, dt, t);
+  double w = sqrt(100 / mass);
+  (void)d;
+  return fmax(fabs(end.q[axis] - rest * (1 - cos(w * t))),
+              fabs(end.v[axis] - rest * w * sin(w * t)));
+}
+
+static void test_swinging(void **state)
+{
+  (void)state;
+  for (slider = 0; slider < SLIDERS; slider++) judge(swinging, sliders[slider].d, 100);
+}
+
+/* A spring of J w^2 in space, from s = 0 with the spin u: x = s - rest = A sin(p) with p' = w. If A
+ * > pi, it turns over: p is wrapped to -p_c .. p_c with A sin(p_c) = pi. The energy J (v^2 + w^2
+ * x^2) / 2 = J w^2 A^2 / 2 is that of the start. */
+static double spin, rest;
+static int by_torsion;
+
+static double turning(int d, int method, double dt)
+{
+  const double t_end = 4, w = 1.1, stiffness = 0.5 * w * w;
+  nsdae_bodies *b = create(d, 0, 0, 0);
+  int joint = hang(b, d, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.spin = {0, 0, spin}});
+  nsdae_joint_spring s = {joint, .stiffness = stiffness, .rest = rest};
+  nsdae_torsion torsion = {
+      .body = {NSDAE_GROUND, 0}, .axis = {0, 0, 2}, .stiffness = stiffness, .rest = rest};
+  int status =
+      by_torsion ? nsdae_bodies_add_torsion(b, &torsion) : nsdae_bodies_add_joint_spring(b, &s);
+  assert_true(status >= 0);
+  ending end = run(b, method, dt, t_end);
+  double A = copysign(sqrt(rest * rest + spin * spin / (w * w)), spin);
+  double p = atan2(-copysign(rest, rest * spin), fabs(spin) / w) + w * t_end;
+  if (fabs(A) > pi) p = remainder(p, 2 * asin(pi / fabs(A)));
+  double wrong = remainder(angle_of(d, end.q) - rest - A * sin(p), 2 * pi);
+  return fmax(fabs(wrong), fabs(end.v[5] - A * w * cos(p)));
+}
+
+/* The force jumps as it turns over: event finds the place by the size of its steps alone, to its
+ * local tolerance 1e-12 times the number of steps. */
+static void test_turning(void **state)
+{
+  (void)state;
+  const double rests[] = {0, 1, -2, 3};
+  for (by_torsion = 0; by_torsion <= 1; by_torsion++)
+    for (int i = 0; i < 4; i++)
+      for (spin = -2; spin <= 5; spin += 7) {
+        rest = rests[i];
+        if (hypot(rest, spin / 1.1) < pi) judge(turning, 3, 100);
+        assert_at_most(turning(3, NSDAE_METHOD_EVENT, 0.05), 1e-8);
+        for (double dt = 2e-3; dt > 1e-4; dt /= 4) {
+          assert_at_most(turning(3, NSDAE_METHOD_MOREAU, dt), 100 * dt);
+          assert_at_most(turning(3, NSDAE_METHOD_IMPLICIT, dt), 100 * dt);
+        }
+      }
+}
+
 /* ---- damping: s' = s'(0) exp(-c t / inertia) of every coordinate */
 
 static void decays(int d, int kind, int coordinate, nsdae_rigid_body body, int velocity)
@@ -214,6 +316,29 @@ static void test_couplers(void **state)
   for (int d = 2; d <= 3; d++) {
     judge(rack, d, 100);
     judge(gears, d, 100);
+  }
+}
+
+/* Screw and rack in space, with the points at the centres of the bodies, turn by 0.2 rad in a step.
+ * The drift is projected to 1e-4 of the displacement per radian. */
+static void test_drift(void **state)
+{
+  (void)state;
+  const double w = 20, r = 0.2, h = 0.3;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU;
+       method += NSDAE_METHOD_MOREAU - NSDAE_METHOD_IMPLICIT) {
+    nsdae_bodies *b = create(3, 0, 0, 0);
+    double up = w * h / (2 * pi);
+    hang(b, 3, NSDAE_JOINT_SCREW, (nsdae_rigid_body){.spin = {0, 0, w}, .velocity = {0, 0, up}});
+    ending end = run(b, method, 0.01, 10);
+    assert_at_most(end.drift, 1e-4 * h / (2 * pi));
+    b = create(3, 0, 0, 0);
+    int pinion = hang(b, 3, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.spin = {0, 0, w}});
+    int rail = hang(b, 3, NSDAE_JOINT_PRISMATIC, (nsdae_rigid_body){.velocity = {0, 0, w * r}});
+    nsdae_coupler c = {.joint = {pinion, rail}, .p = {0, r}};
+    assert_int_equal(nsdae_bodies_add_coupler(b, &c), 0);
+    end = run(b, method, 0.01, 10);
+    assert_at_most(end.drift, 1e-4 * r);
   }
 }
 
@@ -378,7 +503,9 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bouncing),   cmocka_unit_test(test_sprung),
       cmocka_unit_test(test_turns),      cmocka_unit_test(test_wide),
-      cmocka_unit_test(test_damping),    cmocka_unit_test(test_couplers),
+      cmocka_unit_test(test_damping),    cmocka_unit_test(test_rest),
+      cmocka_unit_test(test_swinging),   cmocka_unit_test(test_turning),
+      cmocka_unit_test(test_drift),      cmocka_unit_test(test_couplers),
       cmocka_unit_test(test_polynomial), cmocka_unit_test(test_rope),
       cmocka_unit_test(test_slack),      cmocka_unit_test(test_beside_friction),
       cmocka_unit_test(test_starts)};

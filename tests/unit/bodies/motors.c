@@ -174,6 +174,81 @@ static void test_clutch(void **state)
   for (int d = 2; d <= 3; d++) judge(clutch, d, 20);
 }
 
+/* A constant bound is added to vary: a wheel of 3 rad/s under the bound t^2 until t = 1, then t^2 +
+ * 0.25, has at t = 1.2 the rate 3 - (1.2^3 / 3 + 0.05) / J. */
+static void test_added_bound(void **state)
+{
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++) {
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_record r;
+    nsdae_sim_options o;
+    double q[3], v[3];
+    nsdae_bodies *b = create(2, 0, 0, 0);
+    add_motor(b, (nsdae_motor){wheel(b, 2, 3), .kind = NSDAE_MOTOR_SPEED, .vary = ramp});
+    assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+    nsdae_bodies_get_start(b, q, v);
+    nsdae_sim_options_default(&o);
+    o.method = method;
+    o.dt = 1e-3;
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 1), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_friction_bound(sim, 0, 0.25), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 1.2), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    assert_near(r.v[2], 3 - (pow(1.2, 3) / 3 + 0.05) / 0.5,
+                method == NSDAE_METHOD_EVENT ? 1e-6 : 3e-3); /* dt (t^2 + 0.25) / J */
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
+/* A vary that is negative or not finite from t = 0.5 on is named, with the motor and the value. */
+static double late_value;
+
+static int late(double t, double f[3], void *user)
+{
+  (void)user;
+  f[0] = late_value < 0 ? 0.5 - t : t > 0.5 ? late_value : 1;
+  return 0;
+}
+
+static void test_wrong_vary(void **state)
+{
+  (void)state;
+  const double values[] = {NAN, INFINITY, -1};
+  const char *words[] = {"the vary of motor 0 of body 0 and the ground gave f = nan",
+                         "the vary of motor 0 of body 0 and the ground gave f = inf",
+                         "the vary of motor 0 of body 0 and the ground gave f = -"};
+  for (int i = 0; i < 3; i++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method += 2) {
+      nsdae_system *system;
+      nsdae_sim *sim;
+      nsdae_sim_options o;
+      double q[3], v[3];
+      nsdae_bodies *b = create(2, 0, 0, 0);
+      add_motor(b, (nsdae_motor){wheel(b, 2, 3), .kind = NSDAE_MOTOR_SPEED, .vary = late});
+      assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+      nsdae_bodies_get_start(b, q, v);
+      nsdae_sim_options_default(&o);
+      o.method = method;
+      late_value = values[i];
+      assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+      assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+      assert_int_equal(nsdae_sim_run(sim, 1), i < 2 ? NSDAE_E_NONFINITE : NSDAE_E_CALLBACK);
+      const nsdae_error *error = nsdae_sim_error(sim);
+      if (!strstr(error->text, words[i])) fail_msg("%s", error->text);
+      assert_string_equal(error->argument, "motor");
+      assert_int_equal(error->index, 0);
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&system);
+      nsdae_bodies_destroy(&b);
+    }
+}
+
 /* ---- position motors */
 
 /* kp = 50, kd = 2, target 1: J s'' + kd s' + kp (s - 1) = 0 from rest. */
@@ -233,8 +308,10 @@ static void test_stiff(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_force),    cmocka_unit_test(test_speed),
-                                     cmocka_unit_test(test_stick),    cmocka_unit_test(test_clutch),
-                                     cmocka_unit_test(test_position), cmocka_unit_test(test_stiff)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_force),       cmocka_unit_test(test_speed),
+      cmocka_unit_test(test_stick),       cmocka_unit_test(test_clutch),
+      cmocka_unit_test(test_added_bound), cmocka_unit_test(test_wrong_vary),
+      cmocka_unit_test(test_position),    cmocka_unit_test(test_stiff)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

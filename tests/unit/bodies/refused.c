@@ -14,6 +14,8 @@ static nsdae_bodies *world(int d)
   return b;
 }
 
+static const char *words; /* that the text of the next refusal contains, or NULL */
+
 /* The call was refused for this argument; everything after it is too, with the same record. */
 static void expect(nsdae_bodies *b, int returned, int status, const char *argument)
 {
@@ -23,6 +25,8 @@ static void expect(nsdae_bodies *b, int returned, int status, const char *argume
   assert_int_equal(error->status, status);
   assert_string_equal(error->argument, argument);
   assert_true(strlen(error->text) > 10);
+  if (words && !strstr(error->text, words)) fail_msg("%s", error->text);
+  words = NULL;
   assert_int_equal(nsdae_bodies_add(b, &good), status);
   assert_int_equal(nsdae_bodies_system(b, &system), status);
   assert_null(system);
@@ -162,6 +166,8 @@ static void test_limits(void **state)
     refuse_limit(d, (nsdae_limit){0, 0, -1, 1, 1.5}, "e_n");
     refuse_limit(d, (nsdae_limit){0, 0, -1, 1, NAN}, "e_n");
   }
+  words = "limit 0: high = nan is not a number";
+  refuse_limit(3, (nsdae_limit){0, 0, -1, NAN, 0}, "high");
   refuse_limit(3, (nsdae_limit){0, 0, -1, INFINITY, 0}, "high");
   refuse_limit(3, (nsdae_limit){0, 0, -3.2, 3.2, 0}, "high");
   nsdae_bodies *b = jointed(2);
@@ -178,7 +184,10 @@ static void test_ropes(void **state)
 {
   (void)state;
   refuse_rope((nsdae_rope){.body = {1, 1}, .length = 1}, NSDAE_E_ARGUMENT, "body");
+  words = "rope 0: body = 2 is not a body: there are 2";
+  refuse_rope((nsdae_rope){.body = {0, 2}, .length = 1}, NSDAE_E_ARGUMENT, "body");
   refuse_rope((nsdae_rope){.body = {0, 1}}, NSDAE_E_ARGUMENT, "length");
+  words = "rope 0: length = inf is not a finite number above 0";
   refuse_rope((nsdae_rope){.body = {0, 1}, .length = INFINITY}, NSDAE_E_ARGUMENT, "length");
   refuse_rope((nsdae_rope){.body = {0, 1}, .length = 1, .e_n = -1}, NSDAE_E_ARGUMENT, "e_n");
   refuse_rope((nsdae_rope){.body = {0, 1}, .length = 1, .end = {0, 0, 1}}, NSDAE_E_ARGUMENT, "end");
@@ -217,6 +226,11 @@ static void test_motors(void **state)
   refuse_motor((nsdae_motor){.limit = NAN}, NSDAE_E_ARGUMENT, "limit");
   refuse_motor((nsdae_motor){.kind = speed, .limit = INFINITY}, NSDAE_E_ARGUMENT, "limit");
   refuse_motor((nsdae_motor){.kind = speed, .limit = -1}, NSDAE_E_ARGUMENT, "limit");
+  words = "limit = 0 of a speed motor with a target must be above 0";
+  refuse_motor((nsdae_motor){.kind = speed, .target = 1}, NSDAE_E_ARGUMENT, "limit");
+  refuse_motor((nsdae_motor){.kind = speed, .drive = drive}, NSDAE_E_ARGUMENT, "limit");
+  words = "kp = 0, kd = 0 of a position motor";
+  refuse_motor((nsdae_motor){.kind = position, .limit = 1}, NSDAE_E_ARGUMENT, "kp");
   refuse_motor((nsdae_motor){.kind = speed, .limit = 1, .kp = 1}, NSDAE_E_ARGUMENT, "kp");
   refuse_motor((nsdae_motor){.limit = 1, .kd = 1}, NSDAE_E_ARGUMENT, "kp");
   refuse_motor((nsdae_motor){.kind = position, .limit = 1, .kp = -1}, NSDAE_E_ARGUMENT, "kp");
@@ -396,6 +410,11 @@ static void test_springs(void **state)
   refuse_torsion((nsdae_torsion){.body = {1, 1}, .axis = {1}}, NSDAE_E_ARGUMENT, "body");
   refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {1}, .rest = INFINITY}, NSDAE_E_NONFINITE,
                  "rest");
+  words = "rest = -3.2 of a rotation in space must be -pi .. pi";
+  refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {1}, .rest = -3.2}, NSDAE_E_ARGUMENT,
+                 "rest");
+  refuse_joint_spring(3, (nsdae_joint_spring){.stiffness = 1, .rest = 3.2}, NSDAE_E_ARGUMENT,
+                      "rest");
   refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {INFINITY}}, NSDAE_E_ARGUMENT, "axis");
 }
 
