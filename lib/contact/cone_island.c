@@ -529,10 +529,11 @@ static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equation
 static int judge_limited(const nsdae_cone_island *c, nsdae_cone_work *work,
                          const nsdae_cone_work *begin, int status)
 {
-  double speed = nsdae_fc_speed(work->solver), residual = work->info.residual;
+  double residual = work->info.residual;
   work->tol = begin->tol;
   work->accept = begin->accept;
   if ((status < 0 && status != NSDAE_E_LCP) || !(c->fastest > 0)) return status;
+  double speed = nsdae_fc_speed(work->solver);
   if (speed > 0) residual *= speed / c->fastest;
   work->accepted = residual > work->tol && residual <= work->accept;
   return residual <= work->tol || work->accepted ? NSDAE_OK : NSDAE_E_LCP;
