@@ -302,11 +302,17 @@ def heap(a, q, p):
         a.close(f"sphere {i + 1}", "pose", x, y, 0)
 
 
+def scene(a, q, p):
+    q = q.reshape(len(q), -1, 7)
+    for i in range(q.shape[1]):
+        a.close(f"box {i + 5}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
+
+
 MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider, "incline": incline,
           "bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank}
+          "flexible-crank": flexible_crank, "scene": scene}
 
 
 def check_strips(a, f):
@@ -413,7 +419,7 @@ def check_example(stem):
 # earlier ends or fewer bodies where the test would last
 SHORTER = {"bouncing-ball": ("--t-end", "3"), "pendulum": ("--t-end", "3"), "pendulum-fortran": ("--t-end", "3"),
            "crank-slider": ("--t-end", "3"), "woodpecker": ("--t-end", "1"), "newtons-cradle": ("--t-end", "1"),
-           "dominoes": ("--t-end", "0.3"), "heap": ("--t-end", "0.3"), "shaken-ball": ("--t-end", "0.3"),
+           "dominoes": ("--t-end", "0.3"), "heap": ("--t-end", "0.3"), "scene": ("--t-end", "0.3"), "shaken-ball": ("--t-end", "0.3"),
            "column": ("--set", "balls=3")}  # each is a mesh
 
 
