@@ -185,11 +185,10 @@ static int need_end(nsdae_terms *end)
   return nsdae_terms_need(end, terms);
 }
 
-/* Moves the end of the step to the slop, and to its constraints, which drifted, or changed by the
- * second order.
- * Velocities stay; with constraints they are projected to those of the new place, which only lowers
- * the kinetic energy. A contact that is not closed may be twice as far as the deepest: a rod that
- * is pushed at one end goes half as far back at the other, and its neighbour may do the same. */
+/* Moves the end of the step to the slop and to its constraints: these drifted, or the change moved
+ * them by the second order. Velocities stay; with constraints they are projected to those of the
+ * new place, which only lowers the kinetic energy. The reach is twice the deepest: a rod that is
+ * pushed at one end goes back half as far at the other, and its neighbour may do the same. */
 static int move_by(nsdae_sim *sim, double deepest, int drifted, double h)
 {
   nsdae_result *r = &sim->next->result;

@@ -19,8 +19,8 @@
  *
  * Contacts of a list may come and go between iterates, or their normals jump, as from face to edge.
  * Then no fixed point may exist. If the change of q_1 and v_1 has not been halved for STAGNATION
- * iterations, W_1 and w_1 remain those of the last iterate: the map is continuous again.
- */
+ * iterations, or is 1 and more for DIVERGED in turn, W_1 and w_1 remain those of the last iterate:
+ * the map is continuous again. If it diverges with these, the attempt ends. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
