@@ -58,7 +58,11 @@ static void add_joints(nsdae_bodies *b, int dimension)
   nsdae_bodies_add_coupler(b, &(nsdae_coupler){.joint = {0, 1}, .p = {0, 1}});
   nsdae_bodies_add_joint_spring(b, &(nsdae_joint_spring){1, 0, 2, 1, 0});
   for (int kind = NSDAE_MOTOR_FORCE; kind <= NSDAE_MOTOR_POSITION; kind++)
-    nsdae_bodies_add_motor(b, &(nsdae_motor){.joint = 1, .kind = kind, .target = 1, .limit = 2});
+    nsdae_bodies_add_motor(b, &(nsdae_motor){.joint = 1,
+                                             .kind = kind,
+                                             .target = 1,
+                                             .kp = kind == NSDAE_MOTOR_POSITION ? 4 : 0,
+                                             .limit = 2});
   nsdae_bodies_add_load(b, 3, (const double[]){9, 1.5, 0}, load, NULL);
   nsdae_bodies_set_gravity(b, (const double[]){0, -9.81, 0});
 }
@@ -108,7 +112,8 @@ static int describe(int dimension, int own)
   status = nsdae_bodies_system(b, &s);
   if (status < 0) {
     assert_int_equal(nsdae_bodies_error(b)->status, status);
-    assert_true(nsdae_bodies_error(b)->text[0] != 0);
+    snprintf(said, sizeof said, "%s", nsdae_bodies_error(b)->text);
+    assert_true(said[0] != 0);
     assert_null(s);
   } else {
     nsdae_bodies_get_start(b, q, v);
