@@ -215,14 +215,21 @@ static void first_guess(const nsdae_step *step)
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
 }
 
+/* If q_1 of the matrices is further from that of v_1 than by iteration_tol, end moves there: the
+ * error of velocities that contact_tol leaves is none of q_1 = q_0 + h/2 (v_0 + v_1). */
 static int end_iteration(const nsdae_step *step, const progress *p)
 {
-  nsdae_terms_set_velocity(step->end, step->tools->v);
+  nsdae_stepper *s = step->tools;
+  int moves = p->moved > s->iteration_tol;
   step->result->counters.frozen = p->frozen;
-  return p->frozen ? need(step, step->end, 0) : NSDAE_OK;
+  if (moves)
+    nsdae_terms_at(step->end, step->t_end, s->q, s->v);
+  else
+    nsdae_terms_set_velocity(step->end, s->v);
+  return moves || p->frozen ? need(step, step->end, 0) : NSDAE_OK;
 }
 
-/* On return end is where the matrices of the solution were taken, with the velocity v_1. */
+/* On return end is at q_1 with the velocity v_1. */
 static int attempt(const nsdae_step *step, int all_impacts)
 {
   nsdae_stepper *s = step->tools;

@@ -644,6 +644,31 @@ static void brake(void **state)
   }
 }
 
+/* A ball that flies beyond the walls has its parabola to rounding, whatever contact_tol leaves of
+ * the boxes that fall within. */
+static void free_flight(void **state)
+{
+  (void)state;
+  for (int m = 0; m < METHODS; m++) {
+    nsdae_bodies *b = drop_boxes(11, 2);
+    nsdae_system *system;
+    nsdae_record record;
+    const int ball = nsdae_bodies_add(
+        b, &(nsdae_rigid_body){
+               .mass = 2, .inertia = {1, 1, 1}, .position = {50, 0, 50}, .velocity = {3, 0, 8}});
+    nsdae_sim_options o = options_of(methods[m], 1e-4);
+    nsdae_sim *sim = start(b, &o, &system);
+    for (int i = 0; i < 300; i++) {
+      if (nsdae_sim_step(sim) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+      nsdae_sim_get_record(sim, &record);
+      const double t = record.time, *q = record.q + 7 * ball;
+      assert_near(q[0], 50 + 3 * t, 1e-11);
+      assert_near(q[2], 50 + 8 * t - gravity * t * t / 2, 1e-11);
+    }
+    end(b, system, sim);
+  }
+}
+
 static void refused(void **state)
 {
   (void)state;
@@ -685,6 +710,7 @@ int main(void)
                                      cmocka_unit_test(heavy),
                                      cmocka_unit_test(give),
                                      cmocka_unit_test(brake),
+                                     cmocka_unit_test(free_flight),
                                      cmocka_unit_test(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
