@@ -179,12 +179,16 @@ enum nsdae_motor_kind {
  * Frictional joints are numbered from 0 in the order of the calls: slots with mu > 0 and motors
  * SPEED.
  *
+ * Motors are numbered from 0 in the order of the calls: the target of motor i without a drive is
+ * control i of a simulation (nsdae_sim_set_control).
+ *
  * The force of FORCE and POSITION is part of F, with its derivatives. In space a rotation is known
  * up to turns: POSITION takes the way to the target of at most half a turn. */
 typedef struct nsdae_motor {
   int joint, coordinate;  /* as in nsdae_limit */
   int kind;               /* enum nsdae_motor_kind */
-  double target;          /* if drive is NULL [N, N m; m/s, rad/s; m, rad] */
+  double target;          /* if drive is NULL, until nsdae_sim_set_control sets another
+                             [N, N m; m/s, rad/s; m, rad] */
   double limit;           /* SPEED: >= 0, finite, > 0 with a target; others: > 0, INFINITY: none
                              [N or N m] */
   double kp, kd;          /* POSITION: >= 0, not both 0; else 0 */

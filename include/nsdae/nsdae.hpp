@@ -989,6 +989,16 @@ public:
     demand(nsdae_sim_set_friction_bound(c(), j, bound));
   }
 
+  /* nsdae_sim_set_control: the target of motor i in this simulation. */
+  void set_control(int i, double value) { demand(nsdae_sim_set_control(c(), i, value)); }
+
+  double control(int i)
+  {
+    double value = 0;
+    demand(nsdae_sim_get_control(c(), i, &value));
+    return value;
+  }
+
   /* nsdae_sim_get_state: the state as a block of bytes. */
   std::vector<unsigned char> state() const
   {

@@ -409,6 +409,14 @@ NSDAE_API int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *opt
 NSDAE_API int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t);
 NSDAE_API int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu);
 NSDAE_API int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound);
+/* Sets control i in this simulation: the target of motor i (nsdae_motor), in place of the constant
+ * target. The next step begins with it; method event starts its integrator anew at the state.
+ * Controls are part of the state: nsdae_sim_set_state restores them, nsdae_sim_init keeps them.
+ *
+ * NSDAE_E_ARGUMENT: no such motor, its target is a drive, or value is not finite. */
+NSDAE_API int nsdae_sim_set_control(nsdae_sim *sim, int i, double value);
+/* Control i into *value. NSDAE_E_ARGUMENT: as above. */
+NSDAE_API int nsdae_sim_get_control(nsdae_sim *sim, int i, double *value);
 
 /* The complementarity problem of a step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE. Its arrays belong to the simulation and are valid until the next step.

@@ -14,6 +14,13 @@ typedef struct nsdae_reason {
   char text[208];
 } nsdae_reason;
 
+/* Last argument of the callbacks of its system: what was made, and the controls. Those of a
+ * simulation are its own. */
+typedef struct nsdae_maker_user {
+  const void *of;
+  const double *control;
+} nsdae_maker_user;
+
 typedef struct nsdae_maker {
   const void *of; /* handed to each */
   /* Whether the derivatives of row i of a kind (enum nsdae_name_kind) are the maker's formulas. */
@@ -25,6 +32,10 @@ typedef struct nsdae_maker {
   /* The first element that is degenerate at the point for that callback: 1; 0: none. */
   int (*explain)(const void *of, const char *callback, double t, const double *q, const double *v,
                  nsdae_reason *reason);
+  int controls;
+  const double *control; /* [controls] at first */
+  /* NULL, or why a simulation cannot set control i. */
+  const char *(*fixed)(const void *of, int i);
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

@@ -8,7 +8,7 @@
 
 static int mass_blocks(double t, const double *q, double *M, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   int nv = nsdae_body_nv(b), d = b->dimension;
   for (int i = 0; i < b->body.count; i++, M += nv * nv)
     for (int j = 0; j < nv; j++) {
@@ -133,7 +133,7 @@ static int list_pass(void *to, nsdae_contact_list *list, int pass)
 static int contacts(double t, const double *q, const double *v, double reach,
                     nsdae_contact_list *list, void *user)
 {
-  nsdae_bodies *b = user;
+  nsdae_bodies *b = nsdae_bodies_of(user);
   nsdae_broad *broad = nsdae_broad_take(b);
   if (!broad) return -1;
   listing l = {
@@ -178,7 +178,7 @@ static double largest_arm(const nsdae_bodies *b, const nsdae_solid_of *s, const 
 /* The sum over the two fastest bodies, and the rates of limits. */
 static int contact_speed(double t, const double *q, const double *v, double *speed, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   int nv = nsdae_body_nv(b), d = b->dimension, fastest = NSDAE_GROUND;
   double size = 0, first = 0, second = 0;
   (void)t;

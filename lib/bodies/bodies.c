@@ -33,9 +33,9 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
   for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
-  nsdae_list *lists[] = {&b->body,    &b->constraint, &b->frictional_joint, &b->solid,
-                         &b->feature, &b->limit,      &b->spring,           &b->load,
-                         &b->pair,    &b->joint};
+  nsdae_list *lists[] = {
+      &b->body,         &b->constraint, &b->frictional_joint, &b->solid, &b->feature, &b->limit,
+      &b->force.spring, &b->force.load, &b->force.target,     &b->pair,  &b->joint};
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);
@@ -175,13 +175,13 @@ int nsdae_bodies_add_load(nsdae_bodies *b, int body, const double *point, nsdae_
 {
   int status = nsdae_bodies_open(b, point, "point");
   if (status < 0) return status;
-  int index = b->load.count;
+  int index = b->force.load.count;
   const int pair[2] = {NSDAE_GROUND, body};
   if (!call) return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "load", "load", index, "load is NULL");
   status = nsdae_bodies_check_pair(b, "load", index, pair);
   if (status == NSDAE_OK) status = nsdae_bodies_check_vector(b, "load", "point", index, point, 1);
   if (status < 0) return status;
-  nsdae_load *load = nsdae_list_add(b, &b->load, sizeof *load);
+  nsdae_load *load = nsdae_list_add(b, &b->force.load, sizeof *load);
   if (!load) return NSDAE_E_MEMORY;
   *load = (nsdae_load){.body = body, .call = call, .user = user};
   nsdae_bodies_own_point(b, body, point, load->point);
@@ -192,7 +192,7 @@ int nsdae_bodies_set_gravity(nsdae_bodies *b, const double *gravity)
 {
   int status = nsdae_bodies_open(b, gravity, "gravity");
   if (status == NSDAE_OK) status = nsdae_bodies_check_vector(b, "world", "gravity", 0, gravity, 1);
-  if (status == NSDAE_OK) memcpy(b->gravity, gravity, sizeof b->gravity);
+  if (status == NSDAE_OK) memcpy(b->force.gravity, gravity, sizeof b->force.gravity);
   return status;
 }
 

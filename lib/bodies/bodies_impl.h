@@ -8,8 +8,10 @@
 
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "constraint_primitives.h"
+#include "maker.h"
 #include "narrow_phase.h"
 
 /* An array that grows: count entries of the same size. */
@@ -61,18 +63,18 @@ enum { NSDAE_ROPE = -1 };
 typedef struct nsdae_bodies_frictional_joint {
   int constraint, joint, motor; /* of the slot; the motor's number, or -1 */
   nsdae_primitive along;
-  double mu, bound, target;
+  double mu, bound;
   nsdae_drive_fn drive, vary; /* target and bound of a motor, or NULL */
   void *user, *vary_user;
 } nsdae_bodies_frictional_joint;
 
 /* Force stiffness (target - s) + damping (target' - s') along a coordinate, within the limit; of a
- * force motor the target. */
+ * force motor the target, which is 0 of a spring. */
 typedef struct nsdae_bodies_spring {
   nsdae_primitive value;
   int owner, number; /* NSDAE_SPRING, ..., and its number among them */
-  double stiffness, damping, limit, target;
-  nsdae_drive_fn drive; /* target(t), or NULL */
+  double stiffness, damping, limit;
+  nsdae_drive_fn drive; /* target(t), or NULL: the control of its number */
   void *user;
 } nsdae_bodies_spring;
 
@@ -87,24 +89,42 @@ typedef struct nsdae_bodies_pair {
 typedef struct nsdae_broad nsdae_broad;
 enum { NSDAE_BROADS = 16 };
 
+/* Forces on the bodies, and targets of motors. */
+typedef struct nsdae_bodies_forces {
+  double gravity[3];
+  nsdae_list spring;     /* nsdae_bodies_spring */
+  nsdae_list load;       /* nsdae_load */
+  nsdae_list target;     /* double, of each motor: the controls at first */
+  nsdae_maker_user user; /* of the system */
+} nsdae_bodies_forces;
+
 struct nsdae_bodies {
   int dimension;
   int made;          /* the system was */
   nsdae_error error; /* of the first call that failed */
-  double gravity[3];
+  nsdae_bodies_forces force;
   nsdae_list body;                            /* nsdae_rigid_body */
   nsdae_list constraint;                      /* nsdae_bodies_constraint */
   nsdae_list frictional_joint;                /* nsdae_bodies_frictional_joint */
   nsdae_list solid;                           /* nsdae_solid_of */
   nsdae_list feature;                         /* nsdae_feature: the contacts */
   nsdae_list limit;                           /* nsdae_bodies_limit: contacts behind those */
-  nsdae_list spring;                          /* nsdae_bodies_spring */
-  nsdae_list load;                            /* nsdae_load */
   nsdae_list pair;                            /* nsdae_bodies_pair */
   _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
   nsdae_list joint;                           /* nsdae_bodies_joint */
   nsdae_user_rows own;                        /* beside the bodies; nv filled in */
 };
+
+/* From the last argument of a callback. */
+static inline nsdae_bodies *nsdae_bodies_of(const void *user)
+{
+  return (nsdae_bodies *)(uintptr_t)((const nsdae_maker_user *)user)->of;
+}
+
+static inline const double *nsdae_control_of(const void *user)
+{
+  return ((const nsdae_maker_user *)user)->control;
+}
 
 static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
 {
@@ -144,7 +164,7 @@ static inline const nsdae_feature *nsdae_feature_at(const nsdae_bodies *b, int i
 
 static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, int i)
 {
-  return (const nsdae_bodies_spring *)b->spring.at + i;
+  return (const nsdae_bodies_spring *)b->force.spring.at + i;
 }
 
 /* Whether the system has a contact list, which then has all contacts; else they are fixed. */
@@ -228,17 +248,20 @@ void nsdae_bodies_scatter(const nsdae_bodies *bodies, const nsdae_places *at,
 
 /* force[0] at the coordinate s with its rate, and -dF/ds, -dF/ds': force[1], force[2]. 0, or what
  * the drive returned. */
-int nsdae_spring_force(const nsdae_bodies_spring *spring, double t, double s, double rate,
-                       double force[3]);
+int nsdae_spring_force(const nsdae_bodies_spring *spring, const double *control, double t, double s,
+                       double rate, double force[3]);
 
 /* Target speed of a frictional joint and its rate; 0, or what the drive returned. */
-int nsdae_motor_target(const nsdae_bodies_frictional_joint *joint, double t, double target[3]);
+int nsdae_motor_target(const nsdae_bodies_frictional_joint *joint, const double *control, double t,
+                       double target[3]);
+/* NULL, or why the target of motor i of bodies is no control. */
+const char *nsdae_motor_fixed(const void *bodies, int i);
 /* Coefficients and bounds of frictional joints. */
 int nsdae_bodies_set_motors(const nsdae_bodies *bodies, nsdae_system *system);
 
 /* Forces of gravity, springs and loads, and of spinning; their energy. */
-int nsdae_bodies_forces(const nsdae_bodies *bodies, double t, const double *q, const double *v,
-                        double *F);
+int nsdae_bodies_force(const nsdae_bodies *bodies, const double *control, double t, const double *q,
+                       const double *v, double *F);
 double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
 
 /* Sets their derivatives, by blocks, unless the user has a force too. */

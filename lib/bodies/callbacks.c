@@ -5,14 +5,14 @@
 
 static int force(double t, const double *q, const double *v, double *F, void *user)
 {
-  const nsdae_bodies *b = user;
-  int code = nsdae_bodies_forces(b, t, q, v, F);
+  const nsdae_bodies *b = nsdae_bodies_of(user);
+  int code = nsdae_bodies_force(b, nsdae_control_of(user), t, q, v, F);
   return code || !b->own.force ? code : b->own.force(t, q, v, F, b->own.user);
 }
 
 static int potential(double t, const double *q, double *energy, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   double more = 0;
   int code = b->own.potential ? b->own.potential(t, q, &more, b->own.user) : 0;
   *energy = nsdae_bodies_energy(b, q) + more;
@@ -23,7 +23,7 @@ static int potential(double t, const double *q, double *energy, void *user)
  * kinematics of their own their rates are v. */
 static int kinematics(double t, const double *q, const double *v, double *qdot, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   int nq = nsdae_body_nq(b), nv = nsdae_body_nv(b), n = b->body.count;
   for (int i = 0; i < n; i++, qdot += nq) {
     for (int j = 0; j < 3; j++) qdot[j] = v[nv * i + j];
@@ -92,7 +92,8 @@ static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
 
 int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
 {
-  int status = nsdae_system_set_user(system, b);
+  b->force.user = (nsdae_maker_user){b, b->force.target.at};
+  int status = nsdae_system_set_user(system, &b->force.user);
   if (status == NSDAE_OK) status = set_names(b, system);
   if (status == NSDAE_OK) status = set_joint_names(b, system);
   if (status == NSDAE_OK) status = nsdae_bodies_set_blocks(b, system);

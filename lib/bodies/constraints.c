@@ -58,7 +58,7 @@ static int evaluate(const nsdae_bodies *b, const nsdae_bodies_constraint *c, dou
 
 static int constraint(double t, const double *q, double *phi, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   const nsdae_user_rows *own = &b->own;
   constraint_value value = {.at = {nsdae_nowhere, nsdae_nowhere}};
   for (int i = 0; i < b->constraint.count; i++) {
@@ -100,7 +100,7 @@ static int put_row(const row_parts *parts, int row, nsdae_row_list *rows)
 
 static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   constraint_value value = {.at = {nsdae_nowhere, nsdae_nowhere}};
   int code = 0;
   for (int i = 0; i < b->constraint.count && code == 0; i++) {
@@ -119,7 +119,7 @@ static int constraint_rows(double t, const double *q, nsdae_row_list *rows, void
 /* Dense, with the dense rows of one's own. */
 static int constraint_jacobian(double t, const double *q, double *J, int ldj, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   const nsdae_user_rows *own = &b->own;
   constraint_value value = {.at = {nsdae_nowhere, nsdae_nowhere}};
   for (int i = 0; i < b->constraint.count; i++) {
@@ -136,7 +136,7 @@ static int constraint_jacobian(double t, const double *q, double *J, int ldj, vo
 static int constraint_bias(double t, const double *q, const double *v, double *phi_t, double *omega,
                            void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   const nsdae_user_rows *own = &b->own;
   constraint_value value = {.at = {nsdae_nowhere, nsdae_nowhere}};
   for (int i = 0; i < b->constraint.count; i++) {
@@ -153,14 +153,14 @@ static int constraint_bias(double t, const double *q, const double *v, double *p
 static int joint_friction_rows(double t, const double *q, nsdae_row_list *rows, double *w,
                                void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value value;
   int code = 0;
   for (int i = 0; i < b->frictional_joint.count && code == 0; i++) {
     row_parts parts = {.count = 0};
     double target[3];
-    code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), nsdae_control_of(user), t, target);
     if (code) return code;
     w[i] = -target[0];
     nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, NULL, &at, &value);
@@ -174,13 +174,14 @@ static int joint_friction_rows(double t, const double *q, nsdae_row_list *rows, 
 static int frictional_joint_tangent(double t, const double *q, double *W, int ldw, double *w,
                                     void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   int f = b->frictional_joint.count;
   nsdae_primitive_value value;
   nsdae_places at = nsdae_nowhere;
   for (int i = 0; i < f; i++, W += ldw) {
     double target[3];
-    int code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    int code =
+        nsdae_motor_target(nsdae_frictional_joint_at(b, i), nsdae_control_of(user), t, target);
     if (code) return code;
     w[i] = -target[0];
     nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, NULL, &at, &value);

@@ -140,7 +140,7 @@ static void place_limit(const nsdae_bodies *b, int i, const double *q, const dou
 
 static int gap(double t, const double *q, double *g, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   const nsdae_user_rows *own = &b->own;
   fixed c = {.at = nsdae_nowhere};
   for (int i = 0; i < b->feature.count; i++) {
@@ -181,7 +181,7 @@ static double *put_columns(const nsdae_bodies *b, const double *q, int first, in
 
 static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value value;
   W = put_columns(b, q, 0, 1, W, ldw);
@@ -194,7 +194,7 @@ static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 
 static int gap_tangent(double t, const double *q, double *W, int ldw, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   W = put_columns(b, q, 1, b->dimension, W, ldw);
   W += b->limit.count * (b->dimension - 1) * ldw; /* without friction: zero */
   return b->own.gap_tangent ? b->own.gap_tangent(t, q, W, ldw, b->own.user) : 0;
@@ -203,7 +203,7 @@ static int gap_tangent(double t, const double *q, double *W, int ldw, void *user
 /* Solids move with their bodies alone: their part stays zero. */
 static int contact_bias(double t, const double *q, double *w_n, double *w_t, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   const nsdae_user_rows *own = &b->own;
   int k = nsdae_bodies_fixed(b), nt = b->dimension - 1;
   return own->contact_bias ? own->contact_bias(t, q, w_n + k, w_t + k * nt, own->user) : 0;
@@ -213,7 +213,7 @@ static int contact_bias(double t, const double *q, double *w_n, double *w_t, voi
 static int contact_acceleration(double t, const double *q, const double *v, double *omega_n,
                                 double *omega_t, double *omega_s, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   const nsdae_user_rows *own = &b->own;
   int k = nsdae_bodies_fixed(b), f = b->frictional_joint.count, nt = nsdae_bodies_nt(b);
   int features = k > 0 ? b->feature.count : 0;
@@ -238,7 +238,8 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
   for (int i = 0; i < f; i++) {
     nsdae_bodies_coordinate(b, &nsdae_frictional_joint_at(b, i)->along, q, v, &c.at, &value);
     double target[3];
-    int code = nsdae_motor_target(nsdae_frictional_joint_at(b, i), t, target);
+    int code =
+        nsdae_motor_target(nsdae_frictional_joint_at(b, i), nsdae_control_of(user), t, target);
     if (code) return code;
     omega_s[i] = value.phi.dd - target[1];
   }

@@ -207,7 +207,7 @@ static int explain_spring(const nsdae_bodies *b, int i, double t, const double *
 static int explain_load(const nsdae_bodies *b, int i, double t, const double *q, const double *v,
                         nsdae_reason *r)
 {
-  const nsdae_load *load = (const nsdae_load *)b->load.at + i;
+  const nsdae_load *load = (const nsdae_load *)b->force.load.at + i;
   const nsdae_pose pose = nsdae_bodies_pose(b, load->body, q, v);
   double x[3], gave[6];
   int j = 0, code = nsdae_load_evaluate(load, &pose, t, x, gave);
@@ -252,8 +252,8 @@ static int explain(const void *of, const char *callback, double t, const double 
   if (strncmp(callback, "constraint", strlen("constraint")) == 0)
     for (int i = 0; i < b->constraint.count && !found; i++) found = explain_joint(b, i, t, q, r);
   if (strcmp(callback, "force") == 0) {
-    for (int i = 0; i < b->spring.count && !found; i++) found = explain_spring(b, i, t, q, r);
-    for (int i = 0; i < b->load.count && !found; i++) found = explain_load(b, i, t, q, v, r);
+    for (int i = 0; i < b->force.spring.count && !found; i++) found = explain_spring(b, i, t, q, r);
+    for (int i = 0; i < b->force.load.count && !found; i++) found = explain_load(b, i, t, q, v, r);
   }
   if (strstr(callback, "joint") || strcmp(callback, "contact_acceleration") == 0)
     for (int i = 0; i < b->frictional_joint.count && !found; i++) found = explain_motor(b, i, t, r);
@@ -265,5 +265,11 @@ static int explain(const void *of, const char *callback, double t, const double 
 
 void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
 {
-  nsdae_system_set_maker(system, &(nsdae_maker){b, exact, words, explain});
+  nsdae_system_set_maker(system, &(nsdae_maker){.of = b,
+                                                .exact = exact,
+                                                .words = words,
+                                                .explain = explain,
+                                                .controls = b->force.target.count,
+                                                .control = b->force.target.at,
+                                                .fixed = nsdae_motor_fixed});
 }

@@ -84,14 +84,15 @@ static int add_blocks(const nsdae_bodies *b, const nsdae_places *e, double X[12]
 }
 
 /* X[j]: column j of D, or of K */
-static int add_spring(const nsdae_bodies *b, const nsdae_bodies_spring *spring, int along_q,
-                      double t, const double *q, const double *v, nsdae_block_list *list)
+static int add_spring(const void *user, const nsdae_bodies_spring *spring, int along_q, double t,
+                      const double *q, const double *v, nsdae_block_list *list)
 {
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   nsdae_places e = nsdae_nowhere;
   nsdae_primitive_value s;
   double force[3], X[12][12] = {{0}};
   nsdae_bodies_coordinate(b, &spring->value, q, v, &e, &s);
-  int code = nsdae_spring_force(spring, t, s.phi.x, s.phi.d, force);
+  int code = nsdae_spring_force(spring, nsdae_control_of(user), t, s.phi.x, s.phi.d, force);
   if (code) return code;
   int nv = nsdae_body_nv(b),
       first = e.body[0] == NSDAE_GROUND ? 6 : 0; /* D takes g alone, of any direction */
@@ -179,14 +180,15 @@ static int add_load(const nsdae_bodies *b, const nsdae_load *load, int along_q, 
 
 /* ---- all of them */
 
-static int add_elements(const nsdae_bodies *b, int along_q, double t, const double *q,
-                        const double *v, nsdae_block_list *list)
+static int add_elements(const void *user, int along_q, double t, const double *q, const double *v,
+                        nsdae_block_list *list)
 {
-  const nsdae_load *load = b->load.at;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
+  const nsdae_load *load = b->force.load.at;
   int status = 0;
-  for (int i = 0; i < b->spring.count && status == 0; i++)
-    status = add_spring(b, nsdae_spring_at(b, i), along_q, t, q, v, list);
-  for (int i = 0; i < b->load.count && status == 0; i++)
+  for (int i = 0; i < b->force.spring.count && status == 0; i++)
+    status = add_spring(user, nsdae_spring_at(b, i), along_q, t, q, v, list);
+  for (int i = 0; i < b->force.load.count && status == 0; i++)
     status = add_load(b, load + i, along_q, t, q, v, list);
   return status;
 }
@@ -194,7 +196,7 @@ static int add_elements(const nsdae_bodies *b, int along_q, double t, const doub
 static int damping_blocks(double t, const double *q, const double *v, nsdae_block_list *list,
                           void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   int status = 0;
   for (int i = 0; i < b->body.count && b->dimension == 3 && status == 0; i++) {
     const double *J = nsdae_body_at(b, i)->inertia, *w = v + 6 * i + 3;
@@ -208,7 +210,7 @@ static int damping_blocks(double t, const double *q, const double *v, nsdae_bloc
     }
     status = nsdae_block_add(list, i, i, D);
   }
-  return status ? status : add_elements(b, 0, t, q, v, list);
+  return status ? status : add_elements(user, 0, t, q, v, list);
 }
 
 static int stiffness_blocks(double t, const double *q, const double *v, nsdae_block_list *list,

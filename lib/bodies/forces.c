@@ -18,9 +18,9 @@ int nsdae_load_evaluate(const nsdae_load *load, const nsdae_pose *pose, double t
 
 static int loads(const nsdae_bodies *b, double t, const double *q, const double *v, double *F)
 {
-  const nsdae_load *load = b->load.at;
+  const nsdae_load *load = b->force.load.at;
   nsdae_places at = nsdae_nowhere;
-  for (int i = 0; i < b->load.count; i++, load++) {
+  for (int i = 0; i < b->force.load.count; i++, load++) {
     const int body[2] = {NSDAE_GROUND, load->body};
     double x[3], gave[6];
     nsdae_bodies_place(b, body, q, v, &at);
@@ -34,15 +34,15 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
   return 0;
 }
 
-int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const double *v,
-                        double *F)
+int nsdae_bodies_force(const nsdae_bodies *b, const double *control, double t, const double *q,
+                       const double *v, double *F)
 {
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value s;
   /* ---- gravity and spinning */
   for (int i = 0, nv = nsdae_body_nv(b); i < b->body.count; i++) {
     const nsdae_rigid_body *body = nsdae_body_at(b, i);
-    for (int j = 0; j < b->dimension; j++) F[i * nv + j] += body->mass * b->gravity[j];
+    for (int j = 0; j < b->dimension; j++) F[i * nv + j] += body->mass * b->force.gravity[j];
     if (b->dimension == 2) continue;
     const double *w = v + nv * i + 3, *J = body->inertia;
     const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
@@ -51,11 +51,11 @@ int nsdae_bodies_forces(const nsdae_bodies *b, double t, const double *q, const 
     for (int j = 0; j < 3; j++) F[nv * i + 3 + j] += torque[j];
   }
   /* ---- springs and motors: F(s, s') along the row of s' */
-  for (int i = 0; i < b->spring.count; i++) {
+  for (int i = 0; i < b->force.spring.count; i++) {
     const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
     double force[3];
     nsdae_bodies_coordinate(b, &spring->value, q, v, &at, &s);
-    int code = nsdae_spring_force(spring, t, s.phi.x, s.phi.d, force);
+    int code = nsdae_spring_force(spring, control, t, s.phi.x, s.phi.d, force);
     if (code) return code;
     nsdae_bodies_scatter(b, &at, &s.row, force[0], F, 1);
   }
@@ -69,8 +69,8 @@ double nsdae_bodies_energy(const nsdae_bodies *b, const double *q)
   double energy = 0;
   for (int i = 0; i < b->body.count; i++)
     for (int j = 0; j < b->dimension; j++)
-      energy -= nsdae_body_at(b, i)->mass * b->gravity[j] * q[i * nsdae_body_nq(b) + j];
-  for (int i = 0; i < b->spring.count; i++) {
+      energy -= nsdae_body_at(b, i)->mass * b->force.gravity[j] * q[i * nsdae_body_nq(b) + j];
+  for (int i = 0; i < b->force.spring.count; i++) {
     const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
     if (spring->owner >= NSDAE_FORCE_MOTOR) continue; /* its work comes from outside */
     nsdae_bodies_coordinate(b, &spring->value, q, NULL, &at, &s);

@@ -252,7 +252,7 @@ int nsdae_bodies_show(const nsdae_bodies *b, nsdae_system *system)
   int status = NSDAE_OK;
   for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) status = show_solid(b, system, i);
   if (status == NSDAE_OK) status = show_bare(b, system);
-  for (int i = 0; i < b->spring.count && status == NSDAE_OK; i++)
+  for (int i = 0; i < b->force.spring.count && status == NSDAE_OK; i++)
     status = show_length(b, system, &nsdae_spring_at(b, i)->value, "spring",
                          nsdae_spring_at(b, i)->number);
   for (int i = 0, rods = 0; i < b->constraint.count && status == NSDAE_OK; i++) {

@@ -12,10 +12,10 @@
 
 static const char *const what = "motor";
 
-int nsdae_spring_force(const nsdae_bodies_spring *spring, double t, double s, double rate,
-                       double force[3])
+int nsdae_spring_force(const nsdae_bodies_spring *spring, const double *control, double t, double s,
+                       double rate, double force[3])
 {
-  double f[3] = {spring->target, 0, 0};
+  double f[3] = {spring->owner >= NSDAE_FORCE_MOTOR ? control[spring->number] : 0, 0, 0};
   int code = spring->drive ? spring->drive(t, f, spring->user) : 0;
   int direct = spring->owner == NSDAE_FORCE_MOTOR;
   double off = direct ? 0 : f[0] - s;
@@ -63,25 +63,32 @@ static int check_motor(nsdae_bodies *b, int index, const nsdae_motor *m)
                              m->kd);
 }
 
-/* The number of the next motor: some are frictional joints, some are springs. */
-static int next_number(const nsdae_bodies *b)
+/* Some motors are frictional joints, some are springs. */
+const char *nsdae_motor_fixed(const void *bodies, int i)
 {
-  int n = 0;
-  for (int i = 0; i < b->frictional_joint.count; i++)
-    n += nsdae_frictional_joint_at(b, i)->motor >= 0;
-  for (int i = 0; i < b->spring.count; i++) n += nsdae_spring_at(b, i)->owner >= NSDAE_FORCE_MOTOR;
-  return n;
+  const nsdae_bodies *b = bodies;
+  int driven = 0;
+  for (int j = 0; j < b->frictional_joint.count; j++)
+    driven |= nsdae_frictional_joint_at(b, j)->motor == i && nsdae_frictional_joint_at(b, j)->drive;
+  for (int j = 0; j < b->force.spring.count; j++) {
+    const nsdae_bodies_spring *s = nsdae_spring_at(b, j);
+    driven |= s->owner >= NSDAE_FORCE_MOTOR && s->number == i && s->drive;
+  }
+  return driven ? "the target of this motor is its drive: make the motor without one" : NULL;
 }
 
 int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
 {
   int status = nsdae_bodies_open(b, m, what);
   if (status < 0) return status;
-  int index = next_number(b);
+  int index = b->force.target.count;
   const nsdae_primitive *of =
       nsdae_bodies_joint_coordinate(b, what, index, m->joint, m->coordinate, 0);
   if (!of || check_motor(b, index, m) < 0) return b->error.status;
   const nsdae_primitive value = *of;
+  double *target = nsdae_list_add(b, &b->force.target, sizeof *target);
+  if (!target) return NSDAE_E_MEMORY;
+  *target = m->target;
   if (m->kind == NSDAE_MOTOR_SPEED) {
     nsdae_bodies_frictional_joint *f = nsdae_list_add(b, &b->frictional_joint, sizeof *f);
     if (!f) return NSDAE_E_MEMORY;
@@ -90,14 +97,13 @@ int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
                                          .motor = index,
                                          .along = value,
                                          .bound = m->limit,
-                                         .target = m->target,
                                          .drive = m->drive,
                                          .vary = m->vary,
                                          .user = m->user,
                                          .vary_user = m->vary_user};
     return index;
   }
-  nsdae_bodies_spring *s = nsdae_list_add(b, &b->spring, sizeof *s);
+  nsdae_bodies_spring *s = nsdae_list_add(b, &b->force.spring, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
   int position = m->kind == NSDAE_MOTOR_POSITION;
   *s = (nsdae_bodies_spring){.value = value,
@@ -106,7 +112,6 @@ int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
                              .stiffness = m->kp,
                              .damping = m->kd,
                              .limit = m->limit,
-                             .target = m->target,
                              .drive = m->drive,
                              .user = m->user};
   return index;
@@ -114,16 +119,17 @@ int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
 
 /* ---- as frictional joints */
 
-int nsdae_motor_target(const nsdae_bodies_frictional_joint *f, double t, double target[3])
+int nsdae_motor_target(const nsdae_bodies_frictional_joint *f, const double *control, double t,
+                       double target[3])
 {
-  target[0] = f->target;
+  target[0] = f->motor < 0 ? 0 : control[f->motor];
   target[1] = target[2] = 0;
   return f->drive ? f->drive(t, target, f->user) : 0;
 }
 
 static int bounds(double t, const double *q, const double *v, double *bound, void *user)
 {
-  const nsdae_bodies *b = user;
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   (void)q, (void)v;
   for (int i = 0; i < b->frictional_joint.count; i++) {
     const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);

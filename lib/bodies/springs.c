@@ -38,7 +38,7 @@ static int set_rest(nsdae_bodies *b, const char *what, int index, nsdae_primitiv
 static int add(nsdae_bodies *b, int owner, int number, nsdae_primitive value, double stiffness,
                double damping)
 {
-  nsdae_bodies_spring *s = nsdae_list_add(b, &b->spring, sizeof *s);
+  nsdae_bodies_spring *s = nsdae_list_add(b, &b->force.spring, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
   *s = (nsdae_bodies_spring){.value = value,
                              .owner = owner,
@@ -53,7 +53,7 @@ static int add(nsdae_bodies *b, int owner, int number, nsdae_primitive value, do
 static int next_number(const nsdae_bodies *b, int owner)
 {
   int n = 0;
-  for (int i = 0; i < b->spring.count; i++)
+  for (int i = 0; i < b->force.spring.count; i++)
     if (nsdae_spring_at(b, i)->owner == owner) n = nsdae_spring_at(b, i)->number + 1;
   return n;
 }

@@ -16,6 +16,9 @@
  * starts anew, so that a way back is not longer. */
 enum { IDLE_MAX = 500, STEPS_MAX = 5000, STIFF_STEPS = 300 };
 
+/* In place of the steps since the base: there is none, the next step begins at the state. */
+enum { ANEW = -1 };
+
 /* Steps shorter than this part of dt lead nowhere: the most of them in one dt, and at each start.
  */
 static const double TINY = 1e-6;
@@ -259,7 +262,8 @@ static int arrive(nsdae_event *e, const nsdae_state *state)
   if (state->memory->stamp > 0 && state->memory->stamp == e->stamp) return NSDAE_OK;
   if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO)
     nsdae_event_set_integrator(e); /* the option may be new */
-  int stands = state->memory->stamp != 0 ? replay(e, state->terms) : 0;
+  int anew = state->memory->stamp == 0 || *e->base.steps == ANEW;
+  int stands = anew ? 0 : replay(e, state->terms);
   *counters = counted;
   if (stands < 0) return stands;
   nsdae_error_clear(e->setting.error);
@@ -407,7 +411,7 @@ static int check(void *own, nsdae_memory *memory)
 {
   nsdae_event *e = own;
   nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, memory);
-  int steps = *e->base.steps >= 0 && *e->base.steps <= STEPS_MAX;
+  int steps = *e->base.steps >= ANEW && *e->base.steps <= STEPS_MAX;
   return steps && nsdae_tracking_is_valid(&e->integrator.tracking) ? NSDAE_OK : NSDAE_E_ARGUMENT;
 }
 
@@ -426,6 +430,14 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
   }
   close_memory(e);
   return status;
+}
+
+/* Modes of motors are found anew. */
+static void jump(void *own, nsdae_memory *memory)
+{
+  nsdae_event *e = own;
+  nsdae_event_lay(&e->base, &e->instant, &e->integrator.tracking, e->tools, memory);
+  *e->base.steps = ANEW;
 }
 
 /* No failure without a text. */
@@ -478,6 +490,7 @@ const nsdae_stepping nsdae_stepping_event = {
     .prepare = prepare,
     .start = start_run,
     .settle = settle,
+    .jump = jump,
     .check = check,
     .advance = advance,
     .track = nsdae_event_slots_anew,

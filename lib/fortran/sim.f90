@@ -245,7 +245,8 @@ module nsdae_f_sim
             nsdae_sim_error, nsdae_sim_handle, nsdae_sim_get_system, nsdae_sim_state_size, &
             nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
             nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
-            nsdae_sim_set_contact, nsdae_sim_set_frictional_joint, nsdae_sim_set_friction_bound
+            nsdae_sim_set_contact, nsdae_sim_set_frictional_joint, nsdae_sim_set_friction_bound, &
+            nsdae_sim_set_control, nsdae_sim_get_control
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -256,7 +257,7 @@ module nsdae_f_sim
     ! headers: functions nsdae_sim_ options_set options_table create destroy project init observe
     ! headers: functions nsdae_sim_ set_interrupt unobserve step run get_record get_stats run_to_event
     ! headers: functions nsdae_sim_ interpolate set_user set_options set_contact set_frictional_joint
-    ! headers: functions nsdae_sim_ set_friction_bound
+    ! headers: functions nsdae_sim_ set_friction_bound set_control get_control
     ! headers: functions nsdae_sim_ state_size get_state set_state get_dims has_potential get_options
     ! headers: functions nsdae_sim_ get_failed_lcp get_friction error
     ! headers: functions nsdae_ method_name method_summary
@@ -477,6 +478,18 @@ contains
 
   ! Coefficients of contact i and of frictional joint j in this simulation, in place of the system's.
   ! headers: wrappers nsdae_sim_ set_contact set_frictional_joint set_friction_bound
+
+  ! The target of motor i in this simulation, in place of the constant one.
+  ! headers: wrappers nsdae_sim_ set_control
+  integer(c_int) function nsdae_sim_get_control(sim, i, val) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_int), intent(in) :: i
+    real(c_double), intent(out) :: val
+    real(c_double) :: is(1)
+    is = 0
+    status = c_get_control(at(sim), i, is)
+    val = is(1)
+  end function
 
   ! Size in bytes of the state block, which depends on system and options. A block contains all data
   ! that the next step depends on. A simulation of the same system and options continues from it

@@ -30,6 +30,10 @@ typedef struct nsdae_stepping {
    * between: see nsdae_sim_interpolate. */
   int (*settle)(void *own, const nsdae_state *state, nsdae_result *result);
 
+  /* Leaves in the settled memory that accelerations and velocities of motors jump at the state;
+   * NULL: it keeps neither. */
+  void (*jump)(void *own, nsdae_memory *memory);
+
   /* Whether the memory, which is of a block, is one that this method can leave there: NSDAE_OK or
    * NSDAE_E_ARGUMENT; NULL: no number in it leads anywhere. */
   int (*check)(void *own, nsdae_memory *memory);

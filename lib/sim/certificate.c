@@ -112,7 +112,8 @@ static int work_of_step(const nsdae_problem *p, int integrates, nsdae_point *bef
   int status = nsdae_terms_need(from, terms);
   if (status == NSDAE_OK) status = nsdae_terms_need(to, terms);
   if (status < 0) return status;
-  if (integrates) start = power_of(from, &rounding); /* nobody needed it */
+  int anew = isnan(start);                                   /* a control was set: F jumped */
+  if (integrates || anew) start = power_of(from, &rounding); /* nobody needed it */
   *w = before->work;
   w->power = power_of(to, &rounding);
   w->forces = h / 2 * (start + w->power);
@@ -123,7 +124,7 @@ static int work_of_step(const nsdae_problem *p, int integrates, nsdae_point *bef
   w->sum += w->forces + w->inertia + w->driven;
   w->turnover += fabs(w->forces);
   w->carried += fabs(w->driven);
-  w->unsure += h / 4 * fabs(w->power - 2 * start + w->earlier);
+  if (!anew) w->unsure += h / 4 * fabs(w->power - 2 * start + w->earlier);
   w->earlier = start;
   w->rounding += rounding;
   /* what the contacts of the step did: more than rounding of their impulses, they gave */

@@ -1,6 +1,6 @@
-/* What may be another between two steps: the user pointer, coefficients, and the options that size
- * nothing. The method first makes its memory independent of how it came to the state under the old
- * ones (settle), then looks at the new ones (prepare). */
+/* What may be another between two steps: the user pointer, coefficients, controls, and the options
+ * that size nothing. The method first makes its memory independent of how it came to the state
+ * under the old ones (settle), then looks at the new ones (prepare). */
 #include <math.h>
 #include <string.h>
 
@@ -10,6 +10,10 @@
 static int set_user(nsdae_sim *sim, void *user)
 {
   nsdae_error_clear(&sim->error);
+  if (sim->system->maker.of)
+    return nsdae_error_set(&sim->error, NSDAE_E_STATE, "nsdae_sim_set_user", "user",
+                           "the callbacks are those of nsdae_bodies: give each load, drive or user "
+                           "row a user pointer of its own");
   sim->stage.waiting = 0;
   sim->model.user = user;
   return NSDAE_OK;
@@ -181,4 +185,54 @@ int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound)
 int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu)
 {
   NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_frictional_joint(sim, j, mu));
+}
+
+/* What is wrong with control i and its value, if anything. */
+static int check_control(nsdae_sim *sim, const char *where, int i, double value)
+{
+  const nsdae_maker *maker = &sim->system->maker;
+  nsdae_error_clear(&sim->error);
+  if (i < 0 || i >= maker->controls) return bad_index(sim, where, "i", i, maker->controls);
+  const char *fixed = maker->fixed(maker->of, i);
+  if (!fixed && isfinite(value)) return NSDAE_OK;
+  if (fixed)
+    nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "i", "control i = %d: %s", i, fixed);
+  else
+    nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "value",
+                    "value = %g of control %d is outside its range: it must be finite", value, i);
+  return nsdae_error_at(&sim->error, NSDAE_E_ARGUMENT, i, NAN);
+}
+
+/* F and the target speeds jump; nothing else at the state depends on controls. The next step takes
+ * them from the callbacks, and the certificate F v. */
+static int set_control(nsdae_sim *sim, int i, double value)
+{
+  int status = check_control(sim, "nsdae_sim_set_control", i, value);
+  if (status < 0 || value == sim->control.value[i]) return status;
+  status = check_change(sim);
+  if (status < 0) return status;
+  if (sim->method->jump) sim->method->jump(sim->own, &sim->now->result.memory);
+  nsdae_terms *here = &sim->now->result.end;
+  sim->control.value[i] = value;
+  here->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_SLIDE) | here->absent;
+  sim->now->work.power = NAN;
+  return prepare_method(sim);
+}
+
+int nsdae_sim_set_control(nsdae_sim *sim, int i, double value)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_control(sim, i, value));
+}
+
+static int get_control(nsdae_sim *sim, int i, double *value)
+{
+  if (!value) return NSDAE_E_ARGUMENT;
+  int status = check_control(sim, "nsdae_sim_get_control", i, 0);
+  if (status == NSDAE_OK) *value = sim->control.value[i];
+  return status;
+}
+
+int nsdae_sim_get_control(nsdae_sim *sim, int i, double *value)
+{
+  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_control(sim, i, value));
 }

@@ -59,6 +59,21 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
 /* At first, of a method that tracks the contacts of a list. */
 enum { SLOTS = 8 };
 
+static int copy_controls(nsdae_sim *sim)
+{
+  const nsdae_maker *maker = &sim->system->maker;
+  size_t n = (size_t)maker->controls;
+  nsdae_controls *c = &sim->control;
+  if (!maker->of) return NSDAE_OK;
+  c->value = calloc(2 * n + 1, sizeof *c->value);
+  if (!c->value) return NSDAE_E_MEMORY;
+  if (n > 0) memcpy(c->value, maker->control, n * sizeof *c->value);
+  c->before = c->value + n;
+  c->user = (nsdae_maker_user){maker->of, c->value};
+  sim->model.user = &c->user;
+  return NSDAE_OK;
+}
+
 /* The system with coefficients of its own, in blocks of their own: their number sizes the arena. */
 static int copy_system(nsdae_sim *sim)
 {
@@ -76,7 +91,7 @@ static int copy_system(nsdae_sim *sim)
   if (k > 0) memcpy(sim->model.contact, from->contact, k * sizeof *from->contact);
   if (f > 0)
     memcpy(sim->model.frictional_joint, from->frictional_joint, f * sizeof *from->frictional_joint);
-  return NSDAE_OK;
+  return copy_controls(sim);
 }
 
 /* Lists begin with room for a contact of each block and for two blocks of each row, of Phi_q or of
@@ -203,6 +218,7 @@ void nsdae_sim_destroy(nsdae_sim **sim)
   nsdae_arena_release(&(*sim)->arena);
   free((*sim)->model.contact);
   free((*sim)->model.frictional_joint);
+  free((*sim)->control.value);
   free((*sim)->tracked.id);
   free((*sim)->tracked.used);
   free((*sim)->tracked.block);

@@ -66,7 +66,7 @@ typedef struct nsdae_observers {
 typedef struct nsdae_work {
   double potential;               /* at the start [J] */
   double forces, inertia, driven; /* of the step; inertia less what a projection lifted */
-  double power, earlier;          /* F v at its end, and at its begin */
+  double power, earlier;          /* F v at its end (NAN: it jumped there), and at its begin */
   double sum;                     /* of all steps, whoever did them */
   double turnover, carried;       /* amounts, of forces and of driven in all steps */
   double unsure, rounding;        /* of the work of forces: what its quadrature may miss */
@@ -116,6 +116,12 @@ typedef struct nsdae_lists {
   int slots, slots_before;
 } nsdae_lists;
 
+/* Of the maker's system. */
+typedef struct nsdae_controls {
+  double *value, *before; /* as many as the maker has; those of a state that is being read */
+  nsdae_maker_user user;
+} nsdae_controls;
+
 struct nsdae_sim {
   const nsdae_system *system; /* held while the simulation lives */
   nsdae_system model;         /* a copy with user and coefficients of its own; of tracked contacts
@@ -138,6 +144,7 @@ struct nsdae_sim {
   nsdae_observers observers;
   double wall_time;
   nsdae_lists lists;
+  nsdae_controls control;
 };
 
 /* What a size of the model leads to: sizes of what has one, then its arrays (of a simulation), then

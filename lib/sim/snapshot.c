@@ -9,8 +9,9 @@
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
  *             (contact list: of the closed contacts, with their ids, blocks and gaps)
  *   memory    what the method keeps: its numbers, its integers (tracked contacts: of the slots up
- * to the last that is used, so that it does not depend on the room) units     groups of coordinates
- * of constant length, their lengths (where nv < nq)
+ *             to the last that is used, so that it does not depend on the room)
+ *   units     groups of coordinates of constant length, their lengths (where nv < nq)
+ *   controls  targets of motors
  *
  * One function visits all of it, to measure, to write, to read and to compare, so that the layout
  * is written once. Nothing of a block is believed before its checksum, sizes and settings are
@@ -35,7 +36,7 @@ typedef struct head {
   int32_t dims[6], method;
   int32_t closed; /* contacts of the list */
   int32_t slots;  /* whose memory is there: those that are used */
-  int32_t none;
+  int32_t controls;
 } head;
 
 enum {
@@ -44,7 +45,7 @@ enum {
 };
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 5 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 6 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */
@@ -227,6 +228,11 @@ static int setting_at(const nsdae_sim *sim, int i, setting *s)
   return 1;
 }
 
+static void visit_controls(cursor *c, const nsdae_sim *sim)
+{
+  visit_doubles(c, sim->control.value, sim->system->maker.controls);
+}
+
 static void visit_settings(cursor *c, const nsdae_sim *sim)
 {
   setting s;
@@ -263,7 +269,8 @@ static head make_head(const nsdae_sim *sim, size_t size, int slots)
             .dims = {d->nq, d->nv, d->m, d->k, d->nt, d->f},
             .method = sim->options.method,
             .closed = nsdae_sim_shown(sim)->result.closed.count,
-            .slots = slots};
+            .slots = slots,
+            .controls = sim->system->maker.controls};
   memcpy(h.magic, MAGIC, sizeof h.magic);
   return h;
 }
@@ -296,6 +303,7 @@ static size_t state_bytes(const nsdae_sim *sim, int closed, int slots)
   visit_settings(&c, sim);
   visit_point(&c, &measured, &epoch, &t, &have);
   visit_units(&c, &sim->system->dims, &(nsdae_units){0});
+  visit_controls(&c, sim);
   return c.at;
 }
 
@@ -352,6 +360,7 @@ static int get_state(nsdae_sim *sim, void *block, size_t size)
   visit_settings(&c, sim);
   visit_point(&c, &shown, &epoch, &t, &have);
   visit_units(&c, &sim->system->dims, &sim->projection.units);
+  visit_controls(&c, sim);
   h.checksum = checksum_of(block, size);
   memcpy(block, &h, sizeof h);
   return NSDAE_OK;
@@ -376,6 +385,11 @@ static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
       return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", names[i],
                              "%s is %d here and %d in the block: it is of another system", names[i],
                              ours->dims[i], theirs->dims[i]);
+  if (theirs->controls != ours->controls)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", "controls",
+                           "the system has %d controls here and %d in the block: it is of another "
+                           "system",
+                           ours->controls, theirs->controls);
   if (theirs->method != ours->method) {
     const char *name = nsdae_method_name(theirs->method);
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", "method",
@@ -463,7 +477,8 @@ static int check_values(nsdae_sim *sim)
       are_finite(r->impulses.normal, d->k) && are_finite(r->impulses.tangential, d->k * d->nt) &&
       are_finite(r->impulses.frictional_joint_impulse, d->f) &&
       !any_nan(certificate, sizeof certificate / sizeof *certificate) &&
-      !any_nan(r->memory.real, r->memory.reals))
+      !any_nan(r->memory.real, r->memory.reals) &&
+      are_finite(sim->control.value, sim->system->maker.controls))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
                          "the state has a number that is not finite");
@@ -492,6 +507,7 @@ static int read_block(nsdae_sim *sim, const void *block)
     memset(sim->tracked.used, 0, (size_t)k * sizeof *sim->tracked.used); /* until it goes on */
   }
   visit_units(&c, &sim->system->dims, &sim->projection.other);
+  visit_controls(&c, sim);
   r->memory.stamp = p->accounts.step == 0 ? 0 : -1; /* all zero before the first */
   nsdae_terms_forget(&r->end);
   if (status == NSDAE_OK) status = check_values(sim);
@@ -510,6 +526,8 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   if (status < 0) return status;
   sim->stage.waiting = sim->stage.between = 0;
   double epoch = sim->model.epoch;
+  size_t controls = (size_t)sim->system->maker.controls * sizeof *sim->control.value;
+  if (controls > 0) memcpy(sim->control.before, sim->control.value, controls);
   /* Room for the listed contacts of the block; of tracked ones as many as slots. */
   head h;
   memcpy(&h, block, sizeof h);
@@ -525,6 +543,7 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
     status = sim->method->start(sim->own, &sim->next->result.end);
   if (status < 0) {
     sim->model.epoch = epoch;
+    if (controls > 0) memcpy(sim->control.value, sim->control.before, controls);
     return status;
   }
   nsdae_sim_commit(sim);

@@ -59,6 +59,12 @@ static void destroy(void *own)
   free(p);
 }
 
+static void jump(void *own, nsdae_memory *memory)
+{
+  (void)own;
+  memory->whole[memory->wholes - 1] = 0;
+}
+
 /* The settings, which may change between runs; a_0 and lambda_0 are in the memory. */
 static void prepare_newmark(printed *p, nsdae_memory *memory)
 {
@@ -164,5 +170,6 @@ const nsdae_stepping nsdae_stepping_printed = {
     .create = create,
     .destroy = destroy,
     .lay = lay,
+    .jump = jump,
     .advance = advance,
     .closes = 1};

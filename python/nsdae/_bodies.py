@@ -329,7 +329,8 @@ class Bodies:
             "force": the force or torque is the target. "speed": s' is the target. "position": the force is
             kp (target - s) + kd (target' - s').
         target : float or callable
-            A number, or ``target(t, f)``, which writes it and its two rates to f, shape (3,).
+            A number, until `Sim.set_control` sets another, or ``target(t, f)``, which writes it and its two rates to f,
+            shape (3,).
         coordinate : int
             See `add_limit`.
         limit : float or callable

@@ -268,6 +268,35 @@ class Sim:
         """
         self._told(self._core.set_friction_bound, j, float(bound))
 
+    def set_control(self, i: int, value: float) -> None:
+        """Sets the target of a motor in this simulation, in place of its constant target.
+
+        The next step begins with it. It is part of the state.
+
+        Parameters
+        ----------
+        i : int
+            Motor, without a drive.
+        value : float
+            Target [N, N m; m/s, rad/s; m, rad].
+        """
+        self._told(self._core.set_control, i, float(value))
+
+    def get_control(self, i: int) -> float:
+        """Returns the target of a motor in this simulation.
+
+        Parameters
+        ----------
+        i : int
+            Motor, without a drive.
+
+        Returns
+        -------
+        value : float
+            Target.
+        """
+        return self._told(self._core.get_control, i)
+
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Interpolates the state within the last step.
 

@@ -457,6 +457,20 @@ void sim::set_friction_bound(int j, double bound)
   checked(nsdae_sim_set_friction_bound(handle, j, bound));
 }
 
+void sim::set_control(int i, double value)
+{
+  use held(*this);
+  checked(nsdae_sim_set_control(handle, i, value));
+}
+
+double sim::get_control(int i)
+{
+  use held(*this);
+  double value = 0;
+  checked(nsdae_sim_get_control(handle, i, &value));
+  return value;
+}
+
 nb::tuple sim::interpolate(double t)
 {
   use held(*this);
@@ -573,6 +587,8 @@ void bind_sim(nb::module_ &m)
       .def("set_contact", &sim::set_contact)
       .def("set_frictional_joint", &sim::set_frictional_joint)
       .def("set_friction_bound", &sim::set_friction_bound)
+      .def("set_control", &sim::set_control)
+      .def("get_control", &sim::get_control)
       .def("interpolate", &sim::interpolate)
       .def("failed_lcp", &sim::failed_lcp)
       .def("has_potential", &sim::has_potential)

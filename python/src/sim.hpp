@@ -100,6 +100,8 @@ public:
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_frictional_joint(int j, double mu);
   void set_friction_bound(int j, double bound);
+  void set_control(int i, double value);
+  double get_control(int i);
   nb::tuple interpolate(double t);
   nb::object failed_lcp() const;
   bool has_potential() const;

@@ -114,6 +114,29 @@ def test_motors():
         world.add_motor(wheel(world), "speed", 2)
 
 
+def test_controls():
+    """The torque 1 for 1 s, then -2: 4 (0.5 + 1 - 1) rad; part of the state; a drive is no control."""
+    world = Bodies(2)
+    joint = world.add_joint("revolute", GROUND, world.add(mass=1, inertia=0.25))
+    world.add_motor(joint, "force", 1)
+    world.add_motor(joint, "force", lambda t, f: None)
+    sim = nsdae.Sim(world, method="event", rtol=1e-11, atol=1e-12)
+    sim.init(*world.start)
+    sim.run(1)
+    sim.set_control(0, -2)
+    assert sim.get_control(0) == -2
+    state = sim.state
+    sim.run(2)
+    assert sim.record.q[2] == pytest.approx(2, abs=1e-9)
+    other = nsdae.Sim(world, method="event", rtol=1e-11, atol=1e-12)
+    other.state = state
+    other.run(2)
+    assert other.state == sim.state
+    for i, value, words in ((2, 0, "there are 2"), (0, math.nan, "finite"), (1, 0, "its drive")):
+        with pytest.raises(nsdae.ArgumentError, match=words):
+            sim.set_control(i, value)
+
+
 def test_a_load_of_python():
     """A constant thrust on the centre: x = F t^2 / (2 m)."""
     def thrust(t, position, velocity, force, torque):

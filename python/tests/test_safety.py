@@ -31,6 +31,7 @@ CALLS = {
     "set_contact": lambda sim: sim.set_contact(0, e_n=0.1),
     "set_frictional_joint": lambda sim: sim.set_frictional_joint(0, 0.1),
     "set_friction_bound": lambda sim: sim.set_friction_bound(0, 0.1),
+    "set_control": lambda sim: sim.set_control(0, 0.1),
     "interpolate": lambda sim: sim.interpolate(0),
     "state": lambda sim: sim.state,
     "set_state": lambda sim: setattr(sim, "state", STATE),

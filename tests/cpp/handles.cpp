@@ -859,6 +859,13 @@ static void test_couplers()
   EXPECT(std::fabs(sim.record().q[3] - 0.5 * sim.record().q[2]) < 1e-5);
   sim.run(1);
   EXPECT(std::fabs(sim.record().q[3] - 0.2) < 1e-3);
+  EXPECT(sim.control(0) == 12);
+  sim.set_control(0, -12); /* against the gravity: motor 1 brakes */
+  EXPECT(sim.control(0) == -12);
+  sim.run(1.5);
+  EXPECT(std::fabs(sim.record().v[3]) < 1e-9);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.set_control(1, 0); }));
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.control(2); }));
 }
 
 /* Squares on a floor, one on the other, with contacts by number and by material: both rest. */

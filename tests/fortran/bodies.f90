@@ -216,6 +216,7 @@ contains
     type(nsdae_coupler) :: coupler
     type(nsdae_joint_spring) :: damper
     type(nsdae_motor) :: motor
+    real(c_double) :: is
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
@@ -257,6 +258,14 @@ contains
     call is_int(nsdae_sim_run(sim, 2d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_true(abs(record%q(4) - 0.9d0) < 1d-2, 'the rack is at its stop')
+    call is_int(nsdae_sim_set_control(sim, 0_c_int, -12d0), NSDAE_OK, 'against the gravity')
+    call is_int(nsdae_sim_get_control(sim, 0_c_int, is), NSDAE_OK, 'control')
+    call is_true(is == -12, 'control')
+    call is_int(nsdae_sim_set_control(sim, 1_c_int, -1d0), NSDAE_OK, 'back')
+    call is_int(nsdae_sim_run(sim, 2.5d0), NSDAE_OK, 'run')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_true(record%q(4) < 0.85d0, 'the rack leaves its stop')
+    call is_int(nsdae_sim_set_control(sim, 2_c_int, 0d0), NSDAE_E_ARGUMENT, 'no such motor')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)

@@ -97,10 +97,11 @@ static void evaluate(fixed *f, const double *q, const double *v)
   assert_true(k <= K_MAX);
   memset(f->W, 0, sizeof f->W);
   memset(tangents, 0, sizeof tangents);
-  assert_int_equal(call->gap(0, q, f->gap, f->b), 0);
-  assert_int_equal(call->gap_normal(0, q, f->W[0], nv, f->b), 0);
-  assert_int_equal(call->gap_tangent(0, q, tangents, nv, f->b), 0);
-  assert_int_equal(call->contact_acceleration(0, q, v, f->omega[0], omega_t, NULL, f->b), 0);
+  assert_int_equal(call->gap(0, q, f->gap, &f->b->force.user), 0);
+  assert_int_equal(call->gap_normal(0, q, f->W[0], nv, &f->b->force.user), 0);
+  assert_int_equal(call->gap_tangent(0, q, tangents, nv, &f->b->force.user), 0);
+  assert_int_equal(
+      call->contact_acceleration(0, q, v, f->omega[0], omega_t, NULL, &f->b->force.user), 0);
   for (int i = 0; i < k * nt; i++) {
     memcpy(f->W[1 + i % nt] + i / nt * nv, tangents + i * nv, column);
     f->omega[1 + i % nt][i / nt] = omega_t[i];
@@ -204,7 +205,7 @@ static void check_form(const fixed *f, int number, int form, const double *q, co
   nsdae_contact_list list = empty_list(system, &error);
   nsdae_contact_list_clear(&list);
   list.without_omega = !omega;
-  assert_int_equal(system->call.contacts(0, q, v, reach, &list, b), 0);
+  assert_int_equal(system->call.contacts(0, q, v, reach, &list, &b->force.user), 0);
   assert_true(list.status == NSDAE_OK && nsdae_room_enough(&list.room, &list.taken));
   for (int i = 0; i < list.count; i++) {
     int j = find_fixed(f, b, list.id[i]), named = list.id[i] < b->feature.count;
@@ -266,7 +267,7 @@ static void test_speed(void **state)
     assert_int_equal(nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0), NSDAE_OK);
     assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
     assert_int_equal(nsdae_bodies_get_start(b, q, v), NSDAE_OK);
-    assert_int_equal(system->call.contact_speed(0, q, v, &speed, b), 0);
+    assert_int_equal(system->call.contact_speed(0, q, v, &speed, &b->force.user), 0);
     assert_near(speed, 1 + 3 * (plane ? 2 : 0.5) + 2, 1e-14);
     nsdae_system_destroy(&system);
     nsdae_bodies_destroy(&b);
