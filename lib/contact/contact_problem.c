@@ -1,6 +1,5 @@
 #include "contact_problem.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "dynamic_array.h"

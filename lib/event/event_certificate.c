@@ -16,7 +16,6 @@
 
 #include <math.h>
 
-#include "slip_direction.h"
 #include "errors.h"
 
 /* In tolerances of a position or velocity. The drift until the next step is projected from 10 on.

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
 #include "stalled_steps.h"
 #include "vector.h"
 

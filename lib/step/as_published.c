@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "errors.h"
 #include "newmark.h"
 #include "stepper.h"
 #include "vector.h"

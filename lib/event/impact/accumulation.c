@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "dense.h"
-#include "slip_direction.h"
 #include "errors.h"
 #include "chattering.h"
 

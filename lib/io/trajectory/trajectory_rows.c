@@ -1,6 +1,5 @@
 /* The rows of a trajectory: records, impacts, changes and contacts, as they come and as they go
  * into the file. */
-#include <string.h>
 
 #include "clock.h"
 #include "trajectory_impl.h"

@@ -3,7 +3,6 @@
  */
 #include "chain.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "judge.h"

@@ -8,7 +8,6 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "chain.h"

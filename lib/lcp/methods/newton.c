@@ -2,7 +2,6 @@
  * solved at once, or else where Lemke's method starts. */
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "judge.h"

@@ -1,7 +1,6 @@
 /* Memory, scales, and the way back to the problem as it was given. */
 #include "work.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "dictionary.h"

@@ -13,7 +13,6 @@
 #include "proof.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "separation.h"

@@ -10,7 +10,6 @@
 #include "proof.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "dense.h"
