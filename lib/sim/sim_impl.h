@@ -219,15 +219,19 @@ int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
 /* After an enter that was NSDAE_OK. */
 void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use);
 
-/* The whole body of a public function: call, between enter and leave. */
-#define NSDAE_SIM_GUARDED(sim, use, call)                   \
-  do {                                                      \
-    int guarded_ = nsdae_sim_enter((sim), (use), __func__); \
-    if (guarded_ < 0) return guarded_;                      \
-    guarded_ = (call);                                      \
-    nsdae_sim_leave((sim), (use));                          \
-    return guarded_;                                        \
-  } while (0)
+/* Heads the body of a public function, of these parameters and arguments, which is called between
+ * enter and leave. */
+#define NSDAE_SIM_CALL(use, name, parameters, ...)   \
+  static int name##_guarded parameters;              \
+  int name parameters                                \
+  {                                                  \
+    int guarded_ = nsdae_sim_enter(sim, use, #name); \
+    if (guarded_ < 0) return guarded_;               \
+    guarded_ = name##_guarded(__VA_ARGS__);          \
+    nsdae_sim_leave(sim, use);                       \
+    return guarded_;                                 \
+  }                                                  \
+  static int name##_guarded parameters
 
 /* ---- starts */
 
