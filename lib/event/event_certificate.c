@@ -12,7 +12,7 @@
  * from above by inertia(). The end of an accumulation is ahead of its forces by accumulation_time
  * at most. Within BROUGHT_BACK tolerances no gap is below zero, none of a closed contact is above
  * it (complementarity), and independent constraints and their rates are zero. */
-#include "event_certificate.h"
+#include "event_method.h"
 
 #include <math.h>
 

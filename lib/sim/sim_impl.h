@@ -6,10 +6,10 @@
 
 #include <nsdae/sim.h>
 
-#include "method_table.h"
 #include "slop_projection.h"
 #include "state_projection.h"
 #include "stepper.h"
+#include "method.h"
 
 /* Who uses a simulation now. A call that changes it works alone. Calls that only read it may work
  * at the same time, in several threads. While an observer sees a record, its thread may read the
@@ -275,5 +275,13 @@ double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_para
 
 /* Whether a run of this method depends on it. */
 int nsdae_sim_option_matters(const char *key, int method);
+
+/* ---- method_table.c: All methods. */
+
+extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau,
+    nsdae_stepping_penalty, nsdae_stepping_event;
+
+/* NULL past the last; the order is that of enum nsdae_method. */
+const nsdae_stepping *nsdae_stepping_of(int method);
 
 #endif

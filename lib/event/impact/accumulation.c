@@ -5,7 +5,7 @@
 
 #include "dense.h"
 #include "errors.h"
-#include "chattering.h"
+#include "phase.h"
 
 /* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
 static const double SLOW = 4;

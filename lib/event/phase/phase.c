@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "dense.h"
-#include "slip_direction.h"
 
 void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {

@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "hdf5_guard.h"
-
 void nsdae_h5_start(nsdae_h5 *h5, nsdae_error *error)
 {
   h5->error = error;

@@ -5,7 +5,6 @@
 
 #include <string.h>
 
-#include "judge.h"
 #include "lcp_methods.h"
 #include "proof.h"
 

@@ -11,8 +11,6 @@
 #include <string.h>
 
 #include "chain.h"
-#include "islands.h"
-#include "judge.h"
 
 /* Rows that cost no more to factor as one than to sort into islands. */
 enum { FEW = 32 };
@@ -22,7 +20,7 @@ typedef struct parts {
   nsdae_lcp_work *whole;
   double *work;
   int *iwork;
-  int *label, *member; /* n, n: see islands.h; behind all that an island works in */
+  int *label, *member; /* n, n: see islands.c; behind all that an island works in */
 } parts;
 
 /* One island in the workspace of the whole. */

@@ -4,7 +4,6 @@
 #include <nsdae/kernels.h>
 #include <string.h>
 
-#include "judge.h"
 #include "lcp_methods.h"
 #include "vector.h"
 

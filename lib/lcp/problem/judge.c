@@ -1,4 +1,4 @@
-#include "judge.h"
+#include "work.h"
 
 #include <math.h>
 #include <nsdae/kernels.h>

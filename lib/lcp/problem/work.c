@@ -4,8 +4,6 @@
 #include <string.h>
 
 #include "dictionary.h"
-#include "equilibrate.h"
-#include "lemke.h"
 #include "vector.h"
 
 /* The workspace that nsdae_dlemke asks for. */

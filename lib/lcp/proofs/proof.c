@@ -16,8 +16,6 @@
 #include <string.h>
 
 #include "separation.h"
-#include "exact.h"
-#include "judge.h"
 #include "vector.h"
 
 static double norm(int n, const double *v)
