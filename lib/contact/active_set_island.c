@@ -88,16 +88,6 @@ static void breadth_first(nsdae_active_set_island *c, const nsdae_rows *N)
   }
 }
 
-/* The order of Cuthill and McKee, begun at one end: the last of a search from anywhere. */
-static void sort(nsdae_active_set_island *c, const nsdae_island_equations *w, int island)
-{
-  by_block(c, w, island);
-  c->order[0] = 0;
-  breadth_first(c, normals(w));
-  c->order[0] = c->order[c->count - 1];
-  breadth_first(c, normals(w));
-}
-
 /* ---- G and b */
 
 /* U = M^-1 W part by part; b. */
@@ -379,7 +369,12 @@ int nsdae_active_set_solve(nsdae_active_set_island *c, const nsdae_island_equati
   const nsdae_members *contacts = &w->islands->contact;
   c->count = nsdae_members_count(contacts, island);
   c->contact = contacts->of + contacts->first[island];
-  sort(c, w, island);
+  /* The order of Cuthill and McKee, begun at one end: the last of a search from anywhere. */
+  by_block(c, w, island);
+  c->order[0] = 0;
+  breadth_first(c, normals(w));
+  c->order[0] = c->order[c->count - 1];
+  breadth_first(c, normals(w));
   if (!lay_out(c, w) || !gather(c, w, island, L_block)) return 0;
   assemble(c, w);
   if (!settle(c, w, island, tol)) return 0;

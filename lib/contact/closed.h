@@ -5,7 +5,6 @@
 #define NSDAE_CLOSED_H
 
 #include "impulses.h"
-#include "terms.h"
 
 typedef struct nsdae_closed {
   int count, room, nt,

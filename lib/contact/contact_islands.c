@@ -75,26 +75,6 @@ static void join_contact(nsdae_contact_islands *is, const nsdae_terms *T, int i)
     join_row(is->parent, &T->by.tangent, j++, anchor);
 }
 
-static void join_all(nsdae_contact_islands *is, const nsdae_terms *T, int contacts,
-                     const int *number)
-{
-  const nsdae_rows *J = &T->by.jacobian;
-  memset(is->parent, -1, (size_t)is->blocks * sizeof *is->parent);
-  for (int a = 0; a < contacts; a++) join_contact(is, T, number[a]);
-  for (int i = 0; i < is->rows; i++) join_row(is->parent, J, i, first_block(J, i));
-  for (int i = 0; i < is->joints; i++)
-    join_row(is->parent, &T->by.frictional_joint, is->joint_number[i], block_of_joint(T, is, i));
-}
-
-static void number_islands(nsdae_contact_islands *is)
-{
-  is->count = 0;
-  for (int b = 0; b < is->blocks; b++) {
-    int root = is->parent[b] < 0 ? -1 : nsdae_sets_root(is->parent, b);
-    is->of[b] = root < 0 ? -1 : root == b ? is->count++ : is->of[root];
-  }
-}
-
 /* ---- members */
 
 int nsdae_island_of_contact(const nsdae_contact_islands *is, const nsdae_terms *T, int i)
@@ -135,24 +115,28 @@ static void list_members(nsdae_contact_islands *is, nsdae_members *m, int count,
   }
 }
 
-/* The block, rows and joints are listed since the layout. */
-static void find_one(nsdae_contact_islands *is, int contacts, const int *number)
-{
-  is->count = contacts + is->rows + is->joints > 0;
-  is->of[0] = is->count - 1;
-  is->contact.first[1] = contacts;
-  for (int a = 0; a < contacts; a++) is->contact.of[a] = number[a];
-}
-
 void nsdae_contact_islands_find(nsdae_contact_islands *is, const nsdae_terms *T, int contacts,
                                 const int *number)
 {
   if (is->blocks == 1) {
-    find_one(is, contacts, number);
+    /* The block, rows and joints are listed since the layout. */
+    is->count = contacts + is->rows + is->joints > 0;
+    is->of[0] = is->count - 1;
+    is->contact.first[1] = contacts;
+    for (int a = 0; a < contacts; a++) is->contact.of[a] = number[a];
     return;
   }
-  join_all(is, T, contacts, number);
-  number_islands(is);
+  const nsdae_rows *J = &T->by.jacobian;
+  memset(is->parent, -1, (size_t)is->blocks * sizeof *is->parent);
+  for (int a = 0; a < contacts; a++) join_contact(is, T, number[a]);
+  for (int i = 0; i < is->rows; i++) join_row(is->parent, J, i, first_block(J, i));
+  for (int i = 0; i < is->joints; i++)
+    join_row(is->parent, &T->by.frictional_joint, is->joint_number[i], block_of_joint(T, is, i));
+  is->count = 0;
+  for (int b = 0; b < is->blocks; b++) {
+    int root = is->parent[b] < 0 ? -1 : nsdae_sets_root(is->parent, b);
+    is->of[b] = root < 0 ? -1 : root == b ? is->count++ : is->of[root];
+  }
   list_members(is, &is->block, is->blocks, NULL, of_block, T);
   list_members(is, &is->contact, contacts, number, nsdae_island_of_contact, T);
   list_members(is, &is->row, is->rows, NULL, nsdae_island_of_row, T);

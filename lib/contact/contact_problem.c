@@ -1,6 +1,5 @@
 #include "contact_problem.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "dynamic_array.h"
@@ -69,15 +68,6 @@ int nsdae_problem_grow(nsdae_problem *p, const nsdae_room *contacts, const nsdae
 
 /* ---- what is closed */
 
-/* No two of one id: seen at once where they ascend. */
-static int distinct(nsdae_problem *p, const nsdae_closed *c, const nsdae_terms *terms)
-{
-  int i = 1;
-  while (i < c->count && c->id[i - 1] < c->id[i]) i++;
-  int twice = i < c->count ? nsdae_ids_fill(&p->picked.ids, c->count, c->id) : -1;
-  return twice < 0 ? NSDAE_OK : nsdae_terms_id_twice(terms, c->id[twice]);
-}
-
 static void recall(nsdae_problem *p, int a, const nsdae_closed *last, const nsdae_impulses *was,
                    int from)
 {
@@ -115,14 +105,6 @@ static int find(search *s, long id)
   return i;
 }
 
-/* What each did in the step before. */
-static void recall_all(nsdae_problem *p, const nsdae_closed *last, const nsdae_impulses *was)
-{
-  search before = {.ids = &p->picked.ids, .count = last->count, .id = last->id};
-  for (int a = 0; a < p->closed->count; a++)
-    recall(p, a, last, was, find(&before, p->closed->id[a]));
-}
-
 /* The entries with a gap up to touch. */
 static void pick(nsdae_problem *p, const nsdae_contact_list *list, double touch)
 {
@@ -146,10 +128,18 @@ static int close_list(nsdae_problem *p, nsdae_terms *terms, double touch, const 
   pick(p, &terms->by.list, touch);
   p->law = p->picked.law;
   p->warm.basis = p->closed->basis;
-  int status = distinct(p, p->closed, terms);
+  /* No two of one id: seen at once where they ascend. */
+  const nsdae_closed *c = p->closed;
+  int i = 1;
+  while (i < c->count && c->id[i - 1] < c->id[i]) i++;
+  int twice = i < c->count ? nsdae_ids_fill(&p->picked.ids, c->count, c->id) : -1;
+  int status = twice < 0 ? NSDAE_OK : nsdae_terms_id_twice(terms, c->id[twice]);
   if (status < 0) return status;
   nsdae_closed_clear(p->closed, p->results);
-  recall_all(p, last, was);
+  /* What each did in the step before. */
+  search before = {.ids = &p->picked.ids, .count = last->count, .id = last->id};
+  for (int a = 0; a < p->closed->count; a++)
+    recall(p, a, last, was, find(&before, p->closed->id[a]));
   nsdae_terms_select(terms, p->closed->count, p->picked.item);
   p->count = p->closed->count;
   return NSDAE_OK;

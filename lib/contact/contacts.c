@@ -400,16 +400,6 @@ static int *memory_of(const nsdae_contacts *c, int a)
   return c->warm.basis + (size_t)c->active[a] * (size_t)c->rows_most;
 }
 
-static void recall_basis(nsdae_contacts *c)
-{
-  for (int a = 0; a < c->active_count; a++)
-    memcpy(c->lcp.basis + c->first_row[a], memory_of(c, a),
-           (size_t)c->law[a].rows * sizeof *c->warm.basis);
-  for (int j = 0; j < c->slides.count; j++)
-    memcpy(c->lcp.basis + c->slides.row[j], c->warm.slide_basis + 3 * (size_t)c->slides.place[j],
-           (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
-}
-
 static void keep_basis(nsdae_contacts *c)
 {
   for (int a = 0; a < c->active_count; a++)
@@ -455,7 +445,12 @@ int nsdae_contacts_accept(nsdae_contacts *c, int status)
 int nsdae_contacts_solve_lcp(nsdae_contacts *c)
 {
   nsdae_lcp_problem problem = {.n = c->rows, .A = c->lcp.A, .lda = c->rows, .b = c->lcp.b};
-  recall_basis(c);
+  for (int a = 0; a < c->active_count; a++)
+    memcpy(c->lcp.basis + c->first_row[a], memory_of(c, a),
+           (size_t)c->law[a].rows * sizeof *c->warm.basis);
+  for (int j = 0; j < c->slides.count; j++)
+    memcpy(c->lcp.basis + c->slides.row[j], c->warm.slide_basis + 3 * (size_t)c->slides.place[j],
+           (size_t)nsdae_slides_rows(c, j) * sizeof *c->warm.basis);
   int status =
       nsdae_lcp_solve_in(&problem, &c->lcp.options, c->lcp.basis, c->lcp.x, c->lcp.y, &c->lcp.info,
                          c->lcp.work, c->lcp.lwork, c->lcp.iwork, c->lcp.liwork);

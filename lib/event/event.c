@@ -8,9 +8,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "event_certificate.h"
 #include "event_method.h"
-#include "kink.h"
 
 /* Instants in one dt without an impact or a change of mode; steps of the integrator after which it
  * starts anew, so that a way back is not longer. */

@@ -12,11 +12,10 @@
  * from above by inertia(). The end of an accumulation is ahead of its forces by accumulation_time
  * at most. Within BROUGHT_BACK tolerances no gap is below zero, none of a closed contact is above
  * it (complementarity), and independent constraints and their rates are zero. */
-#include "event_certificate.h"
+#include "event_method.h"
 
 #include <math.h>
 
-#include "slip_direction.h"
 #include "errors.h"
 
 /* In tolerances of a position or velocity. The drift until the next step is projected from 10 on.

@@ -59,4 +59,19 @@ int nsdae_event_slots_anew(void *event, nsdae_terms *at, double h);
 /* Gaps at both ends of a step, at its end of all contacts that did something in it. */
 int nsdae_event_slots_show(nsdae_event *event, nsdae_terms *from);
 
+/* ---- event_certificate.c: the certificate of a record, see certificate.c */
+
+/* Whether the step's result, which started at `from` and whose end is the point in work, fulfils
+ * the laws of contact. NSDAE_OK; or NSDAE_E_CONVERGENCE with the record, which names the contact or
+ * constraint; or a callback's status. */
+int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from);
+
+/* ---- kink.c: Contacts whose normal turns faster than the steps: a gap with a kink, as of a disc
+ * that falls flat. */
+
+/* Constraints or closed contacts strayed at the point in work, and the error says so: where a
+ * contact has a kink in its gap within dt of motion, the error names it instead. q [nq] is work.
+ * Returns the error's status. */
+int nsdae_event_explain_strayed(nsdae_event_instant *instant, double *q);
+
 #endif

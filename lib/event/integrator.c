@@ -115,10 +115,9 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
 
 int nsdae_event_integrator_make(nsdae_event_integrator *e)
 {
-  int needed = e->roots->phase->setting->options->integrator == NSDAE_INTEGRATOR_IDA;
   int status = nsdae_newton_kkt_make(&e->roots->phase->newton);
-  if (status == NSDAE_OK) status = nsdae_smooth_make(&e->smooth);
-  if (status == NSDAE_E_UNSUPPORTED && !needed) status = NSDAE_OK;
+  if (status == NSDAE_OK)
+    status = nsdae_smooth_make(&e->smooth, e->roots->phase->setting->options->integrator);
   if (status == NSDAE_OK) nsdae_event_integrator_prepare(e);
   return status;
 }

@@ -6,7 +6,6 @@
 
 #include "account.h"
 #include "dip.h"
-#include "fall.h"
 #include "roots.h"
 #include "smooth.h"
 #include "tracking.h"

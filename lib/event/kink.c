@@ -1,4 +1,4 @@
-#include "kink.h"
+#include "event_method.h"
 
 #include <math.h>
 #include <string.h>

@@ -49,18 +49,6 @@ void nsdae_event_lay(nsdae_event_base *b, nsdae_event_instant *p, nsdae_tracking
   nsdae_contacts_remember(&p->acceleration.problem, b->basis[1]);
 }
 
-/* What a slot keeps is of the contact in it: without one, zeros, as in a slot that was never used.
- */
-static void clear_unused(nsdae_event_base *b, const nsdae_system *s)
-{
-  const nsdae_tracked *tracked = s->tracked;
-  for (int i = 0; tracked && i < s->dims.k; i++) {
-    if (tracked->used[i]) continue;
-    b->blur[i] = b->rattle.last[i] = b->rattle.count[i] = 0;
-    for (int j = i * s->dims.nt; j < (i + 1) * s->dims.nt; j++) b->direction[j] = 0;
-  }
-}
-
 void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, double t)
 {
   const nsdae_event_phase *p = g->roots->phase;
@@ -75,7 +63,15 @@ void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, doub
   memcpy(b->blur, p->modes.blur, (size_t)d->k * sizeof *b->blur);
   memcpy(b->y, g->y, n * sizeof *b->y);
   memcpy(b->direction, p->modes.direction, kt * sizeof *b->direction);
-  clear_unused(b, p->setting->system);
+  /* What a slot keeps is of the contact in it: without one, zeros, as in a slot that was never
+   * used. */
+  const nsdae_system *s = p->setting->system;
+  const nsdae_tracked *tracked = s->tracked;
+  for (int i = 0; tracked && i < s->dims.k; i++) {
+    if (tracked->used[i]) continue;
+    b->blur[i] = b->rattle.last[i] = b->rattle.count[i] = 0;
+    for (int j = i * s->dims.nt; j < (i + 1) * s->dims.nt; j++) b->direction[j] = 0;
+  }
 }
 
 void nsdae_event_restore(const nsdae_event_base *b, nsdae_event_integrator *g)

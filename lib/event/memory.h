@@ -4,7 +4,7 @@
 
 #include "instant.h"
 #include "integrator.h"
-#include "chattering.h"
+#include "phase.h"
 
 /* Over the numbers of a result's memory, as the modes are. */
 typedef struct nsdae_event_base {

@@ -176,15 +176,6 @@ int nsdae_event_tune(nsdae_event *e, double t)
   return nsdae_differences_status(d, code, "gap", time, e->setting.error);
 }
 
-/* Contacts that were open have no solution to start from, whether they had a slot or not. */
-static void forget_open(const nsdae_event *e)
-{
-  size_t rows = (size_t)e->tools->contacts.rows_most;
-  for (int i = 0; i < e->setting.system->dims.k; i++)
-    for (int l = 0; l < 2 && e->phase.modes.contact[i] == NSDAE_MODE_OPEN; l++)
-      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
-}
-
 int nsdae_event_change_modes(nsdae_event *e, double t)
 {
   nsdae_result *r = e->setting.result;
@@ -201,7 +192,11 @@ int nsdae_event_change_modes(nsdae_event *e, double t)
   }
   nsdae_event_blur(e);
   int status = nsdae_event_slots_add(e, t);
-  forget_open(e);
+  /* Contacts that were open have no solution to start from, whether they had a slot or not. */
+  size_t rows = (size_t)e->tools->contacts.rows_most;
+  for (int i = 0; i < e->setting.system->dims.k; i++)
+    for (int l = 0; l < 2 && e->phase.modes.contact[i] == NSDAE_MODE_OPEN; l++)
+      memset(e->base.basis[l] + (size_t)i * rows, 0, rows * sizeof *e->base.basis[l]);
   if (status == NSDAE_OK && !found) status = nsdae_event_tune(e, t); /* it has strayed */
   if (status == NSDAE_OK) status = nsdae_event_restart(e, t);
   note_rattles(e, t, first);

@@ -4,7 +4,6 @@
 #include <float.h>
 #include <lapacke.h>
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include <nsdae/status.h>

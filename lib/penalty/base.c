@@ -1,4 +1,4 @@
-#include "base.h"
+#include "equations.h"
 
 static void lay(nsdae_penalty_base *b, nsdae_tracking *tracking, const nsdae_stepper *s,
                 nsdae_memory_part *part)

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
 #include "stalled_steps.h"
 #include "vector.h"
 
@@ -126,7 +125,7 @@ static int powers(nsdae_penalty_equations *p, const nsdae_terms *T, const double
   return status;
 }
 
-/* Bytes of all forces, which are in the order of z (places.h). */
+/* Bytes of all forces, which are in the order of z. */
 static size_t forces_size(const nsdae_dims *d)
 {
   return (size_t)(nsdae_penalty_at_work(d) - nsdae_penalty_at_lambda(d)) * sizeof(double);

@@ -12,11 +12,65 @@
 #ifndef NSDAE_PENALTY_EQUATIONS_H
 #define NSDAE_PENALTY_EQUATIONS_H
 
-#include "base.h"
 #include "penalty_law.h"
 #include "newton_kkt.h"
-#include "places.h"
 #include "power.h"
+#include "stepper.h"
+#include "tracking.h"
+
+/* ---- offsets in z = [q, v, Lambda, I_N, I_T, I_S, E, A] of the equations, and its length; those
+ * of the forces in y = [q, v, lambda, F_N, F_T, F_S] are the same. */
+
+static inline int nsdae_penalty_at_lambda(const nsdae_dims *d)
+{
+  return d->nq + d->nv;
+}
+
+static inline int nsdae_penalty_at_normal(const nsdae_dims *d)
+{
+  return nsdae_penalty_at_lambda(d) + d->m;
+}
+
+static inline int nsdae_penalty_at_tangential(const nsdae_dims *d)
+{
+  return nsdae_penalty_at_normal(d) + d->k;
+}
+
+static inline int nsdae_penalty_at_slide(const nsdae_dims *d)
+{
+  return nsdae_penalty_at_tangential(d) + d->k * d->nt;
+}
+
+static inline int nsdae_penalty_at_work(const nsdae_dims *d)
+{
+  return nsdae_penalty_at_slide(d) + d->f;
+}
+
+static inline int nsdae_penalty_size(const nsdae_dims *d)
+{
+  return nsdae_penalty_at_work(d) + 2;
+}
+
+/* ---- base.c: where the integrator started last, and the contacts of then: the method's part of
+ * the memory. The same start and the same number of steps lead to the same point, bit by bit. */
+
+typedef struct nsdae_penalty_base {
+  double *t, *qv;                    /* 1, nq + nv */
+  double *first;                     /* 1: length of the first step, or 0 */
+  double *since, *start_rate, *mass; /* k: when it closed, d'_0, effective mass */
+  double *impulse, *impulse_t;       /* k, k nt: from then to t */
+  double *peak;                      /* k: largest force until t */
+  int *closed;                       /* k: in contact */
+  int *steps, *is_stiff;             /* 1: of the integrator, since t; IDA is at work */
+} nsdae_penalty_base;
+
+/* Takes the memory of the method: a base. */
+void nsdae_penalty_base_lay(const nsdae_stepper *stepper, nsdae_memory_part *part);
+/* Lays the base, and what is kept of tracked contacts, over the memory of a step. */
+void nsdae_penalty_base_find(nsdae_penalty_base *base, nsdae_tracking *tracking,
+                             const nsdae_stepper *stepper, nsdae_memory *memory);
+
+/* ---- equations */
 
 /* Forces at the last evaluation. */
 typedef struct nsdae_penalty_forces {

@@ -118,9 +118,7 @@ static int make(nsdae_penalty *p)
   p->gaps.dip = (nsdae_dip){.count = d->k, .look = look, .user = p};
   int status = nsdae_arena_build(&p->arena, layout, p);
   if (status == NSDAE_OK) status = nsdae_newton_kkt_make(&p->equations.newton);
-  if (status == NSDAE_OK) status = nsdae_smooth_make(&p->integrator);
-  int needed = s->options->integrator == NSDAE_INTEGRATOR_IDA;
-  return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
+  return status < 0 ? status : nsdae_smooth_make(&p->integrator, s->options->integrator);
 }
 
 static int create(nsdae_stepper *s, void **own)
@@ -252,22 +250,17 @@ static int move_base(nsdae_penalty *p, double t)
   return NSDAE_OK;
 }
 
-/* The integrator from here on: IDA as long as a contact is closed that has made the
- * equations stiff. */
-static void choose(nsdae_penalty *p, int stiff)
+/* The integrator starts anew from here: that is the base from now on. */
+static int start(nsdae_penalty *p, double t, int stiff)
 {
+  int status = move_base(p, t);
+  /* The integrator from here on: IDA as long as a contact is closed that has made the
+   * equations stiff. */
   int by_option = p->equations.stepper->options->integrator, any = 0;
   for (int i = 0; i < nsdae_penalty_dims(p)->k; i++) any |= p->equations.base.closed[i];
   *p->equations.base.is_stiff = by_option == NSDAE_INTEGRATOR_IDA ||
                                 (by_option == NSDAE_INTEGRATOR_AUTO && p->integrator.ida &&
                                  (stiff || (p->integrator.is_stiff && any)));
-}
-
-/* The integrator starts anew from here: that is the base from now on. */
-static int start(nsdae_penalty *p, double t, int stiff)
-{
-  int status = move_base(p, t);
-  choose(p, stiff);
   return status < 0 ? status : start_integrator(p);
 }
 
@@ -588,11 +581,15 @@ static int read_results(nsdae_penalty *p, nsdae_terms *from, nsdae_result *resul
 }
 
 /* To where the step starts, if the integrator is not there already. A replay is not counted. */
-static int arrive(nsdae_penalty *p, const nsdae_state *state, nsdae_counters *counters)
+static int arrive(nsdae_penalty *p, const nsdae_state *state, nsdae_result *result)
 {
-  long stamp = state->memory->stamp;
+  long stamp = state->memory->stamp, stood = p->stamp;
+  nsdae_counters *counters = &result->counters;
+  nsdae_penalty_base_find(&p->equations.base, &p->slots.tracking, p->equations.stepper,
+                          &result->memory);
+  p->stamp = 0; /* until the step has succeeded */
   if (nsdae_penalty_is_tracked(p)) nsdae_tracking_load(&p->slots.tracking);
-  if (stamp > 0 && stamp == p->stamp) return NSDAE_OK;
+  if (stamp > 0 && stamp == stood) return NSDAE_OK;
   if (stamp == 0) return begin(p, state->terms);
   nsdae_counters counted = *counters;
   int status = replay(p, state->terms);
@@ -618,10 +615,7 @@ static int check(void *own, nsdae_memory *memory)
 static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 {
   nsdae_penalty *p = own;
-  nsdae_penalty_base_find(&p->equations.base, &p->slots.tracking, p->equations.stepper,
-                          &result->memory);
-  int status = arrive(p, state, &result->counters);
-  p->stamp = 0;
+  int status = arrive(p, state, result);
   if (status == NSDAE_OK) status = read_state(p, state->terms->t, p->qv);
   if (status == NSDAE_OK) nsdae_penalty_slots_keep(p, &result->memory);
   return status < 0 ? status : move_base(p, state->terms->t);
@@ -630,10 +624,7 @@ static int settle(void *own, const nsdae_state *state, nsdae_result *result)
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   nsdae_penalty *p = own;
-  nsdae_penalty_base_find(&p->equations.base, &p->slots.tracking, p->equations.stepper,
-                          &result->memory);
-  int status = arrive(p, state, &result->counters);
-  p->stamp = 0;
+  int status = arrive(p, state, result);
   p->reached = state->terms->t;
   if (status == NSDAE_OK) status = nsdae_penalty_slots_trim(p, state->terms);
   if (status == NSDAE_OK) status = integrate(p, result, t_end);

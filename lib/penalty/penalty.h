@@ -4,7 +4,6 @@
 
 #include "dip.h"
 #include "equations.h"
-#include "fall.h"
 #include "smooth.h"
 
 /* The gaps that cross zero in the last step. */

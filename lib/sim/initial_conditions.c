@@ -507,7 +507,8 @@ static int project_at_bench(bench *b, double t, double *q, double *v)
   return NSDAE_OK;
 }
 
-static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_project, (nsdae_sim * sim, double t0, double *q0, double *v0),
+               sim, t0, q0, v0)
 {
   nsdae_error_clear(&sim->error);
   int status = nsdae_sim_check_state(sim, "nsdae_sim_project", t0, q0, v0);
@@ -517,11 +518,6 @@ static int project(nsdae_sim *sim, double t0, double *q0, double *v0)
   status = at_bench(sim, project_at_bench, 0, q0, v0);
   sim->model.epoch = epoch;
   return status;
-}
-
-int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v0)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, project(sim, t0, q0, v0));
 }
 
 /* Of the kinetic energy of the approach: 5 % in the velocities, as in monitors.c. */

@@ -59,7 +59,8 @@ static int by_integration(nsdae_sim *sim, nsdae_result *before, double t, double
   return status;
 }
 
-static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_interpolate, (nsdae_sim * sim, double t, double *q, double *v),
+               sim, t, q, v)
 {
   const char *where = "nsdae_sim_interpolate";
   nsdae_error_clear(&sim->error);
@@ -87,9 +88,4 @@ static int interpolate(nsdae_sim *sim, double t, double *q, double *v)
   if (!sim->aside || shown->result.counters.fallbacks > 0)
     return by_parabola(sim, from, to, since, q, v);
   return by_integration(sim, &before->result, since, q, v);
-}
-
-int nsdae_sim_interpolate(nsdae_sim *sim, double t, double *q, double *v)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, interpolate(sim, t, q, v));
 }

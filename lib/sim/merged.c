@@ -13,7 +13,6 @@
  * Each impact has e = (e_i e_j)^(1/2) of the one before, so that n impacts have the impulse of
  * (1 - e^n) / (1 - e) first ones. Reported is one order of magnitude: an impulse of ten. In heaps
  * of e <= 0.9 it never is. */
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-#include "method_table.h"
+#include "sim_impl.h"
 
 const nsdae_stepping *nsdae_stepping_of(int method)
 {

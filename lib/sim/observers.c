@@ -7,7 +7,8 @@
 #include "refusal.h"
 #include "sim_impl.h"
 
-static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_observe,
+               (nsdae_sim * sim, nsdae_observer_fn observer, void *user), sim, observer, user)
 {
   nsdae_observers *o = &sim->observers;
   nsdae_error_clear(&sim->error);
@@ -21,12 +22,8 @@ static int observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
   return NSDAE_OK;
 }
 
-int nsdae_sim_observe(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, observe(sim, observer, user));
-}
-
-static int unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_unobserve,
+               (nsdae_sim * sim, nsdae_observer_fn observer, void *user), sim, observer, user)
 {
   nsdae_observers *o = &sim->observers;
   int i = 0;
@@ -36,11 +33,6 @@ static int unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
   o->turn -= i < o->turn;
   memmove(o->of + i, o->of + i + 1, (size_t)(o->count - i) * sizeof *o->of);
   return NSDAE_OK;
-}
-
-int nsdae_sim_unobserve(nsdae_sim *sim, nsdae_observer_fn observer, void *user)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, unobserve(sim, observer, user));
 }
 
 static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *record)

@@ -7,7 +7,7 @@
 #include "errors.h"
 #include "sim_impl.h"
 
-static int set_user(nsdae_sim *sim, void *user)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_user, (nsdae_sim * sim, void *user), sim, user)
 {
   nsdae_error_clear(&sim->error);
   if (sim->system->maker.of)
@@ -17,11 +17,6 @@ static int set_user(nsdae_sim *sim, void *user)
   sim->stage.waiting = 0;
   sim->model.user = user;
   return NSDAE_OK;
-}
-
-int nsdae_sim_set_user(nsdae_sim *sim, void *user)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_user(sim, user));
 }
 
 /* Before anything is changed. */
@@ -65,7 +60,8 @@ static int change(nsdae_sim *sim, void *setting, const void *to, void *before, s
   return status;
 }
 
-static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_options,
+               (nsdae_sim * sim, const nsdae_sim_options *options), sim, options)
 {
   static const char *const fixed[] = {"method", "polygon", "projection", "threads"};
   nsdae_sim_options before;
@@ -89,11 +85,6 @@ static int set_options(nsdae_sim *sim, const nsdae_sim_options *options)
     sim->now->accounts.grid_count = 0;
   }
   return status;
-}
-
-int nsdae_sim_set_options(nsdae_sim *sim, const nsdae_sim_options *options)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_options(sim, options));
 }
 
 /* Of a contact or a frictional joint. */
@@ -123,7 +114,8 @@ static int check_mu(nsdae_sim *sim, const char *where, int kind, int i, double m
   return NSDAE_OK;
 }
 
-static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_contact,
+               (nsdae_sim * sim, int i, double mu, double e_n, double e_t), sim, i, mu, e_n, e_t)
 {
   const char *where = "nsdae_sim_set_contact";
   nsdae_error_clear(&sim->error);
@@ -139,12 +131,8 @@ static int set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
   return change(sim, &sim->model.contact[i], &to, &before, sizeof to);
 }
 
-int nsdae_sim_set_contact(nsdae_sim *sim, int i, double mu, double e_n, double e_t)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_contact(sim, i, mu, e_n, e_t));
-}
-
-static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_frictional_joint, (nsdae_sim * sim, int j, double mu), sim,
+               j, mu)
 {
   const char *where = "nsdae_sim_set_frictional_joint";
   nsdae_error_clear(&sim->error);
@@ -160,7 +148,8 @@ static int set_frictional_joint(nsdae_sim *sim, int j, double mu)
   return prepare_method(sim);
 }
 
-static int set_friction_bound(nsdae_sim *sim, int j, double bound)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_friction_bound, (nsdae_sim * sim, int j, double bound),
+               sim, j, bound)
 {
   const char *where = "nsdae_sim_set_friction_bound";
   const int kind = NSDAE_NAME_FRICTIONAL_JOINT;
@@ -175,16 +164,6 @@ static int set_friction_bound(nsdae_sim *sim, int j, double bound)
   if (status < 0) return status;
   sim->model.frictional_joint[j].bound = bound;
   return prepare_method(sim);
-}
-
-int nsdae_sim_set_friction_bound(nsdae_sim *sim, int j, double bound)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_friction_bound(sim, j, bound));
-}
-
-int nsdae_sim_set_frictional_joint(nsdae_sim *sim, int j, double mu)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_frictional_joint(sim, j, mu));
 }
 
 /* What is wrong with control i and its value, if anything. */
@@ -205,7 +184,8 @@ static int check_control(nsdae_sim *sim, const char *where, int i, double value)
 
 /* F and the target speeds jump; nothing else at the state depends on controls. The next step takes
  * them from the callbacks, and the certificate F v. */
-static int set_control(nsdae_sim *sim, int i, double value)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_control, (nsdae_sim * sim, int i, double value), sim, i,
+               value)
 {
   int status = check_control(sim, "nsdae_sim_set_control", i, value);
   if (status < 0 || value == sim->control.value[i]) return status;
@@ -219,20 +199,11 @@ static int set_control(nsdae_sim *sim, int i, double value)
   return prepare_method(sim);
 }
 
-int nsdae_sim_set_control(nsdae_sim *sim, int i, double value)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_control(sim, i, value));
-}
-
-static int get_control(nsdae_sim *sim, int i, double *value)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_control, (nsdae_sim * sim, int i, double *value), sim, i,
+               value)
 {
   if (!value) return NSDAE_E_ARGUMENT;
   int status = check_control(sim, "nsdae_sim_get_control", i, 0);
   if (status == NSDAE_OK) *value = sim->control.value[i];
   return status;
-}
-
-int nsdae_sim_get_control(nsdae_sim *sim, int i, double *value)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_control(sim, i, value));
 }

@@ -291,7 +291,8 @@ static int reserve_factors(nsdae_sim *sim, const nsdae_terms *start)
   return status < 0 ? nsdae_error_memory(&sim->error, "nsdae_sim_init") : NSDAE_OK;
 }
 
-static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_init,
+               (nsdae_sim * sim, double t0, const double *q0, const double *v0), sim, t0, q0, v0)
 {
   nsdae_error_clear(&sim->error);
   sim->stage.started = sim->stage.failed = sim->stage.waiting = sim->stage.between = 0;
@@ -320,23 +321,15 @@ static int init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
   return NSDAE_OK;
 }
 
-int nsdae_sim_init(nsdae_sim *sim, double t0, const double *q0, const double *v0)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, init(sim, t0, q0, v0));
-}
-
-static int set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_set_interrupt,
+               (nsdae_sim * sim, nsdae_interrupt_fn asked, void *user), sim, asked, user)
 {
   sim->stepper.interrupt = (nsdae_interrupt){asked, user};
   return NSDAE_OK;
 }
 
-int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, void *user)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, set_interrupt(sim, asked, user));
-}
-
-static int get_record(const nsdae_sim *sim, nsdae_record *record)
+NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_record, (const nsdae_sim *sim, nsdae_record *record), sim,
+               record)
 {
   if (!record) return NSDAE_E_ARGUMENT;
   if (!sim->stage.started) return NSDAE_E_STATE;
@@ -344,12 +337,8 @@ static int get_record(const nsdae_sim *sim, nsdae_record *record)
   return NSDAE_OK;
 }
 
-int nsdae_sim_get_record(const nsdae_sim *sim, nsdae_record *record)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_record(sim, record));
-}
-
-static int get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
+NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_failed_lcp,
+               (const nsdae_sim *sim, nsdae_lcp_problem *problem), sim, problem)
 {
   if (!problem) return NSDAE_E_ARGUMENT;
   const nsdae_contacts *c = sim->next->result.problem;
@@ -359,12 +348,8 @@ static int get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
   return NSDAE_OK;
 }
 
-int nsdae_sim_get_failed_lcp(const nsdae_sim *sim, nsdae_lcp_problem *problem)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_failed_lcp(sim, problem));
-}
-
-static int get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_friction, (nsdae_sim * sim, nsdae_step_friction *friction),
+               sim, friction)
 {
   if (!friction) return NSDAE_E_ARGUMENT;
   if (!sim->stage.started) return NSDAE_E_STATE;
@@ -373,12 +358,8 @@ static int get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
                                 last->result.cones, friction);
 }
 
-int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_friction(sim, friction));
-}
-
-static int get_stats(const nsdae_sim *sim, nsdae_stats *stats)
+NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_stats, (const nsdae_sim *sim, nsdae_stats *stats), sim,
+               stats)
 {
   if (!stats) return NSDAE_E_ARGUMENT;
   *stats = nsdae_sim_shown(sim)->accounts.stats;
@@ -386,11 +367,6 @@ static int get_stats(const nsdae_sim *sim, nsdae_stats *stats)
   stats->contact_capacity = (int)sim->lists.contacts.entries;
   stats->contact_growths = sim->lists.growths;
   return NSDAE_OK;
-}
-
-int nsdae_sim_get_stats(const nsdae_sim *sim, nsdae_stats *stats)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_stats(sim, stats));
 }
 
 int nsdae_sim_get_dims(const nsdae_sim *sim, nsdae_dims *dims)
@@ -405,16 +381,12 @@ int nsdae_sim_has_potential(const nsdae_sim *sim)
   return sim && sim->system->call.potential;
 }
 
-static int get_options(const nsdae_sim *sim, nsdae_sim_options *options)
+NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_options,
+               (const nsdae_sim *sim, nsdae_sim_options *options), sim, options)
 {
   if (!options) return NSDAE_E_ARGUMENT;
   *options = sim->options;
   return NSDAE_OK;
-}
-
-int nsdae_sim_get_options(const nsdae_sim *sim, nsdae_sim_options *options)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_READ, get_options(sim, options));
 }
 
 const nsdae_error *nsdae_sim_error(const nsdae_sim *sim)

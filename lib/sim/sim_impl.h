@@ -6,10 +6,10 @@
 
 #include <nsdae/sim.h>
 
-#include "method_table.h"
 #include "slop_projection.h"
 #include "state_projection.h"
 #include "stepper.h"
+#include "method.h"
 
 /* Who uses a simulation now. A call that changes it works alone. Calls that only read it may work
  * at the same time, in several threads. While an observer sees a record, its thread may read the
@@ -226,15 +226,19 @@ int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
 /* After an enter that was NSDAE_OK. */
 void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use);
 
-/* The whole body of a public function: call, between enter and leave. */
-#define NSDAE_SIM_GUARDED(sim, use, call)                   \
-  do {                                                      \
-    int guarded_ = nsdae_sim_enter((sim), (use), __func__); \
-    if (guarded_ < 0) return guarded_;                      \
-    guarded_ = (call);                                      \
-    nsdae_sim_leave((sim), (use));                          \
-    return guarded_;                                        \
-  } while (0)
+/* Heads the body of a public function, of these parameters and arguments, which is called between
+ * enter and leave. */
+#define NSDAE_SIM_CALL(use, name, parameters, ...)   \
+  static int name##_guarded parameters;              \
+  int name parameters                                \
+  {                                                  \
+    int guarded_ = nsdae_sim_enter(sim, use, #name); \
+    if (guarded_ < 0) return guarded_;               \
+    guarded_ = name##_guarded(__VA_ARGS__);          \
+    nsdae_sim_leave(sim, use);                       \
+    return guarded_;                                 \
+  }                                                  \
+  static int name##_guarded parameters
 
 /* ---- starts */
 
@@ -278,5 +282,13 @@ double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_para
 
 /* Whether a run of this method depends on it. */
 int nsdae_sim_option_matters(const char *key, int method);
+
+/* ---- method_table.c: All methods. */
+
+extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau,
+    nsdae_stepping_penalty, nsdae_stepping_event;
+
+/* NULL past the last; the order is that of enum nsdae_method. */
+const nsdae_stepping *nsdae_stepping_of(int method);
 
 #endif

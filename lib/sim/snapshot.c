@@ -307,17 +307,12 @@ static size_t state_bytes(const nsdae_sim *sim, int closed, int slots)
   return c.at;
 }
 
-static int state_size(const nsdae_sim *sim, size_t *size)
+NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_state_size, (const nsdae_sim *sim, size_t *size), sim, size)
 {
   if (!size) return NSDAE_E_ARGUMENT;
   const nsdae_point *shown = nsdae_sim_shown(sim);
   *size = state_bytes(sim, shown->result.closed.count, slots_of(sim, shown));
   return NSDAE_OK;
-}
-
-int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_READ, state_size(sim, size));
 }
 
 static int check_size(nsdae_sim *sim, const char *where, const void *block, size_t size, int closed,
@@ -333,7 +328,8 @@ static int check_size(nsdae_sim *sim, const char *where, const void *block, size
                          size, needed);
 }
 
-static int get_state(nsdae_sim *sim, void *block, size_t size)
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_state, (nsdae_sim * sim, void *block, size_t size), sim,
+               block, size)
 {
   if (!sim->observers.telling) nsdae_error_clear(&sim->error);
   if (!sim->stage.started)
@@ -364,11 +360,6 @@ static int get_state(nsdae_sim *sim, void *block, size_t size)
   h.checksum = checksum_of(block, size);
   memcpy(block, &h, sizeof h);
   return NSDAE_OK;
-}
-
-int nsdae_sim_get_state(nsdae_sim *sim, void *block, size_t size)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_ASK, get_state(sim, block, size));
 }
 
 static int refuse_state(nsdae_sim *sim, const char *argument, const char *what)
@@ -519,7 +510,8 @@ static int read_block(nsdae_sim *sim, const void *block)
   return status;
 }
 
-static int set_state(nsdae_sim *sim, const void *block, size_t size)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_state, (nsdae_sim * sim, const void *block, size_t size),
+               sim, block, size)
 {
   nsdae_error_clear(&sim->error);
   int status = block ? check_head(sim, block, size) : refuse_state(sim, "block", "block is NULL");
@@ -557,9 +549,4 @@ static int set_state(nsdae_sim *sim, const void *block, size_t size)
   sim->stage.warning.status = sim->stage.start.status = NSDAE_OK;
   sim->observers.turn = sim->observers.stop = 0;
   return NSDAE_OK;
-}
-
-int nsdae_sim_set_state(nsdae_sim *sim, const void *block, size_t size)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, set_state(sim, block, size));
 }

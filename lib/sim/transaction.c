@@ -343,7 +343,7 @@ static int happened(const nsdae_result *result)
   return result->impacts > 0 || result->changes > 0 ? NSDAE_EVENT : NSDAE_OK;
 }
 
-static int step_once(nsdae_sim *sim)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_step, (nsdae_sim * sim), sim)
 {
   double began = nsdae_wall_clock();
   int status = begin_step(sim);
@@ -354,11 +354,6 @@ static int step_once(nsdae_sim *sim)
   if (sim->stage.warning.status <= 0) return happened(&sim->now->result);
   sim->error = sim->stage.warning; /* of a step that was done */
   return sim->stage.warning.status;
-}
-
-int nsdae_sim_step(nsdae_sim *sim)
-{
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, step_once(sim));
 }
 
 /* to_event: until one happens. */
@@ -391,12 +386,12 @@ static int run_to(nsdae_sim *sim, const char *where, double t_end, int to_event)
   return warning.status;
 }
 
-int nsdae_sim_run(nsdae_sim *sim, double t_end)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_run, (nsdae_sim * sim, double t_end), sim, t_end)
 {
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run_to(sim, __func__, t_end, 0));
+  return run_to(sim, "nsdae_sim_run", t_end, 0);
 }
 
-int nsdae_sim_run_to_event(nsdae_sim *sim, double t_end)
+NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_run_to_event, (nsdae_sim * sim, double t_end), sim, t_end)
 {
-  NSDAE_SIM_GUARDED(sim, NSDAE_MOVE, run_to(sim, __func__, t_end, 1));
+  return run_to(sim, "nsdae_sim_run_to_event", t_end, 1);
 }

@@ -1,4 +1,4 @@
-#include "fall.h"
+#include "dip.h"
 
 #include <float.h>
 #include <math.h>

@@ -40,26 +40,6 @@ static int acceleration(nsdae_newmark *N, nsdae_terms *T, double s, double *a, d
   return N->solve(N->of, T, T->F, a, lambda);
 }
 
-/* q1 and v1 of a0 and a1 into N->q, N->v. With dq/dt = H v the positions take the mean of both
- * ends, that of q1 at a point near it; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
-static int advance(nsdae_newmark *N, const nsdae_terms *start, const nsdae_terms *near, double h)
-{
-  const nsdae_dims *dims = &N->system->dims;
-  for (int i = 0; i < dims->nv; i++) N->v[i] = start->v[i] + h / 2 * (N->a0[i] + N->a1[i]);
-  int status = nsdae_kinematics_at(near, N->v, N->qdot1);
-  for (int i = 0; i < dims->nq; i++) N->q[i] = start->q[i] + h / 2 * (N->qdot0[i] + N->qdot1[i]);
-  return status;
-}
-
-static int no_convergence(nsdae_newmark *N, double t, double last)
-{
-  nsdae_error_set(N->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
-                  "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
-                  "wanted %.3g): make dt smaller",
-                  nsdae_system_time(N->system, t), N->options->iteration_max, last, N->tol);
-  return nsdae_error_at(N->error, NSDAE_E_CONVERGENCE, -1, nsdae_system_time(N->system, t));
-}
-
 /* Iterates on a1; the terms of the last iterate are those of end, with its acceleration in a1. */
 static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end, double t_end,
                    double h)
@@ -68,7 +48,12 @@ static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end,
   double alpha = N->options->baumgarte_alpha, beta = N->options->baumgarte_beta;
   double s = alpha * h + beta * beta * h * h / 4, moved = INFINITY;
   for (N->iterations = 1; N->iterations <= N->options->iteration_max; N->iterations++) {
-    int status = advance(N, start, N->iterations == 1 ? start : end, h);
+    /* q1 and v1 of a0 and a1 into N->q, N->v. With dq/dt = H v the positions take the mean of both
+     * ends, that of q1 at a point near it; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
+    const nsdae_terms *near = N->iterations == 1 ? start : end;
+    for (int i = 0; i < dims->nv; i++) N->v[i] = start->v[i] + h / 2 * (N->a0[i] + N->a1[i]);
+    int status = nsdae_kinematics_at(near, N->v, N->qdot1);
+    for (int i = 0; i < dims->nq; i++) N->q[i] = start->q[i] + h / 2 * (N->qdot0[i] + N->qdot1[i]);
     if (status < 0) return status;
     if (N->iterations > 1)
       moved = nsdae_relative_change(dims->nq, N->q, end->q) +
@@ -78,7 +63,11 @@ static int iterate(nsdae_newmark *N, const nsdae_terms *start, nsdae_terms *end,
     status = acceleration(N, end, s, N->a1, N->lambda1);
     if (status < 0) return status;
   }
-  return no_convergence(N, start->t, moved);
+  nsdae_error_set(N->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
+                  "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
+                  "wanted %.3g): make dt smaller",
+                  nsdae_system_time(N->system, start->t), N->options->iteration_max, moved, N->tol);
+  return nsdae_error_at(N->error, NSDAE_E_CONVERGENCE, -1, nsdae_system_time(N->system, start->t));
 }
 
 int nsdae_newmark_step(nsdae_newmark *N, nsdae_terms *start, nsdae_terms *end, double t_end,

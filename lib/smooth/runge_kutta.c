@@ -83,7 +83,7 @@ static void combine(nsdae_runge_kutta *rk, int n, int count, const double *weigh
   }
 }
 
-/* Of two estimates: see tableau.h. */
+/* Of two estimates: see runge_kutta.h. */
 static double joint(double five, double three)
 {
   if (!isfinite(five) || !isfinite(three)) return HUGE_VAL;

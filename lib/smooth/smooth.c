@@ -21,10 +21,11 @@ void nsdae_smooth_layout(nsdae_smooth *g, nsdae_arena *arena)
   g->power = NSDAE_ARENA_DOUBLES(arena, 3L * (integrals(g) - g->steps.forces));
 }
 
-int nsdae_smooth_make(nsdae_smooth *g)
+int nsdae_smooth_make(nsdae_smooth *g, int integrator)
 {
   g->cause = "";
-  return nsdae_ida_create(&g->implicit, &g->ida);
+  int status = nsdae_ida_create(&g->implicit, &g->ida), needed = integrator == NSDAE_INTEGRATOR_IDA;
+  return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
 }
 
 void nsdae_smooth_destroy(nsdae_smooth *g)

@@ -36,9 +36,10 @@ typedef struct nsdae_smooth {
   const char *cause; /* of the last failure of IDA, as SUNDIALS names it; or "" */
 } nsdae_smooth;
 
-/* Takes the arrays; makes IDA: NSDAE_OK, NSDAE_E_MEMORY, NSDAE_E_UNSUPPORTED. */
+/* Takes the arrays; makes IDA for an option `integrator`: NSDAE_OK, NSDAE_E_MEMORY, or
+ * NSDAE_E_UNSUPPORTED if that is ida and the library was built without SUNDIALS. */
 void nsdae_smooth_layout(nsdae_smooth *smooth, nsdae_arena *arena);
-int nsdae_smooth_make(nsdae_smooth *smooth);
+int nsdae_smooth_make(nsdae_smooth *smooth, int integrator);
 void nsdae_smooth_destroy(nsdae_smooth *smooth);
 
 /* The integrator from the next start on: an option `integrator` but auto. */

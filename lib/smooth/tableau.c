@@ -1,4 +1,4 @@
-#include "tableau.h"
+#include "runge_kutta.h"
 
 static const double c5[] = {0, 0.2, 0.3, 0.8, 8.0 / 9, 1, 1};
 static const double a5[][NSDAE_TABLEAU_WIDTH] = {

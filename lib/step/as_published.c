@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "errors.h"
 #include "newmark.h"
 #include "stepper.h"
 #include "vector.h"
@@ -65,17 +64,6 @@ static void jump(void *own, nsdae_memory *memory)
   memory->whole[memory->wholes - 1] = 0;
 }
 
-/* The settings, which may change between runs; a_0 and lambda_0 are in the memory. */
-static void prepare_newmark(printed *p, nsdae_memory *memory)
-{
-  nsdae_newmark *N = &p->newmark;
-  const nsdae_stepper *s = p->stepper;
-  N->tol = s->iteration_tol;
-  N->a0 = memory->real;
-  N->lambda0 = N->a0 + s->system->dims.nv;
-  N->have_start = memory->whole[memory->wholes - 1];
-}
-
 /* M a + Phi_q^T lambda = r, Phi_q a = c, with c in lambda. */
 static int solve_smooth(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda)
 {
@@ -88,7 +76,13 @@ static int smooth_step(printed *p, const nsdae_step *step)
 {
   nsdae_result *result = step->result;
   nsdae_memory *memory = &result->memory;
-  prepare_newmark(p, memory);
+  /* The settings, which may change between runs; a_0 and lambda_0 are in the memory. */
+  nsdae_newmark *N = &p->newmark;
+  const nsdae_stepper *s = p->stepper;
+  N->tol = s->iteration_tol;
+  N->a0 = memory->real;
+  N->lambda0 = N->a0 + s->system->dims.nv;
+  N->have_start = memory->whole[memory->wholes - 1];
   p->newmark.solve = solve_smooth;
   p->newmark.of = (void *)step;
   int status = nsdae_newmark_step(&p->newmark, step->start, step->end, step->t_end, step->h,

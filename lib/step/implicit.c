@@ -50,15 +50,6 @@ typedef struct progress {
   int rank[2];        /* least and largest of the constraints */
 } progress;
 
-static void follow(progress *p, double moved)
-{
-  p->moved = moved;
-  p->since++;
-  p->count++;
-  p->apart = moved < 1 ? 0 : p->apart + 1;
-  if (moved <= p->mark / 2) p->mark = moved, p->since = 0;
-}
-
 enum {
   STEP_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T,
   CLOSED_TERMS =
@@ -127,16 +118,6 @@ static int factor_mean_mass(const nsdae_step *step, int hold)
   return nsdae_step_factor(step, step->end, hold);
 }
 
-/* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
-static int positions(const nsdae_step *step)
-{
-  nsdae_stepper *s = step->tools;
-  int status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);
-  for (int i = 0; i < s->system->dims.nq; i++)
-    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot[0][i] + s->qdot[1][i]);
-  return status;
-}
-
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */
 static int iterate(const nsdae_step *step, int first, int frozen, int all_impacts, int *impact)
 {
@@ -153,7 +134,12 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   right_hand_side(step, *impact);
   nsdae_problem_bound(&s->problem, step->h / 2, step->start, step->h / 2, step->end);
   status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->v);
-  return status < 0 ? status : positions(step);
+  if (status < 0) return status;
+  /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
+  status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);
+  for (int i = 0; i < s->system->dims.nq; i++)
+    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot[0][i] + s->qdot[1][i]);
+  return status;
 }
 
 /* The relative change below which the iteration ends. With frozen contacts that still stagnate it
@@ -206,15 +192,6 @@ static int no_convergence(const nsdae_step *step, const progress *p)
   return NSDAE_E_CONVERGENCE;
 }
 
-static void first_guess(const nsdae_step *step)
-{
-  nsdae_stepper *s = step->tools;
-  const nsdae_dims *dims = &s->system->dims;
-  nsdae_move(dims->nq, step->start->q, step->h, s->qdot[0], s->q);
-  memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
-  memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
-}
-
 /* If q_1 of the matrices is further from that of v_1 than by iteration_tol, end moves there: the
  * error of velocities that contact_tol leaves is none of q_1 = q_0 + h/2 (v_0 + v_1). */
 static int end_iteration(const nsdae_step *step, const progress *p)
@@ -238,7 +215,9 @@ static int attempt(const nsdae_step *step, int all_impacts)
   int impact = 0;
   int status;
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
-  first_guess(step);
+  nsdae_move(dims->nq, step->start->q, step->h, s->qdot[0], s->q);
+  memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
+  memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
   for (int i = 0; i < s->options->iteration_max; i++) {
     status = iterate(step, i == 0, p.frozen, all_impacts, &impact);
     if (status < 0) return status;
@@ -246,8 +225,12 @@ static int attempt(const nsdae_step *step, int all_impacts)
     int now = s->problem.dispatch.solved->rank;
     if (now < p.rank[0]) p.rank[0] = now;
     if (now > p.rank[1]) p.rank[1] = now;
-    follow(&p, nsdae_relative_change(dims->nq, s->q, step->end->q) +
-                   nsdae_relative_change(dims->nv, s->v, step->end->v));
+    p.moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
+              nsdae_relative_change(dims->nv, s->v, step->end->v);
+    p.since++;
+    p.count++;
+    p.apart = p.moved < 1 ? 0 : p.apart + 1;
+    if (p.moved <= p.mark / 2) p.mark = p.moved, p.since = 0;
     if (p.moved <= settled(step, &p)) return end_iteration(step, &p);
     if (p.frozen && p.apart >= DIVERGED) break; /* or NaN */
     if (p.frozen || (p.since < STAGNATION && p.apart < DIVERGED) || s->problem.count == 0) continue;

@@ -1,6 +1,5 @@
 #include "callbacks.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #define CALL(name, ...)                                                                    \

@@ -4,7 +4,6 @@
  *
  * and of a contact that is not listed at all of the points: (u(s) - u(-s)) / 2 s + O(s^2), or, on
  * one side, (4 u(s) - u(2s) - 3 u(0)) / 2 s + O(s^2). */
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

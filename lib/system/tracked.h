@@ -6,8 +6,6 @@
 #ifndef NSDAE_SYSTEM_TRACKED_H
 #define NSDAE_SYSTEM_TRACKED_H
 
-#include <stddef.h>
-
 /* Gap of a slot without a contact. Its cube is finite. */
 #define NSDAE_FAR 1e100
 

@@ -25,18 +25,6 @@ void nsdae_newton_matrix_release(nsdae_newton_matrix *N)
 
 /* ---- callbacks */
 
-/* The outcome of a callback on its output [rows x columns]. */
-static int judge(const nsdae_terms *T, int code, const char *callback, const double *a, int rows,
-                 int columns)
-{
-  double t = nsdae_terms_time(T);
-  int status = nsdae_system_callback_status(code, callback, t, T->error);
-  if (status == NSDAE_OK)
-    status = nsdae_system_finite(T->system, a, rows, columns, callback, t, T->error);
-  if (status < 0) nsdae_system_explain(T->system, t, T->q, T->v, T->error);
-  return status;
-}
-
 /* A += scale (X + X^T) / 2 with X = D or K of a system without blocks */
 static int add_dense(const nsdae_terms *T, nsdae_newton_matrix *N, nsdae_force_damping_fn callback,
                      const char *name, double scale)
@@ -44,7 +32,7 @@ static int add_dense(const nsdae_terms *T, nsdae_newton_matrix *N, nsdae_force_d
   int n = T->system->dims.nv;
   memset(N->X, 0, (size_t)n * (size_t)n * sizeof *N->X);
   int code = callback(nsdae_terms_time(T), T->q, T->v, N->X, n, T->system->user);
-  int status = judge(T, code, name, N->X, n, n);
+  int status = nsdae_terms_outcome(T, code, name, N->X, n, n);
   N->list.scale = scale;
   return status < 0 ? status : nsdae_block_add(&N->list, 0, 0, N->X);
 }
@@ -58,7 +46,7 @@ static int add_listed(const nsdae_terms *T, nsdae_newton_matrix *N, nsdae_force_
   list->scale = scale;
   list->status = NSDAE_OK;
   int code = callback(nsdae_terms_time(T), T->q, T->v, list, T->system->user);
-  if (list->status == NSDAE_OK) return judge(T, code, name, NULL, 0, 0);
+  if (list->status == NSDAE_OK) return nsdae_terms_outcome(T, code, name, NULL, 0, 0);
   if (T->error) T->error->time = nsdae_terms_time(T);
   return list->status;
 }
@@ -144,7 +132,8 @@ static int add_displaced(nsdae_terms *T, nsdae_newton_matrix *N, int colour, int
   for (int j = 0; j < s->dims.nv; j++) N->v[j] = T->v[j] + step_v * N->unit[j];
   memset(N->F, 0, (size_t)s->dims.nv * sizeof *N->F);
   T->evals->force++;
-  int status = judge(T, s->call.force(t, N->q, N->v, N->F, s->user), "force", N->F, s->dims.nv, 1);
+  int status = nsdae_terms_outcome(T, s->call.force(t, N->q, N->v, N->F, s->user), "force", N->F,
+                                   s->dims.nv, 1);
   for (int b = 0; b < s->blocks.count && status == NSDAE_OK; b++)
     if (N->colour[b] == colour && l < nsdae_blocks_size(&s->blocks, b))
       add_column(N, b, l, weight, T->F);
@@ -172,7 +161,7 @@ static int add_columns(nsdae_terms *T, nsdae_newton_matrix *N, double cj, int co
 {
   const nsdae_system *s = T->system;
   int code = nsdae_kinematics(s, nsdae_terms_time(T), T->q, N->unit, N->qdot);
-  int status = judge(T, code, "kinematics", N->qdot, s->dims.nq, 1);
+  int status = nsdae_terms_outcome(T, code, "kinematics", N->qdot, s->dims.nq, 1);
   if (status < 0) return status;
   double step_v = ldexp(0x1p-26, ilogb(fmax(1, nsdae_largest(s->dims.nv, T->v))));
   double step_q = step_along(s->dims.nq, T->q, N->qdot);

@@ -194,9 +194,8 @@ static inline void zero(double *a, long count)
     while (count > 0) a[--count] = 0;
 }
 
-/* Why a callback's output [rows x columns] is none. */
-static int refuse(const nsdae_terms *T, int code, const char *callback, const double *a, int rows,
-                  int columns)
+int nsdae_terms_outcome(const nsdae_terms *T, int code, const char *callback, const double *a,
+                        int rows, int columns)
 {
   double t = nsdae_terms_time(T);
   int status = nsdae_system_callback_status(code, callback, t, T->error);
@@ -211,7 +210,7 @@ static inline int outcome(nsdae_terms *T, unsigned term, int code, const char *c
                           const double *a, int rows, int columns)
 {
   if (code || !nsdae_all_finite((size_t)rows * (size_t)columns, a))
-    return refuse(T, code, callback, a, rows, columns);
+    return nsdae_terms_outcome(T, code, callback, a, rows, columns);
   T->have |= term;
   return NSDAE_OK;
 }
@@ -231,7 +230,8 @@ static int parts_outcome(nsdae_terms *T, unsigned term, int code, const char *ca
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   find_parts(blocks, of, (size_t)begin);
-  if (code || !parts_finite(blocks, of)) return refuse(T, code, callback, of->value, rows, columns);
+  if (code || !parts_finite(blocks, of))
+    return nsdae_terms_outcome(T, code, callback, of->value, rows, columns);
   T->have |= term;
   return NSDAE_OK;
 }
@@ -314,39 +314,26 @@ static int jacobian(nsdae_terms *T)
                  "constraint_jacobian", s->call.constraint, "constraint", 0);
 }
 
-/* The callback gives phi_t and omega together. */
-static int given_bias(nsdae_terms *T)
+/* phi_t or omega, which the callback gives together. */
+static int constraint_bias(nsdae_terms *T, unsigned term, double *out)
 {
-  const nsdae_system *s = T->system;
-  int m = s->dims.m;
-  zero(T->constraint.phi_t, m);
-  zero(T->constraint.omega, m);
-  int code = s->call.constraint_bias(nsdae_terms_time(T), T->q, T->v, T->constraint.phi_t,
-                                     T->constraint.omega, s->user);
-  int status = outcome(T, 0, code, "constraint_bias", T->constraint.phi_t, m, 1);
-  if (status < 0) return status;
-  return outcome(T, NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA, 0, "constraint_bias", T->constraint.omega,
-                 m, 1);
-}
-
-static int phi_t(nsdae_terms *T)
-{
-  double *out = T->constraint.phi_t;
-  int m = T->system->dims.m;
-  if (T->system->call.constraint_bias) return given_bias(T);
-  int code = nsdae_differences_time(T->differences, T->system->call.constraint, m,
-                                    nsdae_terms_time(T), T->q, out);
-  return outcome(T, NSDAE_TERM_PHI_T, code, differenced(T, code, "constraint"), out, m, 1);
-}
-
-static int omega(nsdae_terms *T)
-{
-  double *out = T->constraint.omega;
-  int m = T->system->dims.m;
-  if (T->system->call.constraint_bias) return given_bias(T);
-  int code = nsdae_differences_second(T->differences, T->system->call.constraint, m,
-                                      nsdae_terms_time(T), T->q, T->v, out);
-  return outcome(T, NSDAE_TERM_OMEGA, code, differenced(T, code, "constraint"), out, m, 1);
+  const nsdae_calls *call = &T->system->call;
+  static const char *const callback = "constraint_bias";
+  int m = T->system->dims.m, code;
+  double t = nsdae_terms_time(T), *phi_t = T->constraint.phi_t, *omega = T->constraint.omega;
+  if (call->constraint_bias) {
+    zero(phi_t, m);
+    zero(omega, m);
+    code = call->constraint_bias(t, T->q, T->v, phi_t, omega, T->system->user);
+    int status = outcome(T, 0, code, callback, phi_t, m, 1);
+    if (status < 0) return status;
+    return outcome(T, NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA, 0, callback, omega, m, 1);
+  }
+  if (term == NSDAE_TERM_PHI_T)
+    code = nsdae_differences_time(T->differences, call->constraint, m, t, T->q, out);
+  else
+    code = nsdae_differences_second(T->differences, call->constraint, m, t, T->q, T->v, out);
+  return outcome(T, term, code, differenced(T, code, "constraint"), out, m, 1);
 }
 
 static int bias(nsdae_terms *T)
@@ -451,12 +438,6 @@ enum {
   CONTACT_TERMS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS
 };
 
-static int kinetic_terms(nsdae_terms *T, unsigned left)
-{
-  int status = left & NSDAE_TERM_MASS ? mass(T) : NSDAE_OK;
-  return status == NSDAE_OK && (left & NSDAE_TERM_FORCE) ? force(T) : status;
-}
-
 static int constraint_terms(nsdae_terms *T, unsigned left)
 {
   const nsdae_system *s = T->system;
@@ -465,8 +446,11 @@ static int constraint_terms(nsdae_terms *T, unsigned left)
     status = values_at(T, NSDAE_TERM_PHI, s->call.constraint, "constraint", T->constraint.phi,
                        s->dims.m);
   if (status == NSDAE_OK && (left & NSDAE_TERM_JACOBIAN)) status = jacobian(T);
-  if (status == NSDAE_OK && (left & NSDAE_TERM_PHI_T)) status = phi_t(T);
-  return status == NSDAE_OK && (left & ~T->have & NSDAE_TERM_OMEGA) ? omega(T) : status;
+  if (status == NSDAE_OK && (left & NSDAE_TERM_PHI_T))
+    status = constraint_bias(T, NSDAE_TERM_PHI_T, T->constraint.phi_t);
+  if (status == NSDAE_OK && (left & ~T->have & NSDAE_TERM_OMEGA))
+    status = constraint_bias(T, NSDAE_TERM_OMEGA, T->constraint.omega);
+  return status;
 }
 
 static int contact_terms(nsdae_terms *T, unsigned left)
@@ -489,7 +473,8 @@ int nsdae_terms_evaluate(nsdae_terms *T, unsigned which)
 {
   const nsdae_dims *d = &T->system->dims;
   unsigned left = which & ~T->have;
-  int status = left & KINETIC_TERMS ? kinetic_terms(T, left) : NSDAE_OK;
+  int status = left & NSDAE_TERM_MASS ? mass(T) : NSDAE_OK;
+  if (status == NSDAE_OK && (left & NSDAE_TERM_FORCE)) status = force(T);
   if (!(left & ~(unsigned)KINETIC_TERMS)) return status;
   if (status == NSDAE_OK && d->m > 0 && (left & CONSTRAINT_TERMS))
     status = constraint_terms(T, left);
@@ -519,25 +504,21 @@ static int not_symmetric(const nsdae_terms *terms, int b, size_t i, size_t j)
   return nsdae_error_at(terms->error, NSDAE_E_MASS, (int)(at + j * n + i), nsdae_terms_time(terms));
 }
 
-static int block_symmetric(const nsdae_terms *terms, int b)
-{
-  const double *M = terms->M + terms->system->blocks.square[b], roundings = 1e4 * DBL_EPSILON;
-  size_t n = (size_t)nsdae_blocks_size(&terms->system->blocks, b);
-  for (size_t j = 0; j < n; j++)
-    for (size_t i = j + 1; i < n; i++) {
-      double scale = sqrt(fabs(M[i * n + i])) * sqrt(fabs(M[j * n + j]));
-      if (fabs(M[j * n + i] - M[i * n + j]) > roundings * scale)
-        return not_symmetric(terms, b, i, j);
-    }
-  return NSDAE_OK;
-}
-
 int nsdae_terms_symmetric(const nsdae_terms *terms)
 {
-  int status = NSDAE_OK;
-  for (int b = 0; b < terms->system->blocks.count && status == NSDAE_OK; b++)
-    status = block_symmetric(terms, b);
-  return status;
+  const nsdae_blocks *blocks = &terms->system->blocks;
+  const double roundings = 1e4 * DBL_EPSILON;
+  for (int b = 0; b < blocks->count; b++) {
+    const double *M = terms->M + blocks->square[b];
+    size_t n = (size_t)nsdae_blocks_size(blocks, b);
+    for (size_t j = 0; j < n; j++)
+      for (size_t i = j + 1; i < n; i++) {
+        double scale = sqrt(fabs(M[i * n + i])) * sqrt(fabs(M[j * n + j]));
+        if (fabs(M[j * n + i] - M[i * n + j]) > roundings * scale)
+          return not_symmetric(terms, b, i, j);
+      }
+  }
+  return NSDAE_OK;
 }
 
 int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
@@ -551,7 +532,7 @@ int nsdae_kinematics_at(const nsdae_terms *T, const double *v, double *qdot)
   } else {
     for (int i = 0; i < nq; i++) sum += qdot[i] = v[i];
   }
-  return isfinite(sum) ? NSDAE_OK : refuse(T, code, "kinematics", qdot, nq, 1);
+  return isfinite(sum) ? NSDAE_OK : nsdae_terms_outcome(T, code, "kinematics", qdot, nq, 1);
 }
 
 int nsdae_terms_finite(const nsdae_terms *T, const char *what, int kind, const double *a)

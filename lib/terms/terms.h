@@ -117,6 +117,10 @@ static inline int nsdae_terms_need(nsdae_terms *terms, unsigned which)
   return (which & ~terms->have) == 0 ? NSDAE_OK : nsdae_terms_evaluate(terms, which);
 }
 
+/* The status of a callback's code and output [rows x columns] at the point, with the record. */
+int nsdae_terms_outcome(const nsdae_terms *terms, int code, const char *callback, const double *a,
+                        int rows, int columns);
+
 /* Compares both triangles of M, which must be there: only the lower one is factored. Entries are
  * sums of products, m_b J_bi J_bj over the bodies b, and sum |m_b J_bi J_bj| <= sqrt(M_ii M_jj) by
  * Cauchy and Schwarz: however they are summed, p roundings make them differ by at most p eps of

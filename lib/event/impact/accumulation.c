@@ -4,9 +4,8 @@
 #include <string.h>
 
 #include "dense.h"
-#include "slip_direction.h"
 #include "errors.h"
-#include "chattering.h"
+#include "phase.h"
 
 /* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
 static const double SLOW = 4;

@@ -198,14 +198,6 @@ static int settle_set(nsdae_event_impacts *p, const double *before, double most)
   return status < 0 ? status : 1;
 }
 
-/* The same of smaller and smaller sets, until one ends or none is left. */
-static int settle(nsdae_event_impacts *p, const double *before)
-{
-  int again = settle_set(p, before, INFINITY);
-  while (again > 0) again = settle_set(p, before, SLOWER * p->accumulation.fastest);
-  return again;
-}
-
 static void record(nsdae_event_impacts *p, int i)
 {
   const nsdae_impulses *c = &p->solution;
@@ -262,7 +254,12 @@ static int impact(nsdae_event_impacts *p, double *y)
   nsdae_blocks_add_product(&s->system->blocks, T->M, v, p->momentum);
   approach(p);
   int status = restitute(p, v);
-  if (status == NSDAE_OK) status = settle(p, v);
+  if (status == NSDAE_OK) {
+    /* The same of smaller and smaller sets, until one ends or none is left. */
+    int again = settle_set(p, v, INFINITY);
+    while (again > 0) again = settle_set(p, v, SLOWER * p->accumulation.fastest);
+    status = again;
+  }
   if (status == NSDAE_OK)
     status = nsdae_terms_finite(s->here, "velocity", NSDAE_NAME_VELOCITY, p->v);
   if (status == NSDAE_OK)

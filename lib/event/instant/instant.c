@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "slip_direction.h"
+#include "phase.h"
 #include "errors.h"
 
 /* Of the squared sines between the range of the constraints and that of the phase, the most. */

@@ -5,7 +5,7 @@
 #ifndef NSDAE_EVENT_INSTANT_H
 #define NSDAE_EVENT_INSTANT_H
 
-#include "choice.h"
+#include "acceleration.h"
 #include "impact.h"
 #include "impact_projection.h"
 #include "roots.h"

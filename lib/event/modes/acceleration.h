@@ -51,4 +51,11 @@ double nsdae_event_acceleration_size(const nsdae_event_acceleration *acceleratio
  * the record. */
 int nsdae_event_diagnose(nsdae_event_acceleration *acceleration, double t, const double *y);
 
+/* ---- choice.c: The modes of the next phase, from the problem of accelerations, which is asked
+ * again where its answer is not what was assumed. */
+
+/* Modes of all, with accelerations and forces. NSDAE_OK; NSDAE_E_PAINLEVE, NSDAE_E_CONVERGENCE, or
+ * of the problem, with the record. */
+int nsdae_event_choose_modes(nsdae_event_acceleration *acceleration, int impacted);
+
 #endif

@@ -1,8 +1,8 @@
-#include "choice.h"
+#include "acceleration.h"
 
 #include <math.h>
 
-#include "slip_direction.h"
+#include "phase.h"
 #include "painleve.h"
 #include "projected_gauss_seidel.h"
 

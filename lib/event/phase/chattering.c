@@ -1,4 +1,4 @@
-#include "chattering.h"
+#include "phase.h"
 
 #include <math.h>
 

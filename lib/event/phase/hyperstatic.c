@@ -226,12 +226,6 @@ static int next_sticking(nsdae_hyperstatic *s)
   return next;
 }
 
-static void take_sticking(nsdae_hyperstatic *s)
-{
-  for (int column = next_sticking(s); column >= 0; column = next_sticking(s))
-    nsdae_rank_revealing_take(&s->rows, column);
-}
-
 /* ---- equal shares */
 
 /* Whether the a-th closed contact slides, or begins to, with friction. */
@@ -288,17 +282,6 @@ static double share_used(const nsdae_hyperstatic *s, int a)
   return sticks(s, a) && most > 0 ? friction_of(s, a) / most : 0;
 }
 
-/* Each weight times what its contact uses, the largest 1. Those that get none would leave relations
- * that rounding rules. */
-static void emphasise(nsdae_hyperstatic *s)
-{
-  double most = 0;
-  int count = problem_of(s)->active_count;
-  for (int a = 0; a < count; a++) most = fmax(most, s->emphasis[a] *= share_used(s, a));
-  for (int a = 0; a < count && most > 0; a++)
-    s->emphasis[a] = fmax(s->emphasis[a] / most, LEAST_WEIGHT);
-}
-
 /* Where friction is nearly used up somewhere, weights that ask for the least |F_T| / (mu F_N) of
  * the largest: each times that of its contact (Lawson 1961). So that no contact is at its limit
  * before all must be. */
@@ -311,7 +294,13 @@ static int relate_friction(nsdae_hyperstatic *s, int even_normal)
     if (!related) break;
     worst = 0;
     for (int a = 0; a < problem_of(s)->active_count; a++) worst = fmax(worst, share_used(s, a));
-    emphasise(s);
+    /* Each weight times what its contact uses, the largest 1. Those that get none would leave
+     * relations that rounding rules. */
+    double most = 0;
+    int count = problem_of(s)->active_count;
+    for (int a = 0; a < count; a++) most = fmax(most, s->emphasis[a] *= share_used(s, a));
+    for (int a = 0; a < count && most > 0; a++)
+      s->emphasis[a] = fmax(s->emphasis[a] / most, LEAST_WEIGHT);
   }
   return related;
 }
@@ -354,7 +343,8 @@ static int try_forces(nsdae_hyperstatic *s, int even_normal, int even_friction)
   hold_resting(s);
   gather_forces(s);
   take_normals(s);
-  take_sticking(s);
+  for (int column = next_sticking(s); column >= 0; column = next_sticking(s))
+    nsdae_rank_revealing_take(&s->rows, column);
   nsdae_rank_revealing_combine(&s->rows);
   int related = even_friction ? relate_friction(s, even_normal) : relate(s, even_normal, 0);
   return related && holds(s) && keeps_sliding(s);

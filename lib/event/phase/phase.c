@@ -4,18 +4,12 @@
 #include <string.h>
 
 #include "dense.h"
-#include "slip_direction.h"
-
-/* The forces in turn: k normal, k nt tangential, f of frictional joints. */
-static int forces_of(const nsdae_dims *d)
-{
-  return d->k * (1 + d->nt) + d->f;
-}
 
 void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->setting->system->dims;
-  long forces = forces_of(d);
+  /* The forces in turn: k normal, k nt tangential, f of frictional joints. */
+  long forces = d->k * (1 + d->nt) + d->f;
   p->x = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->l = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->rows.row = nsdae_arena_take(arena, forces, sizeof *p->rows.row);

@@ -157,4 +157,35 @@ int nsdae_event_hardly_slides(const nsdae_event_phase *phase, int i);
 /* mu F_N - |F_T| of contact i, with the forces of y. */
 double nsdae_event_stick_margin(const nsdae_event_phase *phase, const double *y, int i);
 
+/* ---- slip_direction.c: Directions of sliding. */
+
+/* d [2]: the unit vector u / |u| of u = v_T, but along the direction `last` at least `slow`: it
+ * goes smoothly through a stop. Its derivative by v_T along l: (1 - d d^T) du / |u|. */
+void nsdae_slip_direction_ahead(const double *last, double slow, const double *v_t, double *d);
+void nsdae_slip_direction_slope(const double *last, double slow, const double *v_t, int l,
+                                double *slope);
+
+/* direction [nt] := -force / |force|, or 0. */
+void nsdae_slip_direction_against(double *direction, int nt, const double *force);
+
+/* ---- chattering.c: Contacts that rattle: whose instants follow each other, each soon after the
+ * one before. Past 2000 of them the tolerance of such a contact doubles with every 64th, so that it
+ * comes to an end; one that is late begins anew. */
+
+typedef struct nsdae_chattering {
+  int *count;   /* k */
+  double *last; /* k: time of the last */
+} nsdae_chattering;
+
+/* An instant of the contact at t, which counts several times where it is sooner than that after the
+ * last. */
+void nsdae_chattering_note(const nsdae_chattering *rattle, int contact, double t, double soon,
+                           int many);
+
+/* 1, or more: the factor on the tolerances. */
+double nsdae_chattering_blur(const nsdae_chattering *rattle, int contact);
+
+/* Past few it doubles with every `each`, twenty times at most. */
+double nsdae_chattering_growth(int count, int few, double each);
+
 #endif

@@ -1,4 +1,4 @@
-#include "slip_direction.h"
+#include "phase.h"
 
 #include "vector.h"
 

@@ -70,14 +70,6 @@ static int has_row(const nsdae_event_phase *p, nsdae_event_row_kind kind)
   return any;
 }
 
-/* det A / det A(t_0), less 1/2 with relations. */
-static double jam_value(const nsdae_event_phase *p, const nsdae_event_root *root)
-{
-  int sign;
-  double part = exp(nsdae_event_determinant(p, &sign) - root->start);
-  return root->rate * sign * part - (has_row(p, NSDAE_ROW_RELATED) ? RELATIONS_LEFT : 0);
-}
-
 /* The function as it is. */
 static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const double *y,
                        const nsdae_event_root *root)
@@ -93,7 +85,12 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
                                              : along_direction(p, T, i, T->w_T, T->v);
   /* a feature that is lost may have any gap: then as far below zero as it began above */
   if (root->kind == NSDAE_ROOT_HELD) return fmax(root->size - fabs(T->gap[i]), -root->size);
-  if (root->kind == NSDAE_ROOT_JAM) return jam_value(p, root);
+  if (root->kind == NSDAE_ROOT_JAM) {
+    /* det A / det A(t_0), less 1/2 with relations. */
+    int sign;
+    double part = exp(nsdae_event_determinant(p, &sign) - root->start);
+    return root->rate * sign * part - (has_row(p, NSDAE_ROW_RELATED) ? RELATIONS_LEFT : 0);
+  }
   const nsdae_frictional_joint *joint = &s->frictional_joint[i];
   double normal = joint->mu > 0 ? m->normal_sense[i] * y[at->lambda + joint->constraint] : 0;
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
@@ -148,16 +145,6 @@ static int has_risen(const nsdae_event_phase *p, const nsdae_event_root *root, d
          p->modes.contact[root->index] == NSDAE_MODE_OPEN && value > root->size;
 }
 
-/* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
- * out of the set until it has. */
-static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
-{
-  int masked = root->state == NSDAE_ROOT_MASKED;
-  int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIP;
-  return root->state == NSDAE_ROOT_OFF || (masked && slips) ||
-         (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
-}
-
 static int root_values(nsdae_event_roots *r, double t, const double *y, int begins, double *g)
 {
   const nsdae_event_phase *p = r->phase;
@@ -165,7 +152,13 @@ static int root_values(nsdae_event_roots *r, double t, const double *y, int begi
   double position = nsdae_largest(p->setting->at.lambda, y);
   for (int e = 0; e < r->count; e++) {
     nsdae_event_root *root = &r->entry[e];
-    int out = is_out(p, root);
+    /* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it
+     * is out of the set until it has. */
+    int masked = root->state == NSDAE_ROOT_MASKED;
+    int slips =
+        root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIP;
+    int out = root->state == NSDAE_ROOT_OFF || (masked && slips) ||
+              (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
     g[e] = out ? 1 : value_of(p, p->setting->here, r->at, root);
     root->moved |= !out && g[e] > root->size;
     if (begins && has_risen(p, root, g[e])) root->state = NSDAE_ROOT_LIVE;

@@ -1,7 +1,6 @@
 /* Kernels that solve one contact at a time. */
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "cone.h"

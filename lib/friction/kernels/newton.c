@@ -6,7 +6,6 @@
  *   (B rho + A (W + alpha rho)) dr = -F,   B = dF/d(rho r),  A = dF/du */
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "dense.h"

@@ -22,7 +22,7 @@
 #include <string.h>
 
 #include "dense.h"
-#include "exact.h"
+#include "separation.h"
 #include "double_double.h"
 #include "vector.h"
 

@@ -4,9 +4,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include "hdf5_guard.h"
 
 void nsdae_h5_start(nsdae_h5 *h5, nsdae_error *error)
 {

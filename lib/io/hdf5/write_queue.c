@@ -8,12 +8,6 @@ static uint64_t end_of(const nsdae_block *b)
   return b->at + b->size;
 }
 
-static void drop(nsdae_write_queue *p, size_t i)
-{
-  free(p->block[i].bytes);
-  p->block[i] = p->block[--p->count];
-}
-
 /* The block that has all of [at, at + size), or NULL. */
 static nsdae_block *holder(const nsdae_write_queue *p, uint64_t at, size_t size)
 {
@@ -29,7 +23,8 @@ static void make_way(nsdae_write_queue *p, uint64_t at, uint64_t end)
     nsdae_block *b = &p->block[i];
     if (end_of(b) <= at || end <= b->at) continue;
     if (at <= b->at && end_of(b) <= end) {
-      drop(p, i);
+      free(p->block[i].bytes);
+      p->block[i] = p->block[--p->count];
     } else if (b->at < at) {
       b->size = (size_t)(at - b->at);
     } else {

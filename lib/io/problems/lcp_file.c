@@ -1,7 +1,6 @@
 /* Complementarity problems to and from HDF5. */
 #include <nsdae/lcp_file.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "hdf5_data.h"
 

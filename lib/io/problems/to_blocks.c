@@ -92,16 +92,6 @@ static int *list_entries(nsdae_h5 *h5, int n, int count, const int *index, const
   return first;
 }
 
-/* What belongs to no part must be zero: rows of zeros that stand for none. */
-static void check_outside(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
-                          const nsdae_partition *items)
-{
-  for (int k = 0; k < A->count && h5->status == NSDAE_OK; k++)
-    if (A->value[k] != 0 && (rows->of[A->row[k]] < 0 || items->of[A->column[k]] < 0))
-      nsdae_h5_refuse(h5, "read", "entry (%d, %d) = %g is in a row that its contact does not have",
-                      A->row[k], A->column[k], A->value[k]);
-}
-
 static void check_numbers(nsdae_h5 *h5, const nsdae_triplets *A, size_t numbers)
 {
   if ((double)numbers <= MOST * ((double)A->count + A->rows + A->columns)) return;
@@ -144,7 +134,11 @@ static size_t place_entries(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_p
 void nsdae_to_blocks(nsdae_h5 *h5, const nsdae_triplets *A, const nsdae_partition *rows,
                      const nsdae_partition *items, nsdae_friction_problem *problem)
 {
-  check_outside(h5, A, rows, items);
+  /* What belongs to no part must be zero: rows of zeros that stand for none. */
+  for (int k = 0; k < A->count && h5->status == NSDAE_OK; k++)
+    if (A->value[k] != 0 && (rows->of[A->row[k]] < 0 || items->of[A->column[k]] < 0))
+      nsdae_h5_refuse(h5, "read", "entry (%d, %d) = %g is in a row that its contact does not have",
+                      A->row[k], A->column[k], A->value[k]);
   int *first = nsdae_h5_allocate(h5, (size_t)items->parts, sizeof *first);
   int *block = nsdae_h5_allocate(h5, (size_t)A->count, sizeof *block);
   size_t *place = nsdae_h5_allocate(h5, (size_t)A->count, sizeof *place);

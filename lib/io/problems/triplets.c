@@ -21,16 +21,6 @@ static int check_pointers(nsdae_h5 *h5, const char *group, int count, const int 
   return h5->status;
 }
 
-/* i and x, which may be longer than what is used of them; i into index. Returns how many there are
- * of both. */
-static int read_entries(nsdae_h5 *h5, const char *group, nsdae_triplets *t, int **index)
-{
-  int of_i = -1, of_x = -1;
-  *index = nsdae_h5_take_ints(h5, group, "i", NSDAE_H5_NEEDED, &of_i);
-  t->value = nsdae_h5_take_reals(h5, group, "x", NSDAE_H5_NEEDED, &of_x);
-  return of_i < of_x ? of_i : of_x;
-}
-
 static int check_count(nsdae_h5 *h5, const char *group, int count, int there, const char *what)
 {
   if (there < count)
@@ -54,14 +44,6 @@ static int *expand(nsdae_h5 *h5, const char *group, int n, int there, int *count
   return index;
 }
 
-static void check_indices(nsdae_h5 *h5, const char *group, const nsdae_triplets *t)
-{
-  for (int k = 0; k < t->count && h5->status == NSDAE_OK; k++)
-    if (t->row[k] < 0 || t->row[k] >= t->rows || t->column[k] < 0 || t->column[k] >= t->columns)
-      nsdae_h5_refuse(h5, "read", "%s: entry %d is at (%d, %d) of %d x %d", group, k, t->row[k],
-                      t->column[k], t->rows, t->columns);
-}
-
 /* Triplets: p has the columns; it must be as long as they are many. */
 static int *read_columns(nsdae_h5 *h5, const char *group, int count, int there)
 {
@@ -82,7 +64,13 @@ void nsdae_triplets_read(nsdae_h5 *h5, const char *root, const char *name, int n
   t->rows = nsdae_h5_take_int(h5, group, "m", 0, INT_MAX / 2);
   t->columns = nsdae_h5_take_int(h5, group, "n", 0, INT_MAX / 2);
   int form = nsdae_h5_take_int(h5, group, "nz", ROWS, INT_MAX - 1);
-  int there = read_entries(h5, group, t, form == ROWS ? &t->column : &t->row);
+  /* i and x, which may be longer than what is used of them; i into index. Returns how many there
+   * are of both. */
+  int **index = form == ROWS ? &t->column : &t->row;
+  int of_i = -1, of_x = -1;
+  *index = nsdae_h5_take_ints(h5, group, "i", NSDAE_H5_NEEDED, &of_i);
+  t->value = nsdae_h5_take_reals(h5, group, "x", NSDAE_H5_NEEDED, &of_x);
+  int there = of_i < of_x ? of_i : of_x;
   t->count = form > 0 ? form : 0;
   if (form == COLUMNS)
     t->column = expand(h5, group, t->columns, there, &t->count);
@@ -90,7 +78,10 @@ void nsdae_triplets_read(nsdae_h5 *h5, const char *root, const char *name, int n
     t->row = expand(h5, group, t->rows, there, &t->count);
   else
     t->column = read_columns(h5, group, form, there);
-  check_indices(h5, group, t);
+  for (int k = 0; k < t->count && h5->status == NSDAE_OK; k++)
+    if (t->row[k] < 0 || t->row[k] >= t->rows || t->column[k] < 0 || t->column[k] >= t->columns)
+      nsdae_h5_refuse(h5, "read", "%s: entry %d is at (%d, %d) of %d x %d", group, k, t->row[k],
+                      t->column[k], t->rows, t->columns);
 }
 
 /* ---- building and writing */

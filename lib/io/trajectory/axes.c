@@ -1,4 +1,4 @@
-#include "axes.h"
+#include "series.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,6 +5,7 @@
 #include <nsdae/trajectory.h>
 
 #include "hdf5_data.h"
+#include "formula.h"
 
 /* Writes it into a new file. */
 void nsdae_description_write(nsdae_h5 *h5, const nsdae_sim *sim, const nsdae_trajectory_info *info);
@@ -38,5 +39,16 @@ int nsdae_setting_find(const nsdae_setting *setting, const char *name,
 
 /* NSDAE_E_ARGUMENT names the first that differs. */
 void nsdae_setting_compare(const nsdae_setting *own, const nsdae_setting *file, nsdae_h5 *h5);
+
+/* ---- shapes_data.c: bodies that a trajectory file names, its groups /bodies and /shapes */
+
+/* NSDAE_E_ARGUMENT with the first body that is not as the header wants it. */
+void nsdae_bodies_check(nsdae_h5 *h5, int n, const nsdae_body *body,
+                        const nsdae_formula_names *names);
+
+/* Writes those that passed the check; apart: what is placed by coordinates alone goes to the group
+ * /shapes, in numbers. */
+void nsdae_bodies_write(nsdae_h5 *h5, int n, const nsdae_body *body,
+                        const nsdae_formula_names *names, int apart);
 
 #endif

@@ -2,7 +2,9 @@
 #ifndef NSDAE_IO_SERIES_H
 #define NSDAE_IO_SERIES_H
 
-#include "axes.h"
+#include <nsdae/sim.h>
+#include "dataset_table.h"
+#include "hdf5_data.h"
 
 /* Rows that are kept of a first column that counts, for it is written at flushes only; of the
  * others as many as a chunk of the datasets has. */
@@ -73,5 +75,13 @@ int nsdae_series_is_full(const nsdae_series *series);
 /* What the file may grow by when the rows held are written: whole chunks, and HDF5's own records of
  * them. */
 long nsdae_series_held_bytes(const nsdae_series *series);
+
+/* ---- axes.c: The second dimensions of a trajectory: which coordinate, velocity, constraint, fixed
+ * contact, tangent, frictional joint, side of a listed contact. Each is a dataset of the names, a
+ * dimension scale of HDF5, so that tools select by name (in xarray q.sel(coordinate="theta")). */
+
+/* Makes them in the file of a simulation, by their widths (dataset_table.h). < 0: the model has
+ * none of it. */
+void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim);
 
 #endif

@@ -1,6 +1,6 @@
 /* A row of /bodies for each body: texts, sizes, and its number of rows in the table of points; or,
  * of what is placed by coordinates alone, a row of /shapes: their numbers in place of formulas. */
-#include "shapes_data.h"
+#include "description.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "description.h"
-#include "shapes_data.h"
 #include "system_impl.h"
 #include "trajectory_impl.h"
 

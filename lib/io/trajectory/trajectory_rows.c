@@ -1,6 +1,5 @@
 /* The rows of a trajectory: records, impacts, changes and contacts, as they come and as they go
  * into the file. */
-#include <string.h>
 
 #include "clock.h"
 #include "trajectory_impl.h"
@@ -86,12 +85,6 @@ static void append_record(nsdae_trajectory *t, const nsdae_record *record)
   append_rows(t, NSDAE_RECORDS, &row, 1);
 }
 
-static void append_impact(nsdae_trajectory *t, const nsdae_record *record, int i)
-{
-  const nsdae_row row = {.impact = record->impact[i]};
-  append_rows(t, NSDAE_IMPACTS, &row, 1);
-}
-
 /* ---- steps and impacts */
 
 /* A step that comes again takes the place of the one that was dropped. */
@@ -120,7 +113,10 @@ void nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record)
   t->begun = 1;
   mark(t, record);
   if (record->step % t->rows.every == 0) append_record(t, record);
-  for (int i = 0; i < record->impacts; i++) append_impact(t, record, i);
+  for (int i = 0; i < record->impacts; i++) {
+    const nsdae_row row = {.impact = record->impact[i]};
+    append_rows(t, NSDAE_IMPACTS, &row, 1);
+  }
   for (int i = 0; i < record->changes; i++) {
     const nsdae_row row = {.change = record->change[i]};
     append_rows(t, NSDAE_CHANGES, &row, 1);

@@ -3,10 +3,8 @@
  */
 #include "chain.h"
 
-#include <stddef.h>
 #include <string.h>
 
-#include "judge.h"
 #include "lcp_methods.h"
 #include "proof.h"
 

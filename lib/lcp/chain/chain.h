@@ -24,4 +24,13 @@ int nsdae_lcp_guess_nothing(nsdae_lcp_work *w);
  * that it leaves in w->info is a bound to that of any of these. */
 int nsdae_lcp_guess_basis(nsdae_lcp_work *w);
 
+/* ---- islands.c: Parts of a problem that have nothing to do with each other. */
+
+/* label[i] = label[j] where unknowns i and j are joined by entries of A that are not zero: the
+ * smallest index of those joined. Returns how many islands there are. */
+int nsdae_islands_find(int n, const double *A, int lda, int *label);
+
+/* The members of the island of that label, in order; returns how many. */
+int nsdae_islands_members(int n, const int *label, int island, int *member);
+
 #endif

@@ -10,13 +10,10 @@
 
 #include <float.h>
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "active_set.h"
 #include "dense.h"
-#include "islands.h"
-#include "residual.h"
 
 /* Bounds that a refinement cannot improve on by much, and such that are not for want of one. */
 static const double ROUNDING = 2e-15, WRONG = 1e-6;

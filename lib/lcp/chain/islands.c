@@ -1,4 +1,4 @@
-#include "islands.h"
+#include "chain.h"
 
 #include <stddef.h>
 

@@ -8,12 +8,9 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "chain.h"
-#include "islands.h"
-#include "judge.h"
 
 /* Rows that cost no more to factor as one than to sort into islands. */
 enum { FEW = 32 };
@@ -23,7 +20,7 @@ typedef struct parts {
   nsdae_lcp_work *whole;
   double *work;
   int *iwork;
-  int *label, *member; /* n, n: see islands.h; behind all that an island works in */
+  int *label, *member; /* n, n: see islands.c; behind all that an island works in */
 } parts;
 
 /* One island in the workspace of the whole. */

@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "dense.h"

@@ -38,4 +38,13 @@ void nsdae_dictionary_move(nsdae_dictionary *t, int r, const double *c);
 /* Exchanges basic_r and nonbasic_e; c is column e as just asked for. */
 void nsdae_dictionary_pivot(nsdae_dictionary *t, int r, int e, const double *c);
 
+/* ---- lemke.c: nsdae_dlemke with the number of pivots that the dictionary puts off (0: none). */
+
+/* The block that nsdae_dlemke takes for n, where its work is long enough. */
+int nsdae_lemke_block(int n);
+
+/* The arguments are taken for right; work [nsdae_dictionary_size(n, block)]. */
+int nsdae_lemke(int n, int block, const double *a, int lda, const double *b, const double *d,
+                int max_pivots, double *x, int *basis, int *pivots, double *work, int *iwork);
+
 #endif

@@ -3,7 +3,6 @@
  *
  * Ties are broken as if b_i were b_i + eps^(i+1): the coefficient of eps^(k+1) in the constant of
  * row i is -C_ij where y_k is the j-th nonbasic variable and 1 where y_k is basic_i. */
-#include "lemke.h"
 
 #include <float.h>
 #include <math.h>

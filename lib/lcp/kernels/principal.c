@@ -5,7 +5,6 @@
 
 #include "active_set.h"
 #include "finite.h"
-#include "residual.h"
 
 static int pivot_to_the_end(const nsdae_lcp_point *p, double tol, int block, int max_pivots,
                             int *basis, int *pivots, double *residual)

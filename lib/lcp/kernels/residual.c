@@ -1,4 +1,4 @@
-#include "residual.h"
+#include "active_set.h"
 
 #include <math.h>
 #include <nsdae/kernels.h>

@@ -2,10 +2,8 @@
  * solved at once, or else where Lemke's method starts. */
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 #include <string.h>
 
-#include "judge.h"
 #include "lcp_methods.h"
 #include "vector.h"
 

@@ -2,7 +2,6 @@
 #include <nsdae/kernels.h>
 #include <stddef.h>
 
-#include "judge.h"
 #include "lcp_methods.h"
 
 enum { COVERINGS = 12 };

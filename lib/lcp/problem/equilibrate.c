@@ -1,4 +1,4 @@
-#include "equilibrate.h"
+#include "work.h"
 
 #include <math.h>
 #include <stddef.h>

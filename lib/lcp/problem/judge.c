@@ -1,8 +1,7 @@
-#include "judge.h"
+#include "work.h"
 
 #include <math.h>
 #include <nsdae/kernels.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "active_set.h"

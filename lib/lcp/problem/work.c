@@ -1,12 +1,9 @@
 /* Memory, scales, and the way back to the problem as it was given. */
 #include "work.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "dictionary.h"
-#include "equilibrate.h"
-#include "lemke.h"
 #include "vector.h"
 
 /* The workspace that nsdae_dlemke asks for. */

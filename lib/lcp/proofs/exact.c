@@ -2,7 +2,7 @@
  * Math. 18, 1971). Sums are kept as expansions: doubles that do not overlap, smallest first, whose
  * exact sum is meant and whose sign is that of the last (Shewchuk, Discrete Comput. Geom. 18, 1997,
  * Grow-Expansion with zeros left out). */
-#include "exact.h"
+#include "separation.h"
 
 #include <math.h>
 #include <stddef.h>

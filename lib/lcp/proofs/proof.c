@@ -13,12 +13,9 @@
 #include "proof.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "separation.h"
-#include "exact.h"
-#include "judge.h"
 #include "vector.h"
 
 static double norm(int n, const double *v)

@@ -10,11 +10,10 @@
 #include "proof.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "dense.h"
-#include "exact.h"
+#include "separation.h"
 
 /* The direction, to the problem's own scale, in w->room.cover: index[size] is the pair out of the
  * basis, of which x (or y) grows at the rate one. */

@@ -8,7 +8,6 @@
 
 #include "../../bench/bench_lcp_families.h"
 #include "dictionary.h"
-#include "lemke.h"
 
 enum { MOST = 300 };
 
