@@ -80,13 +80,14 @@ int bodies::demand(int status) const
   return status;
 }
 
-int bodies::add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
-                triple velocity, triple spin)
+int bodies::add(double mass, triple inertia, triple product, triple position, double angle,
+                quadruple quaternion, triple velocity, triple spin)
 {
   nsdae_rigid_body b = {};
   b.mass = mass;
   b.angle = angle;
   fill(b.inertia, inertia);
+  fill(b.product, product);
   fill(b.position, position);
   fill(b.quaternion, quaternion);
   fill(b.velocity, velocity);
@@ -279,13 +280,15 @@ nb::dict bodies::add_scene(const std::string &path)
 }
 
 // Owned by the caller; the bodies must outlive it. The garbage collector sees its reference to
-// them, because a drive or a load may refer to an owner of the system.
-system *bodies::make_system(nb::object self)
+// them, because a drive or a load may refer to an owner of the system. With the text of its
+// warning, or "".
+nb::tuple bodies::make_system(nb::object self)
 {
   const bodies &b = nb::cast<const bodies &>(self);
   nsdae_system *made = nullptr;
-  b.demand(nsdae_bodies_system(b.handle, &made));
-  return new system(made, b.listed, self);
+  int status = b.demand(nsdae_bodies_system(b.handle, &made));
+  nb::object of = nb::cast(new system(made, b.listed, self), nb::rv_policy::take_ownership);
+  return nb::make_tuple(of, status > 0 ? nsdae_bodies_error(b.handle)->text : "");
 }
 
 nb::tuple bodies::start() const
@@ -367,7 +370,7 @@ void bind_bodies(nb::module_ &m)
       .def("set_pair", &bodies::set_pair)
       .def("set_gravity", &bodies::set_gravity)
       .def("add_scene", &bodies::add_scene)
-      .def("system", &bodies::make_system, nb::rv_policy::take_ownership)
+      .def("system", &bodies::make_system)
       .def("start", &bodies::start)
       .def("locate", &bodies::locate);
   m.def("solid_inertia", &solid_inertia);

@@ -26,8 +26,8 @@ public:
   bodies(const bodies &) = delete;
   bodies &operator=(const bodies &) = delete;
 
-  int add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
-          triple velocity, triple spin);
+  int add(double mass, triple inertia, triple product, triple position, double angle,
+          quadruple quaternion, triple velocity, triple spin);
   int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
                 double ratio, double mu, bool collide_connected, nb::object drive,
                 std::uintptr_t address, std::uintptr_t user);
@@ -49,7 +49,7 @@ public:
   void set_pair(int material0, int material1, double mu, double e_n, double e_t);
   void set_gravity(triple g);
   nb::dict add_scene(const std::string &path);
-  static system *make_system(nb::object self);
+  static nb::tuple make_system(nb::object self);
   nb::tuple start() const;
   triple locate(vector q, int body, triple local) const;
 
