@@ -9,7 +9,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from . import _core, _pointers
+from . import _core, _lists, _pointers
 from ._errors import ModelWarning, in_python
 from ._system import System
 from ._trajectory import Shape
@@ -18,6 +18,9 @@ GROUND = -1
 MOTORS = ("force", "speed", "position")
 JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal",
           "screw")
+_USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constraint_bias", "gap", "gap_normal", "gap_tangent",
+                   "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
+                   "contacts", "potential")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
 
 
@@ -170,6 +173,7 @@ class Bodies:
         self._solids: list[tuple[int, Solid]] = []
         self._kept: list[Any] = []
         self._system: System | None = None
+        self._user_rows: Any = None
         self.scene: Scene | None = None
         if len(gravity):
             self._core.set_gravity(self._vector("gravity", gravity))
@@ -529,6 +533,54 @@ class Bodies:
         """
         self._core.set_pair(material0, material1, float(mu), float(e_n), float(e_t))
 
+    def set_user_rows(self, nq: int = 0, nv: int | None = None, m: int = 0, k: int = 0, f: int = 0, *, user: Any = None,
+                      **callbacks: Callable[..., Any]) -> None:
+        """Adds your own coordinates, constraints, contacts and frictional joints, behind those of the bodies.
+
+        Parameters
+        ----------
+        nq, nv, m, k, f : int
+            Your coordinates, velocities (default nq), constraints, fixed contacts and frictional joints.
+        user : object, optional
+            Last argument of compiled callbacks, as of `System`.
+        **callbacks
+            Callbacks as of `System`: mass, force, constraint, constraint_jacobian, constraint_bias, gap, gap_normal,
+            gap_tangent, contact_bias, contact_acceleration, frictional_joint_tangent, kinematics, potential,
+            constraint_rows, contacts. Inputs are q and v of the whole mechanism. Outputs are your rows over all
+            velocities; ``mass`` is the block of your velocities, and ``force`` adds to F of the bodies.
+
+        Raises
+        ------
+        TypeError
+            A callback is unknown.
+        ArgumentError
+            From `system`: a callback is missing or never called.
+
+        Examples
+        --------
+        >>> world.set_user_rows(nq=1, m=1, mass=drum_mass, constraint=rope)
+        """
+        if self._user_rows:
+            raise RuntimeError("the user rows are set once")
+        for name in callbacks:
+            if name not in _USER_CALLBACKS:
+                raise TypeError(f"no callback of user rows is called '{name}': they are {', '.join(_USER_CALLBACKS)}")
+        self._user_rows = ((nq, nq if nv is None else nv, m, k, f), user, callbacks)
+
+    def _install_user_rows(self) -> None:
+        """With the sizes of all bodies, which are known at the end."""
+        if not self._user_rows:
+            return
+        sizes, user, callbacks = self._user_rows
+        given = []
+        for name, function in callbacks.items():
+            self._kept += [function, user]
+            pointer = _pointers.compiled(name, function, user)
+            given.append((name, _lists.wrapped(name, function, np.zeros(0, int)), 0, 0) if pointer is None
+                         else (name, None, *pointer))
+        self._core.set_user_rows(sizes, given)
+        self._user_rows = None
+
     def system(self) -> System:
         """Builds the system. Nothing can be added afterwards.
 
@@ -542,6 +594,7 @@ class Bodies:
             The model may have a mistake, such as a body whose solids touch nothing.
         """
         if self._system is None:
+            self._install_user_rows()
             core, note = self._core.system()
             if note:
                 warnings.warn(in_python(note), ModelWarning, stacklevel=2)
