@@ -23,3 +23,14 @@ if(NSDAE_FORTRAN)
   target_compile_options(test_mistakes_fortran PRIVATE -Wno-unused-dummy-argument)
   set_target_properties(test_mistakes_fortran PROPERTIES LINKER_LANGUAGE Fortran)
 endif()
+
+# Those of its first table, with the kit.
+function(nsdae_kit_mistakes_test language)
+  add_test(NAME mistakes/kit_${language} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/mistakes/kit.sh
+    ${PROJECT_SOURCE_DIR}/docs/guide/mistakes.md ${ARGN})
+  set_tests_properties(mistakes/kit_${language} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 60)
+endfunction()
+
+add_executable(test_mistakes_kit_c mistakes/kit.c)
+target_link_libraries(test_mistakes_kit_c PRIVATE nsdae_lib_static m)
+nsdae_kit_mistakes_test(c $<TARGET_FILE:test_mistakes_kit_c>)

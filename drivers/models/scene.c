@@ -25,7 +25,7 @@ int world_end(nsdae_bodies *world, int status, nsdae_system **system, nsdae_erro
   if (status < 0 && nsdae_bodies_error(world)->status == NSDAE_OK) return status;
   status = nsdae_bodies_system(world, system);
   if (status < 0) *error = *nsdae_bodies_error(world);
-  return status;
+  return status < 0 ? status : NSDAE_OK; /* a likely mistake is none here */
 }
 
 double world_ground_impulse(const nsdae_record *r)

@@ -32,7 +32,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   if (status < 0) *error = *nsdae_bodies_error(p->world);
   p->deepest_ever = p->cpu = p->cpu_worst = 0;
   p->steps = -1;
-  return status;
+  return status < 0 ? status : NSDAE_OK; /* a likely mistake is none here */
 }
 
 static void start(const void *base, double *q0, double *v0)

@@ -7,7 +7,7 @@
  *   planar    q = [x, y, theta] of each body, v = q'
  *   spatial   q = [x, y, z, q_w, q_x, q_y, q_z]; the unit quaternion rotates body axes into space
  *             v = [x', y', z', omega_1, omega_2, omega_3]; omega in body axes
- *             body axes are principal axes: the inertia is diagonal and M is constant
+ *             the inertia is constant in body axes, and so is M
  *
  * Names:
  *
@@ -38,8 +38,10 @@ enum { NSDAE_MATERIALS = 64 }; /* number of materials */
 /* A rigid body at the start. */
 typedef struct nsdae_rigid_body {
   double mass;          /* > 0 [kg] */
-  double inertia[3];    /* principal moments about the centre of mass, > 0 [kg m^2]; planar:
-                           inertia[2] only */
+  double inertia[3];    /* moments about the centre of mass, > 0 [kg m^2]; planar: inertia[2]
+                           only */
+  double product[3];    /* spatial: entries (0, 1), (0, 2), (1, 2) of the inertia tensor
+                           int r.r 1 - r r^T dm; all zero: body axes are principal axes */
   double position[3];   /* of the centre of mass [m] */
   double angle;         /* planar: theta [rad] */
   double quaternion[4]; /* spatial: w, x, y, z; normalised by the call; all zero: body axes
@@ -72,8 +74,9 @@ typedef struct nsdae_solid {
   double angle;         /* planar: of its frame in the body's frame [rad] */
   double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */
   int material;         /* 0 .. NSDAE_MATERIALS - 1, for nsdae_bodies_set_pair */
-  int group;            /* bits of the groups of the solid; 0: none */
-  int exclude;          /* bits of the groups that it does not touch by nsdae_bodies_set_pair */
+  int group;            /* bits 0 .. 30 of the groups of the solid; 0: none */
+  int exclude;          /* bits of the groups that it does not touch by nsdae_bodies_set_pair; -1:
+                           all solids, as of a shape for pictures alone */
 } nsdae_solid;
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
@@ -359,8 +362,12 @@ NSDAE_API int nsdae_bodies_set_user_rows(nsdae_bodies *bodies, const nsdae_user_
 
 /* Makes the system. Each body is a block of v, the user velocities are the last block
  * (nsdae/system.h: large systems). No object can be added later. bodies must outlive the system;
- * the caller destroys the system. Returns the first failure of any call before, NSDAE_E_STATE (no
- * body and no coordinate) or NSDAE_E_MEMORY. */
+ * the caller destroys the system. Returns NSDAE_OK or:
+ *
+ * - NSDAE_WARN_MODEL: the system is made; nsdae_bodies_error names a likely mistake, such as a
+ *  body whose solids touch nothing (docs/guide/mistakes.md)
+ * - the first failure of any call before, NSDAE_E_STATE (no body and no coordinate) or
+ *  NSDAE_E_MEMORY */
 NSDAE_API int nsdae_bodies_system(nsdae_bodies *bodies, nsdae_system **system);
 /* Sizes; coordinates q [nq] and velocities v [nv] at the start. The user's own coordinates and
  * velocities are 0. */
@@ -397,7 +404,7 @@ NSDAE_API void nsdae_scene_release(nsdae_scene *scene);
  * copied. Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_add_scene(nsdae_bodies *bodies, const nsdae_scene *scene);
 
-/* The error record of the first call that failed. */
+/* The error record of the first call that failed, or the warning of nsdae_bodies_system. */
 NSDAE_API const nsdae_error *nsdae_bodies_error(const nsdae_bodies *bodies);
 
 #ifdef __cplusplus

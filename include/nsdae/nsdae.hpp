@@ -811,7 +811,7 @@ public:
     return *this;
   }
 
-  /* nsdae_bodies_system; the system keeps this object alive. */
+  /* nsdae_bodies_system; the system keeps this object alive. A warning is in last_error. */
   nsdae::system system() const
   {
     nsdae::system made;
@@ -835,7 +835,7 @@ public:
     demand(nsdae_bodies_get_start(c(), q.data(), v.data()));
     return {q, v};
   }
-  /* Error record of the first call that failed. */
+  /* Error record of the first call that failed, or the warning of system. */
   const nsdae_error *last_error() const noexcept { return nsdae_bodies_error(c()); }
 
 private:

@@ -27,6 +27,7 @@ extern "C" {
   X(NSDAE_WARN_IMPACTS, 9, "consecutive impacts were solved as one")                  \
   X(NSDAE_WARN_RESTITUTION, 10, "the penalty law gives another restitution than e_N") \
   X(NSDAE_WARN_CONTACT, 11, "a contact problem was left above its tolerance")         \
+  X(NSDAE_WARN_MODEL, 12, "the model may have a mistake")                             \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                              \
   X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")               \
   X(NSDAE_E_OPTION, -3, "unknown option or parameter")                                \

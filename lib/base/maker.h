@@ -11,7 +11,7 @@
 typedef struct nsdae_reason {
   const char *element; /* "joint", "spring", "load", "contact" */
   int index;
-  char text[208];
+  char text[256];
 } nsdae_reason;
 
 /* Last argument of the callbacks of its system: what was made, and the controls. Those of a
@@ -29,7 +29,8 @@ typedef struct nsdae_maker {
    * none.
    */
   int (*words)(const void *of, int kind, long i, char *text, size_t size);
-  /* The first element that is degenerate at the point for that callback: 1; 0: none. */
+  /* The first element that is degenerate at the point for that callback, or whose drive has wrong
+   * derivatives for "drive": 1; 0: none. */
   int (*explain)(const void *of, const char *callback, double t, const double *q, const double *v,
                  nsdae_reason *reason);
   int controls;

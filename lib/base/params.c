@@ -117,25 +117,30 @@ int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error 
   return NSDAE_OK;
 }
 
-/* The entry whose help has the word: a quantity may have its symbol as its name, as L for a length.
- * Some word of prose is always half right: fewer letters than `least` may differ. Words of one or
- * two letters are none. */
+/* The entry whose help has the word, or two of its words as one, as "timestep": a quantity may have
+ * its symbol as its name, as L for a length. Some word of prose is always half right: fewer letters
+ * than `least` may differ. Words of one or two letters are none. */
 static const nsdae_param *described(const nsdae_params *table, const char *key, int least)
 {
   static const char letters[] = "abcdefghijklmnopqrstuvwxyz";
   const nsdae_param *found = NULL;
-  for (int i = 0; i < table->n; i++)
+  for (int i = 0; i < table->n; i++) {
+    char pair[64] = "";
     for (const char *at = table->entry[i].help; *(at += strcspn(at, letters));) {
-      char word[64] = "";
-      size_t length = strspn(at, letters);
+      char word[32] = "";
+      size_t length = strspn(at, letters), before = strlen(pair);
       nsdae_suggest nearest = nsdae_suggest_start(key);
       memcpy(word, at, length < sizeof word ? length : sizeof word - 1);
       nsdae_suggest_try(&nearest, word);
+      memcpy(pair + before, word, sizeof word); /* behind the word before it */
+      if (strcmp(key, pair) == 0) return &table->entry[i];
+      memcpy(pair, word, sizeof word);
       at += length;
       if (length < 3 || nearest.distance >= least) continue;
       least = nearest.distance;
       found = &table->entry[i];
     }
+  }
   return found;
 }
 

@@ -10,11 +10,15 @@ static int mass_blocks(double t, const double *q, double *M, void *user)
 {
   const nsdae_bodies *b = nsdae_bodies_of(user);
   int nv = nsdae_body_nv(b), d = b->dimension;
-  for (int i = 0; i < b->body.count; i++, M += nv * nv)
-    for (int j = 0; j < nv; j++) {
-      const nsdae_rigid_body *body = nsdae_body_at(b, i);
+  for (int i = 0; i < b->body.count; i++, M += nv * nv) {
+    const nsdae_rigid_body *body = nsdae_body_at(b, i);
+    for (int j = 0; j < nv; j++)
       M[j * (nv + 1)] = j < d ? body->mass : body->inertia[d == 2 ? 2 : j - 3];
+    for (int j = 0; j < 3 && d == 3; j++) { /* entries (0, 1), (0, 2), (1, 2) of the tensor */
+      int row = 3 + (j == 2), column = 4 + (j > 0);
+      M[row + nv * column] = M[column + nv * row] = body->product[j];
     }
+  }
   return b->own.mass ? b->own.mass(t, q, M, b->own.dims.nv, b->own.user) : 0;
 }
 

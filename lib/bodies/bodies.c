@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <lapacke.h>
+
 #include "broad_phase.h"
 #include "errors.h"
 #include "bodies_impl.h"
@@ -60,7 +62,7 @@ int nsdae_bodies_refuse(nsdae_bodies *b, int status, const char *what, const cha
 {
   char text[sizeof b->error.text];
   va_list values;
-  if (b->error.status != NSDAE_OK) return b->error.status;
+  if (b->error.status < 0) return b->error.status;
   va_start(values, format);
   vsnprintf(text, sizeof text, format, values);
   va_end(values);
@@ -72,7 +74,7 @@ int nsdae_bodies_refuse(nsdae_bodies *b, int status, const char *what, const cha
 int nsdae_bodies_open(nsdae_bodies *b, const void *given, const char *what)
 {
   if (!b) return NSDAE_E_ARGUMENT;
-  if (b->error.status != NSDAE_OK) return b->error.status;
+  if (b->error.status < 0) return b->error.status;
   if (b->made)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies", what,
                            "the system exists: add all objects before nsdae_bodies_system");
@@ -135,6 +137,40 @@ int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double
   return check_finite(b, what, "quaternion", index, quaternion, 4);
 }
 
+/* The tensor J of a body is int (r.r 1 - r r^T) dm, so its principal moments are
+ *
+ *   J_i > 0,   J_2 <= J_0 + J_1,   ascending; equal if the mass lies in a plane
+ *
+ * as J_0 + J_1 - J_2 = 2 int r_2^2 dm. Moments are taken with five digits. */
+static int check_inertia(nsdae_bodies *b, int index, const nsdae_rigid_body *body)
+{
+  const char *what = "body", *name = "inertia";
+  const double *J = body->inertia, *P = body->product;
+  double T[9] = {J[0], P[0], P[1], P[0], J[1], P[2], P[1], P[2], J[2]}, principal[3], work[8];
+  for (int i = b->dimension == 2 ? 2 : 0; i < 3; i++)
+    if (!(isfinite(J[i]) && J[i] > 0))
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, name, index,
+                                 "inertia[%d] = %g is not a finite number above 0", i, J[i]);
+  int status = check_finite(b, what, "product", index, P, 3);
+  if (status < 0) return status;
+  if (b->dimension == 2 && (P[0] != 0 || P[1] != 0 || P[2] != 0))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "product", index,
+                               "product (%g, %g, %g) in the plane must be 0", P[0], P[1], P[2]);
+  if (b->dimension == 2) return NSDAE_OK;
+  if (LAPACKE_dsyev_work(LAPACK_COL_MAJOR, 'N', 'U', 3, T, 3, principal, work, 8) != 0)
+    return nsdae_bodies_refuse(b, NSDAE_E_CONVERGENCE, what, name, index,
+                               "the principal moments were not found");
+  if (!(principal[0] > 0))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "product", index,
+                               "the inertia tensor has the principal moment %g: it must be above 0",
+                               principal[0]);
+  if (nsdae_is_moment(principal[2], principal[0], principal[1])) return NSDAE_OK;
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, name, index,
+                             "no body has the principal moments of inertia %g, %g, %g: the largest "
+                             "must be at most the sum of the others, %g",
+                             principal[0], principal[1], principal[2], principal[0] + principal[1]);
+}
+
 int nsdae_bodies_check_pair(nsdae_bodies *b, const char *what, int index, const int *body)
 {
   for (int i = 0; i < 2; i++)
@@ -155,8 +191,7 @@ int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
   int index = b->body.count;
   const char *what = "body";
   nsdae_bodies_check_least(b, what, "mass", index, body->mass, 0, 1);
-  for (int i = b->dimension == 2 ? 2 : 0; i < 3; i++)
-    nsdae_bodies_check_least(b, what, "inertia", index, body->inertia[i], 0, 1);
+  check_inertia(b, index, body);
   nsdae_bodies_check_vector(b, what, "position", index, body->position, 1);
   nsdae_bodies_check_vector(b, what, "velocity", index, body->velocity, 1);
   nsdae_bodies_check_vector(b, what, "spin", index, body->spin, 0);
@@ -166,7 +201,6 @@ int nsdae_bodies_add(nsdae_bodies *b, const nsdae_rigid_body *body)
   nsdae_rigid_body *added = nsdae_list_add(b, &b->body, sizeof *added);
   if (!added) return NSDAE_E_MEMORY;
   *added = *body;
-  nsdae_unit_quaternion(added->quaternion);
   return index;
 }
 
@@ -215,6 +249,7 @@ static void body_start(const nsdae_bodies *b, int body, double *q, double *v)
     v[2] = at->spin[2];
   } else {
     memcpy(q + 3, at->quaternion, sizeof at->quaternion);
+    nsdae_unit_quaternion(q + 3);
     memcpy(v + 3, at->spin, sizeof at->spin);
   }
 }
@@ -334,5 +369,5 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
     return status;
   }
   b->made = 1;
-  return NSDAE_OK;
+  return nsdae_bodies_note(b);
 }

@@ -282,6 +282,24 @@ const nsdae_primitive *nsdae_bodies_joint_coordinate(nsdae_bodies *bodies, const
 nsdae_primitive nsdae_bodies_distance(const nsdae_bodies *bodies, const int body[2],
                                       const double *point, const double *end);
 
+/* Whether the largest principal moment is at most the sum of the others, of five digits. */
+static inline int nsdae_is_moment(double largest, double other0, double other1)
+{
+  return largest <= (other0 + other1) * (1 + 1e-5);
+}
+
+/* L := J omega in body axes. */
+static inline void nsdae_body_momentum(const nsdae_rigid_body *body, const double *w, double *L)
+{
+  const double *J = body->inertia, *P = body->product;
+  L[0] = J[0] * w[0] + P[0] * w[1] + P[1] * w[2];
+  L[1] = P[0] * w[0] + J[1] * w[1] + P[2] * w[2];
+  L[2] = P[1] * w[0] + P[2] * w[1] + J[2] * w[2];
+}
+
+/* Likely mistakes of the whole: NSDAE_OK, or NSDAE_WARN_MODEL with the first one in the record. */
+int nsdae_bodies_note(nsdae_bodies *bodies);
+
 /* Makes the bodies the maker of the system: see maker.h. */
 void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
 

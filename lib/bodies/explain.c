@@ -1,4 +1,5 @@
 /* Rows of a mechanism in the words of the kit; degenerate elements. */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -148,6 +149,71 @@ static int explain_drive(const char *name, nsdae_drive_fn drive, void *user, dou
   return code || j < 3;
 }
 
+/* ---- derivatives of drives, as of judge_rates in sim/initial_conditions.c */
+
+/* Whether `given` is the rate of a value at t - h, t, t + h: of one side at a kink. Nothing is
+ * known of a jump and beyond its range. */
+static int is_rate(double given, const double value[3], double h)
+{
+  double ahead = (value[2] - value[1]) / h, back = (value[1] - value[0]) / h;
+  double middle = (ahead + back) / 2;
+  double tol = 1e-3 * (fabs(given) + fabs(middle)) + 1e-9 * (1 + fabs(value[1]));
+  if (!isfinite(middle) || fabs(ahead - back) > 1e3 * (fabs(given) + 1)) return 1;
+  return fabs(given - middle) <= tol || fabs(given - ahead) <= tol || fabs(given - back) <= tol;
+}
+
+/* The first of f' and f'' that differences do not have, of a usual step and of a shorter one. */
+static int explain_rate(nsdae_drive_fn drive, void *user, double t, int rates, const char *words,
+                        nsdae_reason *r)
+{
+  const char *const rate[3] = {"f", "f'", "f''"};
+  const double usual = cbrt(DBL_EPSILON) * (1 + fabs(t)), steps[2] = {usual, 1e-3 * usual};
+  int wrong[3] = {0, 0, 0};
+  double found[3] = {0}, f[3][3] = {{0}};
+  for (int s = 1; s >= 0 && drive; s--) {
+    for (int i = 0; i < 3; i++)
+      if (drive(t + (i - 1) * steps[s], f[i], user)) return 0;
+    for (int j = 1; j <= rates; j++) {
+      const double value[3] = {f[0][j - 1], f[1][j - 1], f[2][j - 1]};
+      wrong[j] += !is_rate(f[1][j], value, steps[s]);
+      found[j] = (value[2] - value[0]) / (2 * steps[s]);
+    }
+  }
+  for (int j = 1; j <= rates; j++) {
+    if (wrong[j] < 2) continue;
+    snprintf(
+        r->text, sizeof r->text,
+        "the drive of %s gave %s = %.6g, differences of %s give %.6g (start_check = no accepts "
+        "it)",
+        words, rate[j], f[1][j], rate[j - 1], found[j]);
+    return 1;
+  }
+  return 0;
+}
+
+/* Of the drive of a joint f' and f'', of a position motor with damping f'. */
+static int explain_rates(const nsdae_bodies *b, double t, nsdae_reason *r)
+{
+  char of[2 * WORDS];
+  int found = 0;
+  r->element = "joint";
+  for (int i = 0; i < b->constraint.count && !found; i++) {
+    const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
+    if (!c->drive) continue;
+    joint_words(b, r->index = c->joint, of, sizeof of);
+    found = explain_rate(c->drive, c->user, t, 2, of, r);
+  }
+  if (found) return 1;
+  r->element = "motor";
+  for (int i = 0; i < b->force.spring.count && !found; i++) {
+    const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+    if (!s->drive || !(s->damping > 0)) continue;
+    motor_words(r->index = s->number, s->value.body, of, sizeof of);
+    found = explain_rate(s->drive, s->user, t, 1, of, r);
+  }
+  return found;
+}
+
 /* Its drive, or a distance without a direction; 0 if it is neither. */
 static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q, nsdae_reason *r)
 {
@@ -248,7 +314,7 @@ static int explain(const void *of, const char *callback, double t, const double 
                    nsdae_reason *r)
 {
   const nsdae_bodies *b = of;
-  int found = 0;
+  int found = strcmp(callback, "drive") == 0 && explain_rates(b, t, r);
   if (strncmp(callback, "constraint", strlen("constraint")) == 0)
     for (int i = 0; i < b->constraint.count && !found; i++) found = explain_joint(b, i, t, q, r);
   if (strcmp(callback, "force") == 0) {

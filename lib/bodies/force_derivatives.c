@@ -199,11 +199,13 @@ static int damping_blocks(double t, const double *q, const double *v, nsdae_bloc
   const nsdae_bodies *b = nsdae_bodies_of(user);
   int status = 0;
   for (int i = 0; i < b->body.count && b->dimension == 3 && status == 0; i++) {
-    const double *J = nsdae_body_at(b, i)->inertia, *w = v + 6 * i + 3;
-    const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
-    double D[36] = {0}, first[3], second[3];
+    const nsdae_rigid_body *body = nsdae_body_at(b, i);
+    const double *w = v + 6 * i + 3;
+    double D[36] = {0}, momentum[3], Je[3], first[3], second[3];
+    nsdae_body_momentum(body, w, momentum);
     for (int j = 0; j < 3; j++) {
-      const double e[3] = {j == 0, j == 1, j == 2}, Je[3] = {J[0] * e[0], J[1] * e[1], J[2] * e[2]};
+      const double e[3] = {j == 0, j == 1, j == 2};
+      nsdae_body_momentum(body, e, Je);
       nsdae_cross3(Je, w, first);
       nsdae_cross3(momentum, e, second);
       for (int k = 0; k < 3; k++) D[3 + k + 6 * (3 + j)] = -first[k] - second[k];

@@ -44,9 +44,9 @@ int nsdae_bodies_force(const nsdae_bodies *b, const double *control, double t, c
     const nsdae_rigid_body *body = nsdae_body_at(b, i);
     for (int j = 0; j < b->dimension; j++) F[i * nv + j] += body->mass * b->force.gravity[j];
     if (b->dimension == 2) continue;
-    const double *w = v + nv * i + 3, *J = body->inertia;
-    const double momentum[3] = {J[0] * w[0], J[1] * w[1], J[2] * w[2]};
-    double torque[3];
+    const double *w = v + nv * i + 3;
+    double momentum[3], torque[3];
+    nsdae_body_momentum(body, w, momentum);
     nsdae_cross3(momentum, w, torque);
     for (int j = 0; j < 3; j++) F[nv * i + 3 + j] += torque[j];
   }

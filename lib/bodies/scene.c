@@ -85,7 +85,7 @@ static const nsdae_param columns[] = {
     ANY("w2", "rad/s", body.spin[1]),
     ANY("w3", "rad/s", body.spin[2]),
 };
-enum { COLUMNS = sizeof columns / sizeof *columns, SIZE0 = 1, QW = 11 };
+enum { COLUMNS = sizeof columns / sizeof *columns, SIZE0 = 1, MOMENT0 = 5, QW = 11 };
 
 typedef struct reader {
   FILE *file;
@@ -239,6 +239,12 @@ static int read_row(reader *r, char *const field[COLUMNS])
     if (i <= row.kind ? !(row.size[i] > 0) : row.size[i] != 0)
       return refuse(r, SIZE0 + i, "size%d = %g of a %s must be %s", i, row.size[i], kinds[row.kind],
                     i <= row.kind ? "greater than 0" : "0: it has no such size");
+  for (int i = 0; i < 3; i++) {
+    const double *J = row.body.inertia, j = J[(i + 1) % 3], k = J[(i + 2) % 3];
+    if (!nsdae_is_moment(J[i], j, k))
+      return refuse(r, MOMENT0 + i, "I%d = %g of no body: it must be at most I%d + I%d = %g", i + 1,
+                    J[i], 1 + (i + 1) % 3, 1 + (i + 2) % 3, j + k);
+  }
   for (int i = 0; i < 4; i++) turned |= row.body.quaternion[i] != 0;
   if (!turned) return refuse(r, QW, "the quaternion is 0 0 0 0: 1 0 0 0 is no rotation");
   return add(r, &row);

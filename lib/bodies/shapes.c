@@ -1,4 +1,5 @@
 /* Solids: their shapes as corners in the body's frame, their inertia, and the features of two. */
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -91,10 +92,12 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
 {
   memcpy(made->turn, s->quaternion, sizeof made->turn);
   nsdae_unit_quaternion(made->turn);
-  if (b->dimension == 2)
+  if (b->dimension == 2) {
+    made->turn[0] = s->angle;
     nsdae_rotation_planar(s->angle, made->R);
-  else
+  } else {
     nsdae_rotation_spatial(made->turn, made->R);
+  }
   memcpy(made->origin, s->position, sizeof made->origin);
   made->size = 0;
   for (int i = 0; i < made->points; i++) {
@@ -145,13 +148,16 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   int known = s->shape >= 0 && s->shape < (int)(sizeof kinds / sizeof *kinds);
   if (!known || !(b->dimension == 2 ? kinds[s->shape].planar : kinds[s->shape].spatial))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "shape", index,
-                               "shape = %d is no solid in %d dimensions", s->shape, b->dimension);
+                               "shape = %d (%s) is no solid in %d dimensions", s->shape,
+                               known ? kinds[s->shape].name : "unknown", b->dimension);
   if (body < NSDAE_GROUND || body >= b->body.count)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
                                "body = %d is not a body: there are %d, from 0, and the ground (%d)",
                                body, b->body.count, NSDAE_GROUND);
   status = check_material(b, "solid", index, s->material);
-  if (status == NSDAE_OK) status = check_solid(s, &b->error);
+  nsdae_error why;
+  if (status == NSDAE_OK && (status = check_solid(s, &why)) < 0)
+    return nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
   if (status == NSDAE_OK)
@@ -164,16 +170,17 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
     free(corners);
     return nsdae_error_memory(&b->error, "nsdae_bodies");
   }
-  *made = (nsdae_solid_of){.body = body,
-                           .shape = s->shape,
-                           .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
-                           .points = points,
-                           .material = s->material,
-                           .group = s->group,
-                           .exclude = s->exclude,
-                           .radius = s->radius,
-                           .point = corners,
-                           .edge = corners + 3 * points};
+  *made =
+      (nsdae_solid_of){.body = body,
+                       .shape = s->shape,
+                       .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
+                       .points = points,
+                       .material = s->material,
+                       .group = s->group | INT_MIN, /* so that exclude = -1 has a bit in common */
+                       .exclude = s->exclude,
+                       .radius = s->radius,
+                       .point = corners,
+                       .edge = corners + 3 * points};
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
   return index;
@@ -379,6 +386,7 @@ int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, doub
                            s->shape);
   int status = check_solid(s, error);
   if (status < 0) return status;
+  inertia[0] = inertia[1] = 0; /* in the plane */
   double r = s->radius;
   const double *l = s->length;
   if (s->shape == NSDAE_SHAPE_POLYGON) return polygon_inertia(s, density, mass, inertia, error);

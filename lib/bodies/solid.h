@@ -13,7 +13,7 @@ typedef struct nsdae_solid_of {
   double
       size; /* largest distance of its corners from its origin, with the rounding; 0 of a plane */
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
-  double turn[4];         /* spatial: the same as a unit quaternion */
+  double turn[4];         /* spatial: the same as a unit quaternion; planar: turn[0] the angle */
   double *point;          /* points x 3: its corners in the body's frame */
   double *edge; /* planar, of more than one corner: points x 4, the outer unit normal of the edge
                    from each corner (3) and its length, behind the corners */

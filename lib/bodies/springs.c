@@ -70,6 +70,11 @@ int nsdae_bodies_add_spring(nsdae_bodies *b, const nsdae_spring *spring)
   nsdae_bodies_check_least(b, what, "rest", index, spring->rest, 0, 0);
   status = check_spring(b, what, index, spring->stiffness, spring->damping, spring->rest);
   if (status < 0) return status;
+  const double *x = spring->point, *y = spring->end;
+  if (x[0] == y[0] && x[1] == y[1] && x[2] == y[2])
+    return nsdae_bodies_refuse(
+        b, NSDAE_E_ARGUMENT, what, "end", index,
+        "point and end coincide at (%g, %g, %g): the spring has no direction", x[0], x[1], x[2]);
   nsdae_primitive length = nsdae_bodies_distance(b, spring->body, spring->point, spring->end);
   length.offset = spring->rest;
   status = add(b, NSDAE_SPRING, index, length, spring->stiffness, spring->damping);

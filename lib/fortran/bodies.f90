@@ -22,6 +22,7 @@ module nsdae_f_bodies
   type, bind(C), public :: nsdae_rigid_body
     real(c_double) :: mass = 0           ! > 0 [kg]
     real(c_double) :: inertia(3) = 0     ! body axes, > 0 [kg m^2]; planar: the third only
+    real(c_double) :: product(3) = 0     ! spatial: entries (1, 2), (1, 3), (2, 3) of the inertia tensor
     real(c_double) :: position(3) = 0    ! of the centre of mass [m]
     real(c_double) :: angle = 0          ! planar [rad]
     real(c_double) :: quaternion(4) = 0  ! spatial: w, x, y, z; all zero: no rotation
@@ -266,19 +267,21 @@ contains
   ! callback that is missing, or that nothing calls; NSDAE_E_STATE.
   ! headers: wrappers nsdae_bodies_ set_user_rows
 
-  ! Makes the system, or returns the first failure of any call before. bodies must outlive it.
+  ! Makes the system, or returns the first failure of any call before. bodies must outlive it. A likely
+  ! mistake is NSDAE_WARN_MODEL, with the system and its text in error.
   integer(c_int) function nsdae_bodies_system(bodies, system, error) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     type(nsdae_system), intent(out) :: system
     type(nsdae_error), intent(out), optional :: error
     type(c_ptr) :: handle
+    integer(c_int) :: note
     handle = c_null_ptr
-    status = c_system(at(bodies), handle)
-    if (status < 0) then
-      if (present(error)) error = nsdae_bodies_error(bodies)
-    else
-      status = system_of(handle, system, error)
-    end if
+    note = c_system(at(bodies), handle)
+    status = note
+    if (note >= 0) status = system_of(handle, system, error)
+    if (note == NSDAE_OK .or. (note > 0 .and. status < 0)) return
+    status = note
+    if (present(error)) error = nsdae_bodies_error(bodies)
   end function
 
   ! headers: wrappers nsdae_bodies_ get_dims

@@ -360,6 +360,18 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
   return status < 0 || !accelerations ? status : check_acceleration(p, T, work);
 }
 
+/* Prescribed motions of the maker: wrong rates of one would be a wrong start velocity. Late times
+ * leave too few digits to steps in time. */
+static int check_drives(const nsdae_terms *T)
+{
+  double t = nsdae_terms_time(T);
+  nsdae_error_set(T->error, NSDAE_E_DERIVATIVE, "nsdae_sim_init", "drive", "no rate");
+  if (fabs(t) <= 1e4 && nsdae_system_explain(T->system, t, T->q, T->v, T->error))
+    return NSDAE_E_DERIVATIVE;
+  nsdae_error_clear(T->error);
+  return NSDAE_OK;
+}
+
 size_t nsdae_initial_size(const nsdae_dims *d)
 {
   return 3 * ((size_t)d->k * (size_t)(1 + d->nt) + (size_t)d->f);
@@ -376,7 +388,8 @@ int nsdae_initial_check(nsdae_projector *p, nsdae_terms *T, double *work)
                           "begins a group of unit length (by dq/dt) whose length has the error",
                           off, o->start_tol);
   }
-  int status = check_constraints(T, o->start_tol);
+  int status = o->start_check ? check_drives(T) : NSDAE_OK;
+  if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
   if (status == NSDAE_OK) status = check_derivatives(p, T, work);
   return status < 0 ? status : check_gaps(T, o->method, o->start_tol);
 }

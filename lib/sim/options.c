@@ -25,7 +25,7 @@ enum { INITIALISED = 0x6e736461 };
 static const nsdae_param entries[] = {
     {"method", "", "time integration method", NSDAE_PARAM_CHOICE, AT(method), NSDAE_METHOD_IMPLICIT,
      0, 4, 0, methods},
-    {"dt", "s", "step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
+    {"dt", "s", "time step", NSDAE_PARAM_REAL, AT(dt), 0.005, 0, INFINITY, NSDAE_OPEN_MIN, NULL},
     {"baumgarte_alpha", "1/s",
      "stabilisation of Phi' in the smooth phases of implicit-printed and event", NSDAE_PARAM_REAL,
      AT(baumgarte_alpha), 20, 0, INFINITY, 0, NULL},

@@ -27,7 +27,7 @@ finally:
     if not _CHOSEN:
         del _os.environ["OPENBLAS_NUM_THREADS"]
 from ._bodies import GROUND, Bodies, Scene, Solid, read_scene
-from ._errors import ArgumentError, CallbackError, Error, ProblemError, RunWarning, Status
+from ._errors import ArgumentError, CallbackError, Error, ModelWarning, ProblemError, RunWarning, Status
 from ._lists import CONTACT, BlockList, ContactList, RowList, block_add, contact_add, row_add
 from ._pointers import cfunc, signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
@@ -43,7 +43,7 @@ __doc__ += "\n" + "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('',
                    for key, unit, what, values in _core.OPTIONS)
 
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
-           "GROUND", "LcpProblem", "LcpResult", "METHODS", "OPEN", "ProblemError", "Record", "RowList", "RunWarning",
+           "GROUND", "LcpProblem", "LcpResult", "METHODS", "ModelWarning", "OPEN", "ProblemError", "Record", "RowList", "RunWarning",
            "SLIP", "STICK", "Scene", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
            "block_add", "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "read_scene", "row_add", "signature", "solve",
            "sweep"]

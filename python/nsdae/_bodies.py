@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from . import _core, _pointers
+from . import _core, _lists, _pointers
+from ._errors import ModelWarning, in_python
 from ._system import System
 from ._trajectory import Shape
 
@@ -16,6 +18,9 @@ GROUND = -1
 MOTORS = ("force", "speed", "position")
 JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal",
           "screw")
+_USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constraint_bias", "gap", "gap_normal", "gap_tangent",
+                   "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
+                   "contacts", "potential")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
 
 
@@ -25,6 +30,12 @@ def _numbers(name: str, values: Any, n: int) -> list[float]:
     if len(row) > n:
         raise ValueError(f"{name} has {len(row)} numbers; it has at most {n}")
     return row + [0.0] * (n - len(row))
+
+
+def _quaternion(values: Any) -> list[float]:
+    if np.size(values) not in (0, 4):
+        raise ValueError(f"quaternion has {np.size(values)} numbers; it has four: w, x, y, z")
+    return _numbers("quaternion", values, 4)
 
 
 def _one_of(name: str, word: str, words: Sequence[str]) -> int:
@@ -80,7 +91,7 @@ class Solid(NamedTuple):
                 "angle": float(self.angle), "material": int(self.material), "group": int(self.group),
                 "exclude": int(self.exclude), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
-                "quaternion": _numbers("quaternion", self.quaternion, 4),
+                "quaternion": _quaternion(self.quaternion),
                 "points": np.ascontiguousarray(self.points, dtype=float).reshape(-1)}
 
     def inertia(self, density: float) -> tuple[float, list[float]]:
@@ -162,9 +173,31 @@ class Bodies:
         self._solids: list[tuple[int, Solid]] = []
         self._kept: list[Any] = []
         self._system: System | None = None
+        self._user_rows: Any = None
         self.scene: Scene | None = None
         if len(gravity):
-            self._core.set_gravity(_numbers("gravity", gravity, 3))
+            self._core.set_gravity(self._vector("gravity", gravity))
+
+    def _vector(self, name: str, values: Any) -> list[float]:
+        """Returns three numbers; in the plane the third is zero."""
+        if self.dimension == 3 and np.size(values) not in (0, 3):
+            raise ValueError(f"{name} has {np.size(values)} numbers; in space it has three")
+        return _numbers(name, values, 3)
+
+    def _inertia(self, values: Any) -> tuple[list[float], list[float]]:
+        """Returns the diagonal of the tensor, and its entries (0, 1), (0, 2), (1, 2)."""
+        array = np.asarray(values, dtype=float)
+        if self.dimension == 2:
+            if array.size != 1 and (array.size != 3 or np.any(array.reshape(-1)[:2])):
+                raise ValueError(f"inertia has {array.size} numbers; in the plane it has one")
+            return [0.0, 0.0, float(array.reshape(-1)[-1])], [0.0] * 3
+        if array.shape == (3, 3):
+            if not np.allclose(array, array.T, rtol=1e-9, atol=0):
+                raise ValueError("inertia is not symmetric")
+            return list(map(float, np.diag(array))), [float(array[0, 1]), float(array[0, 2]), float(array[1, 2])]
+        if array.size != 3:
+            raise ValueError(f"inertia has {array.size} number(s); in space it has three, or is a matrix of 3 x 3")
+        return list(map(float, array.reshape(-1))), [0.0] * 3
 
     def add(self, mass: float, inertia: Any, position: Any = (), *, angle: float = 0, quaternion: Any = (),
             velocity: Any = (), spin: Any = ()) -> int:
@@ -175,7 +208,8 @@ class Bodies:
         mass : float
             [kg]
         inertia : float or array_like
-            About the centre of mass: one number in the plane, three in space [kg m^2].
+            About the centre of mass in body axes: one number in the plane, three principal moments or the tensor, shape
+            (3, 3), in space [kg m^2].
         position : array_like
             Centre of mass at the start [m].
         angle : float
@@ -192,17 +226,12 @@ class Bodies:
         int
             Number of the body.
         """
-        if self.dimension == 3 and np.size(inertia) != 3:
-            raise ValueError(f"inertia has {np.size(inertia)} number(s); in space it has three")
-
-        def turning(name: str, values: Any) -> list[float]:
-            """In the plane the third one alone."""
-            planar = self.dimension == 2 and np.size(values) == 1
-            return [0.0, 0.0, float(np.ravel(values)[0])] if planar else _numbers(name, values, 3)
-
-        return self._core.add(float(mass), turning("inertia", inertia), _numbers("position", position, 3), float(angle),
-                              _numbers("quaternion", quaternion, 4), _numbers("velocity", velocity, 3),
-                              turning("spin", spin))
+        if self.dimension == 2 and np.size(quaternion):
+            raise ValueError("quaternion is given in the plane: give angle")
+        planar = self.dimension == 2 and np.size(spin) == 1
+        turning = [0.0, 0.0, float(np.ravel(spin)[0])] if planar else self._vector("spin", spin)
+        return self._core.add(float(mass), *self._inertia(inertia), self._vector("position", position), float(angle),
+                              _quaternion(quaternion), self._vector("velocity", velocity), turning)
 
     def add_joint(self, kind: str, body0: int, body1: int, *, point: Any = (), end: Any = (), axis: Any = (),
                   cross: Any = (), ratio: float = 0, mu: float = 0, collide_connected: bool = False,
@@ -240,8 +269,8 @@ class Bodies:
             Number of the joint.
         """
         function, pointer = self._callback("drive", drive, user)
-        return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, _numbers("point", point, 3),
-                                    _numbers("end", end, 3), _numbers("axis", axis, 3), _numbers("cross", cross, 3),
+        return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, self._vector("point", point),
+                                    self._vector("end", end), self._vector("axis", axis), self._vector("cross", cross),
                                     float(ratio), float(mu), bool(collide_connected), function, *pointer)
 
     def _callback(self, name: str, function: Any, user: Any) -> tuple[Any, tuple[int, int]]:
@@ -294,7 +323,7 @@ class Bodies:
         int
             Number of its contact among all limits and ropes.
         """
-        return self._core.add_rope(body0, body1, _numbers("point", point, 3), _numbers("end", end, 3), float(length),
+        return self._core.add_rope(body0, body1, self._vector("point", point), self._vector("end", end), float(length),
                                    float(e_n))
 
     def add_coupler(self, joint0: int, joint1: int, p: Sequence[float], *, coordinates: Sequence[int] = (0, 0)) -> int:
@@ -398,7 +427,7 @@ class Bodies:
         int
             Number of the spring.
         """
-        return self._core.add_spring(body0, body1, _numbers("point", point, 3), _numbers("end", end, 3),
+        return self._core.add_spring(body0, body1, self._vector("point", point), self._vector("end", end),
                                      float(stiffness), float(damping), float(rest))
 
     def add_torsion(self, body0: int, body1: int, *, axis: Any = (), stiffness: float = 0, damping: float = 0,
@@ -423,7 +452,7 @@ class Bodies:
         int
             Number of the spring.
         """
-        return self._core.add_torsion(body0, body1, _numbers("axis", axis, 3), float(stiffness), float(damping),
+        return self._core.add_torsion(body0, body1, self._vector("axis", axis), float(stiffness), float(damping),
                                       float(rest))
 
     def add_load(self, body: int, load: Callable[..., Any], point: Any = (), user: Any = None) -> int:
@@ -447,7 +476,7 @@ class Bodies:
             Number of the load.
         """
         function, pointer = self._callback("load", load, user)
-        return self._core.add_load(body, _numbers("point", point, 3), function, *pointer)
+        return self._core.add_load(body, self._vector("point", point), function, *pointer)
 
     def add_solid(self, body: int, solid: Solid) -> int:
         """Adds a solid to a body or to `GROUND`.
@@ -504,15 +533,72 @@ class Bodies:
         """
         self._core.set_pair(material0, material1, float(mu), float(e_n), float(e_t))
 
+    def set_user_rows(self, nq: int = 0, nv: int | None = None, m: int = 0, k: int = 0, f: int = 0, *, user: Any = None,
+                      **callbacks: Callable[..., Any]) -> None:
+        """Adds your own coordinates, constraints, contacts and frictional joints, behind those of the bodies.
+
+        Parameters
+        ----------
+        nq, nv, m, k, f : int
+            Your coordinates, velocities (default nq), constraints, fixed contacts and frictional joints.
+        user : object, optional
+            Last argument of compiled callbacks, as of `System`.
+        **callbacks
+            Callbacks as of `System`: mass, force, constraint, constraint_jacobian, constraint_bias, gap, gap_normal,
+            gap_tangent, contact_bias, contact_acceleration, frictional_joint_tangent, kinematics, potential,
+            constraint_rows, contacts. Inputs are q and v of the whole mechanism. Outputs are your rows over all
+            velocities; ``mass`` is the block of your velocities, and ``force`` adds to F of the bodies.
+
+        Raises
+        ------
+        TypeError
+            A callback is unknown.
+        ArgumentError
+            From `system`: a callback is missing or never called.
+
+        Examples
+        --------
+        >>> world.set_user_rows(nq=1, m=1, mass=drum_mass, constraint=rope)
+        """
+        if self._user_rows:
+            raise RuntimeError("the user rows are set once")
+        for name in callbacks:
+            if name not in _USER_CALLBACKS:
+                raise TypeError(f"no callback of user rows is called '{name}': they are {', '.join(_USER_CALLBACKS)}")
+        self._user_rows = ((nq, nq if nv is None else nv, m, k, f), user, callbacks)
+
+    def _install_user_rows(self) -> None:
+        """With the sizes of all bodies, which are known at the end."""
+        if not self._user_rows:
+            return
+        sizes, user, callbacks = self._user_rows
+        given = []
+        for name, function in callbacks.items():
+            self._kept += [function, user]
+            pointer = _pointers.compiled(name, function, user)
+            given.append((name, _lists.wrapped(name, function, np.zeros(0, int)), 0, 0) if pointer is None
+                         else (name, None, *pointer))
+        self._core.set_user_rows(sizes, given)
+        self._user_rows = None
+
     def system(self) -> System:
         """Builds the system. Nothing can be added afterwards.
 
         Returns
         -------
         System
+
+        Warns
+        -----
+        ModelWarning
+            The model may have a mistake, such as a body whose solids touch nothing.
         """
         if self._system is None:
-            made = System._of(self._core.system())
+            self._install_user_rows()
+            core, note = self._core.system()
+            if note:
+                warnings.warn(in_python(note), ModelWarning, stacklevel=2)
+            made = System._of(core)
             made._kept["bodies"] = self  # its functions live as long as the system
             self._system = made
         return self._system

@@ -63,6 +63,10 @@ class RunWarning(UserWarning):
     """
 
 
+class ModelWarning(UserWarning):
+    """Warning of `Bodies.system`: the model may have a mistake."""
+
+
 class CallbackError(Error):
     """A callback raised the exception in ``__cause__``."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from typing import Any, Iterator
 
@@ -31,6 +32,9 @@ def _texts(options: dict[str, Any]) -> dict[str, Any]:
         return value
 
     return {key: text(key, value) for key, value in options.items()}
+
+
+_PAUSE = 1.0  # least time between two writes of an output [s]
 
 
 class Sim:
@@ -325,7 +329,8 @@ class Sim:
         self._told(self._core.set_state, block)
 
     def record_run(self, t_end: float, every: int = 1, *, model: str = "", parameters: dict[str, Any] | None = None,
-                   shapes: list[Shape] | None = None, stacklevel: int = 2) -> Trajectory:
+                   shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None,
+                   stacklevel: int = 2) -> Trajectory:
         """Takes steps until t_end and returns the records.
 
         Parameters
@@ -334,7 +339,7 @@ class Sim:
             End time [s].
         every : int
             Keep the start, every N-th step and the last.
-        model, parameters, shapes
+        model, parameters, shapes, output
             As for `solve`.
         stacklevel : int
             As for ``warnings.warn``.
@@ -351,21 +356,37 @@ class Sim:
         if shapes is None and self._bodies is not None:
             shapes = self._bodies.shapes()
         recorder = _core.Recorder()
+        known = dict(has_potential=self._core.has_potential(), options=self.options, model=model,
+                     parameters=parameters or {}, shapes=shapes or [],
+                     blocks=self.system.blocks if self.system._listed else None)
+        stats, names = self.stats, names_of(self.system)
+        unwritten: list[OSError] = []
+
+        def now(status: str, stats: dict[str, Any]) -> Trajectory:
+            arrays = recorder.so_far() if status == "running" else recorder.arrays()
+            run = Trajectory._of_run(arrays, names, stats=stats, status=status, **known)
+            if output is not None and not unwritten:
+                run.save(output)
+            return run
+
+        def write() -> None:
+            try:
+                now("running", stats)
+            except OSError as error:
+                unwritten.append(error)
+                raise
+
         try:
-            if said := self._core.record_run(float(t_end), every, recorder):
+            if said := self._core.record_run(float(t_end), every, recorder, None if output is None else write, _PAUSE):
                 warnings.warn(in_python(said), RunWarning, stacklevel=stacklevel)
         except Error as error:
             self._complete(error)
             if error.record is not None:
-                error.trajectory = self._trajectory(recorder, "failed", model, parameters, shapes)
+                error.trajectory = now("failed", self.stats)
+            if unwritten:
+                raise unwritten[0] from None
             raise
-        return self._trajectory(recorder, "complete", model, parameters, shapes)
-
-    def _trajectory(self, recorder: Any, status: str, model: str, parameters: Any, shapes: Any) -> Trajectory:
-        return Trajectory._of_run(recorder.arrays(), names_of(self.system), has_potential=self._core.has_potential(),
-                                  options=self.options, stats=self.stats, status=status, model=model,
-                                  parameters=parameters or {}, shapes=shapes or [],
-                                  blocks=self.system.blocks if self.system._listed else None)
+        return now("complete", self.stats)
 
     def __repr__(self) -> str:
         return f"nsdae.Sim({self.system!r}, method={self.options['method']!r}, dt={self.options['dt']!r})"
@@ -373,7 +394,7 @@ class Sim:
 
 def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None, *, t0: float = 0, every: int = 1,
           project: bool = False, model: str = "", parameters: dict[str, Any] | None = None,
-          shapes: list[Shape] | None = None, **options: Any) -> Trajectory:
+          shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None, **options: Any) -> Trajectory:
     """Integrates a system and returns its trajectory.
 
     Parameters
@@ -398,6 +419,9 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
         Parameters of the model, for pictures and files.
     shapes : list of Shape, optional
         Bodies for animations.
+    output : path-like, optional
+        An HDF5 file, as of `Trajectory.save`. It is written at the first record, and then again after a second or ten
+        times as long as the last write took. A killed run leaves the file of its last write.
     **options
         Options of the library: method ("implicit", "moreau", "event", "penalty"), dt, rtol, ...
 
@@ -427,4 +451,4 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     if project:
         q0, v0 = sim.project(q0, v0, t0)
     sim.init(q0, v0, t0)
-    return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes, stacklevel=3)
+    return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes, output=output, stacklevel=3)

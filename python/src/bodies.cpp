@@ -63,7 +63,7 @@ nsdae_solid solid_of(nb::dict d, vector &points)
 
 } // namespace
 
-bodies::bodies(int dimension)
+bodies::bodies(int given) : dimension(given)
 {
   nsdae_error error;
   check(nsdae_bodies_create(dimension, &handle, &error), &error);
@@ -80,13 +80,14 @@ int bodies::demand(int status) const
   return status;
 }
 
-int bodies::add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
-                triple velocity, triple spin)
+int bodies::add(double mass, triple inertia, triple product, triple position, double angle,
+                quadruple quaternion, triple velocity, triple spin)
 {
   nsdae_rigid_body b = {};
   b.mass = mass;
   b.angle = angle;
   fill(b.inertia, inertia);
+  fill(b.product, product);
   fill(b.position, position);
   fill(b.quaternion, quaternion);
   fill(b.velocity, velocity);
@@ -253,6 +254,33 @@ void bodies::set_gravity(triple g)
 }
 
 // Reads a scene and adds it; its settings, and shape, radius and length of each solid.
+void bodies::set_user_rows(std::array<int, 5> sizes, nb::list callbacks)
+{
+  nsdae_user_rows rows = {};
+  rows.dims = {sizes[0], sizes[1], sizes[2], sizes[3], 0, sizes[4]};
+  nsdae_dims total;
+  demand(nsdae_bodies_get_dims(handle, &total));
+  const int planar = dimension == 2, count = total.nq / (planar ? 3 : 7);
+  total.nq += sizes[0];
+  total.nv += sizes[1];
+  total.nt = dimension - 1;
+  blocks.nq.assign(static_cast<std::size_t>(count), planar ? 3 : 7);
+  blocks.nv.assign(static_cast<std::size_t>(count), planar ? 3 : 6);
+  if (sizes[1] > 0) {
+    blocks.nq.push_back(sizes[0]);
+    blocks.nv.push_back(sizes[1]);
+  }
+  for (nb::handle one : callbacks) {
+    nb::tuple c = nb::cast<nb::tuple>(one);
+    const std::string name = nb::cast<std::string>(c[0]);
+    set_user_callback(own, name, c[1], nb::cast<std::uintptr_t>(c[2]),
+                      nb::cast<std::uintptr_t>(c[3]), total, rows.dims, blocks);
+    listed = listed || name == "contacts";
+  }
+  fill_user_rows(own, rows);
+  demand(nsdae_bodies_set_user_rows(handle, &rows));
+}
+
 nb::dict bodies::add_scene(const std::string &path)
 {
   nsdae_error error;
@@ -279,13 +307,15 @@ nb::dict bodies::add_scene(const std::string &path)
 }
 
 // Owned by the caller; the bodies must outlive it. The garbage collector sees its reference to
-// them, because a drive or a load may refer to an owner of the system.
-system *bodies::make_system(nb::object self)
+// them, because a drive or a load may refer to an owner of the system. With the text of its
+// warning, or "".
+nb::tuple bodies::make_system(nb::object self)
 {
   const bodies &b = nb::cast<const bodies &>(self);
   nsdae_system *made = nullptr;
-  b.demand(nsdae_bodies_system(b.handle, &made));
-  return new system(made, b.listed, self);
+  int status = b.demand(nsdae_bodies_system(b.handle, &made));
+  nb::object of = nb::cast(new system(made, b.listed, self), nb::rv_policy::take_ownership);
+  return nb::make_tuple(of, status > 0 ? nsdae_bodies_error(b.handle)->text : "");
 }
 
 nb::tuple bodies::start() const
@@ -316,6 +346,7 @@ int traverse(PyObject *self, visitproc visit, void *arg)
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
   for (const callback &c : nb::inst_ptr<bodies>(self)->functions) Py_VISIT(c.function);
+  for (const callback &c : nb::inst_ptr<bodies>(self)->own) Py_VISIT(c.function);
   return 0;
 }
 
@@ -323,6 +354,8 @@ int clear(PyObject *self)
 {
   if (nb::inst_ready(self))
     for (callback &c : nb::inst_ptr<bodies>(self)->functions) c.clear();
+  if (nb::inst_ready(self))
+    for (callback &c : nb::inst_ptr<bodies>(self)->own) c.clear();
   return 0;
 }
 
@@ -366,8 +399,9 @@ void bind_bodies(nb::module_ &m)
       .def("add_contact", &bodies::add_contact)
       .def("set_pair", &bodies::set_pair)
       .def("set_gravity", &bodies::set_gravity)
+      .def("set_user_rows", &bodies::set_user_rows)
       .def("add_scene", &bodies::add_scene)
-      .def("system", &bodies::make_system, nb::rv_policy::take_ownership)
+      .def("system", &bodies::make_system)
       .def("start", &bodies::start)
       .def("locate", &bodies::locate);
   m.def("solid_inertia", &solid_inertia);

@@ -21,13 +21,13 @@ using quadruple = std::array<double, 4>;
 class bodies
 {
 public:
-  explicit bodies(int dimension);
+  explicit bodies(int given);
   ~bodies();
   bodies(const bodies &) = delete;
   bodies &operator=(const bodies &) = delete;
 
-  int add(double mass, triple inertia, triple position, double angle, quadruple quaternion,
-          triple velocity, triple spin);
+  int add(double mass, triple inertia, triple product, triple position, double angle,
+          quadruple quaternion, triple velocity, triple spin);
   int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
                 double ratio, double mu, bool collide_connected, nb::object drive,
                 std::uintptr_t address, std::uintptr_t user);
@@ -48,19 +48,24 @@ public:
   int add_contact(int solid0, int solid1, double mu, double e_n, double e_t);
   void set_pair(int material0, int material1, double mu, double e_n, double e_t);
   void set_gravity(triple g);
+  // Sizes nq, nv, m, k, f; callbacks: name, function or None, address, user.
+  void set_user_rows(std::array<int, 5> sizes, nb::list callbacks);
   nb::dict add_scene(const std::string &path);
-  static system *make_system(nb::object self);
+  static nb::tuple make_system(nb::object self);
   nb::tuple start() const;
   triple locate(vector q, int body, triple local) const;
 
+  const int dimension;
   nsdae_bodies *handle = nullptr;
   std::deque<callback> functions; // their addresses stay
+  role_table own;                 // callbacks of the user rows
 
 private:
   int demand(int status) const;
   void set_drive(nb::object function, std::uintptr_t address, std::uintptr_t given,
                  nsdae_drive_fn &drive, void *&user);
   bool listed = false; // contact list
+  partition blocks;    // of the lists of user rows
 };
 
 void bind_bodies(nb::module_ &m);

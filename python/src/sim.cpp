@@ -307,6 +307,23 @@ int sim::run(double t_end, bool to_event)
   return checked(status);
 }
 
+// Writes if it is due: again after ten times as long as this took. False: an exception is pending.
+bool recorder::written()
+{
+  using clock = std::chrono::steady_clock;
+  const clock::time_point begin = clock::now();
+  if (begin < due) return true;
+  nb::gil_scoped_acquire gil;
+  PyObject *result = PyObject_CallNoArgs(write);
+  if (!result) remember_exception();
+  Py_XDECREF(result);
+  const clock::time_point end = clock::now();
+  const clock::duration least =
+      std::chrono::duration_cast<clock::duration>(std::chrono::duration<double>(pause));
+  due = end + std::max(10 * (end - begin), least);
+  return result != nullptr;
+}
+
 int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self)
 {
   recorder *r = static_cast<recorder *>(self);
@@ -314,6 +331,10 @@ int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self
     r->kept.add_events(*record);
     r->last_kept = record->step % r->every == 0;
     if (r->last_kept) r->kept.add(*record, r->dims);
+    if (r->last_kept && r->write && !r->written()) {
+      snprintf(error->text, sizeof error->text, "the output was not written");
+      return error->status = NSDAE_E_IO;
+    }
   } catch (const std::bad_alloc &) {
     snprintf(error->text, sizeof error->text, "out of memory for the records");
     return error->status = NSDAE_E_MEMORY;
@@ -323,12 +344,14 @@ int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self
 
 // Keeps the start, each every-th record and the last one, also of a failed run. Returns the
 // warnings, or "".
-std::string sim::record_run(double t_end, int every, recorder &to)
+std::string sim::record_run(double t_end, int every, recorder &to, nb::object write, double pause)
 {
   if (every < 1) throw std::invalid_argument("every must be at least 1");
   use held(*this);
   to.dims = dims;
   to.every = every;
+  to.write = write.is_none() ? nullptr : write.ptr();
+  to.pause = pause;
   checked(nsdae_sim_observe(handle, recorder::observe, &to));
   int status;
   try {
@@ -340,6 +363,7 @@ std::string sim::record_run(double t_end, int every, recorder &to)
   }
   const nsdae_error error = *nsdae_sim_error(handle);
   nsdae_sim_unobserve(handle, recorder::observe, &to);
+  to.write = nullptr;
   nsdae_record now;
   if (!to.last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) to.kept.add(now, dims);
   check(status, &error);
@@ -572,14 +596,18 @@ void bind_sim(nb::module_ &m)
   m.attr("CHANGE_SIZE") = sizeof(change_row);
   m.attr("CERTIFICATE_SIZE") = sizeof(nsdae_certificate);
   m.attr("CONTACT_ROW_SIZE") = sizeof(contact_row);
-  nb::class_<recorder>(m, "Recorder").def(nb::init<>()).def("arrays", &recorder::arrays);
+  nb::class_<recorder>(m, "Recorder")
+      .def(nb::init<>())
+      .def("arrays", &recorder::arrays)
+      .def("so_far", &recorder::so_far);
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))
       .def(nb::init<nb::object, nb::dict>())
       .def("init", &sim::init)
       .def("project", &sim::project)
       .def("step", &sim::step)
       .def("run", &sim::run)
-      .def("record_run", &sim::record_run)
+      .def("record_run", &sim::record_run, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
+           nb::arg())
       .def("record", &sim::record)
       .def("stats", &sim::stats)
       .def("options", &sim::options)

@@ -74,8 +74,13 @@ struct recorder {
   nsdae_dims dims = {};
   int every = 1;
   bool last_kept = true;
+  PyObject *write = nullptr; // a function of Python that writes the records so far, or NULL
+  std::chrono::steady_clock::time_point due;
+  double pause = 0; // least time between two writes [s]; a write takes at most a tenth of the run
+  bool written();
   static int observe(const nsdae_record *record, nsdae_error *error, void *self);
   nb::dict arrays() { return kept.arrays(dims); }
+  nb::dict so_far() const { return columns(kept).arrays(dims); }
 };
 
 // A simulation in Python. The library refuses concurrent calls. The same check is done here under
@@ -92,7 +97,7 @@ public:
   nb::tuple project(double t0, vector q0, vector v0);
   int step();
   int run(double t_end, bool to_event);
-  std::string record_run(double t_end, int every, recorder &to);
+  std::string record_run(double t_end, int every, recorder &to, nb::object write, double pause);
   nb::dict record() const;
   nb::dict stats() const;
   nb::dict options() const;

@@ -116,7 +116,61 @@ int install_one(system &s, bool direct, int (*set)(nsdae_system *, int (*)(A...)
   return set(s.handle, direct ? reinterpret_cast<int (*)(A...)>(c.pointer) : to_compiled<R, A...>);
 }
 
+template <int R, class... A> void fill_one(role_table &table, int (*&to)(A...))
+{
+  if (table[R].given()) to = table[R].function ? to_python<R, A...> : to_compiled<R, A...>;
+}
+
+// A function of Python returns the energy; that of the bodies is in it.
+int add_potential(double t, const double *q, double *energy, void *user)
+{
+  double own = 0;
+  const int code = to_python<role_potential>(t, q, &own, user);
+  *energy += own;
+  return code;
+}
+
 } // namespace
+
+void set_user_callback(role_table &table, const std::string &name, nb::object function,
+                       std::uintptr_t address, std::uintptr_t user, const nsdae_dims &total,
+                       const nsdae_dims &own, const partition &blocks)
+{
+  const role r = role_of(name);
+  const nsdae_dims d = {total.nq, total.nv, own.m, own.k, total.nt, own.f};
+  std::vector<slot> slots = slots_of(r, d, blocks);
+  if (r == role_mass) slots.back() = {own.nv, own.nv, true};
+  if (r == role_kinematics) slots.back() = {own.nq, 0, true};
+  callback &c = table[static_cast<std::size_t>(r)];
+  if (function.is_none())
+    c.set_pointer(reinterpret_cast<void *>(address), reinterpret_cast<void *>(user));
+  else
+    c.set_function(function.ptr(), slots, r == role_potential);
+  c.blocks = &blocks;
+}
+
+void fill_user_rows(role_table &table, nsdae_user_rows &rows)
+{
+#define NSDAE_PYTHON_OWN(name) fill_one<role_##name>(table, rows.name);
+  NSDAE_PYTHON_OWN(mass)
+  NSDAE_PYTHON_OWN(force)
+  NSDAE_PYTHON_OWN(constraint)
+  NSDAE_PYTHON_OWN(constraint_jacobian)
+  NSDAE_PYTHON_OWN(constraint_bias)
+  NSDAE_PYTHON_OWN(gap)
+  NSDAE_PYTHON_OWN(gap_normal)
+  NSDAE_PYTHON_OWN(gap_tangent)
+  NSDAE_PYTHON_OWN(contact_bias)
+  NSDAE_PYTHON_OWN(contact_acceleration)
+  NSDAE_PYTHON_OWN(frictional_joint_tangent)
+  NSDAE_PYTHON_OWN(kinematics)
+  NSDAE_PYTHON_OWN(constraint_rows)
+  NSDAE_PYTHON_OWN(contacts)
+  NSDAE_PYTHON_OWN(potential)
+#undef NSDAE_PYTHON_OWN
+  if (table[role_potential].function) rows.potential = add_potential;
+  rows.user = &table;
+}
 
 system::system(int nq, int nv, int m, int k, int nt, int f)
 {

@@ -29,6 +29,17 @@ enum role {
       roles
 };
 
+// Callbacks by role; the address is the last argument of the functions in C.
+using role_table = std::array<callback, roles>;
+
+// Sets a callback of user rows: a function of Python or an address. total: sizes of the whole
+// mechanism; own: of the rows.
+void set_user_callback(role_table &table, const std::string &name, nb::object function,
+                       std::uintptr_t address, std::uintptr_t user, const nsdae_dims &total,
+                       const nsdae_dims &own, const partition &blocks);
+// The functions in C of those that are given.
+void fill_user_rows(role_table &table, nsdae_user_rows &rows);
+
 // A description. Its user pointer is the table of its callbacks. If all callbacks are compiled with
 // the same user pointer, the library calls them directly.
 class system
@@ -55,7 +66,7 @@ public:
   nsdae_system *handle = nullptr;
   nsdae_dims dims = {};
   partition blocks;
-  std::array<callback, roles> callbacks;
+  role_table callbacks;
   nb::object bodies; // the bodies of the system, or none
 
 private:

@@ -121,7 +121,7 @@ def test_controls():
     world.add_motor(joint, "force", 1)
     world.add_motor(joint, "force", lambda t, f: None)
     sim = nsdae.Sim(world, method="event", rtol=1e-11, atol=1e-12)
-    sim.init(*world.start)
+    sim.init()
     sim.run(1)
     sim.set_control(0, -2)
     assert sim.get_control(0) == -2
@@ -261,9 +261,8 @@ def test_errors_name_elements():
     with pytest.raises(nsdae.ArgumentError, match=r"hole 0 of the ground, disc 1 of body 0\): the centres coincide"):
         nsdae.solve(world, 1)
     world = Bodies(2)
-    world.add_spring(GROUND, world.add(mass=1, inertia=1), point=(0, 0), end=(0, 0), stiffness=1, rest=1)
-    with pytest.raises(nsdae.Error, match="spring 0 of body 0 and the ground: its ends coincide"):
-        nsdae.solve(world, 1)
+    with pytest.raises(nsdae.Error, match=r"spring 0: point and end coincide at \(0, 0, 0\)"):
+        world.add_spring(GROUND, world.add(mass=1, inertia=1), point=(0, 0), end=(0, 0), stiffness=1, rest=1)
 
 
 def test_overlap_at_the_start():
@@ -280,3 +279,103 @@ def test_overlap_at_the_start():
         nsdae.solve(falling(0.01), 0.1, method="event")
     with pytest.warns(nsdae.RunWarning, match="overlaps by 0.01 at the start"):
         nsdae.solve(falling(0.01), 0.1, method="moreau", dt=1e-3)
+
+
+def test_user_rows():
+    """A load of 2 kg on a rope around a drum of 0.5 kg m^2, radius 1: a = g 2 / 2.5; with a motor torque of 5 on the drum and
+    its energy as potential: 2 a = 2 g - T, 0.5 a = T - 5."""
+    def mass(t, q, M):
+        M[0, 0] = 0.5
+
+    def rope(t, q, phi):
+        phi[0] = q[1] + q[3]
+
+    def torque(t, q, v, F):
+        assert F[1] == pytest.approx(-2 * G)
+        F[3] += -5
+
+    def hung(**more):
+        world = Bodies(2, gravity=(0, -G))
+        world.set_user_rows(1, m=1, mass=mass, constraint=rope, **more)
+        world.add(mass=2, inertia=1)
+        return world
+
+    run = nsdae.solve(hung(), 1, method="event", rtol=1e-10, atol=1e-12)
+    assert run.q[-1, 3] == pytest.approx(G * 2 / 2.5 / 2, abs=1e-8)
+    run = nsdae.solve(hung(force=torque, potential=lambda t, q: 5 * q[3]), 1, method="event", rtol=1e-10, atol=1e-12)
+    assert run.q[-1, 3] == pytest.approx((2 * G - 5) / 2.5 / 2, abs=1e-8)
+    energy = run.kinetic + run.potential
+    assert energy == pytest.approx(energy[0], abs=1e-7)
+    with pytest.raises(TypeError, match="no callback of user rows is called 'forces'"):
+        hung(forces=torque)
+    world = Bodies(2)
+    world.set_user_rows(1, m=1, constraint=rope)
+    world.add(mass=1, inertia=1)
+    with pytest.raises(nsdae.ArgumentError, match="mass is missing"):
+        world.system()
+
+
+def test_user_contacts():
+    """A bead on a vertical guide, of one's own, falls onto a body at rest on the floor; by formulas and by blocks."""
+    def mass(t, q, M):
+        M[0, 0] = 1
+
+    def weight(t, q, v, F):
+        F[3] -= G
+
+    def gap(t, q, g):
+        g[0] = q[3] - q[1]
+
+    def tangent(t, q, W):
+        W[0, 0] = 1
+
+    world = Bodies(2, gravity=(0, -G))
+    floor = world.add_solid(GROUND, Solid("plane"))
+    ball = world.add(mass=1, inertia=0.1, position=(0, 0.5))
+    world.add_contact(world.add_solid(ball, Solid("disc", radius=0.5)), floor)
+    world.set_user_rows(1, k=1, mass=mass, force=weight, gap=gap, gap_tangent=tangent)
+    system = world.system()
+    system.set_contact(1, e_n=0)
+    q, v = world.start()
+    q[3] = 1
+    run = nsdae.solve(system, 2, q, v, dt=1e-3)
+    assert run.q[-1, 3] == pytest.approx(0.5, abs=1e-4)
+    assert run.contacts["normal_impulse"][-1] == pytest.approx(G * 1e-3) or run.q[-1, 1] == pytest.approx(0.5, abs=1e-4)
+
+
+def test_output_of_a_killed_run(tmp_path):
+    """The file is there while the run goes on, and after it was killed; it continues no further than it was written."""
+    import signal
+    import subprocess
+    import sys
+    import time
+    path = tmp_path / "run.h5"
+    code = f"""
+import nsdae, nsdae._sim
+nsdae._sim._PAUSE = 0.05
+world = nsdae.Bodies(2, gravity=(0, -9.81))
+rod = world.add(mass=1, inertia=1 / 12, position=(0.5, 0))
+world.add_joint("revolute", nsdae.GROUND, rod)
+nsdae.solve(world, 1e9, output={str(path)!r}, dt=1e-3)
+"""
+    run = subprocess.Popen([sys.executable, "-c", code])
+    try:
+        end = time.monotonic() + 60
+        while time.monotonic() < end and not (path.exists() and len(nsdae.load(path).time) > 100):
+            time.sleep(0.05)
+    finally:
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+    left = nsdae.load(path)
+    assert len(left.time) > 100 and left.status == "running"
+    assert left.time == pytest.approx(1e-3 * np.arange(len(left.time)))
+    assert left.constraint_drift.max() < 1e-4
+    whole = Bodies(2, gravity=(0, -G))
+    whole.add_joint("revolute", GROUND, whole.add(mass=1, inertia=1 / 12, position=(0.5, 0)))
+    run = nsdae.solve(whole, 0.1, dt=1e-3, output=path)
+    again = nsdae.load(path)
+    assert again.status == "complete" and np.array_equal(again.q, run.q) and np.array_equal(again.q, left.q[:len(again.q)])
+    other = Bodies(2)
+    other.add(1, 1)
+    with pytest.raises(OSError):
+        nsdae.solve(other, 1, output=tmp_path / "no/such/folder/run.h5")

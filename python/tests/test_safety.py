@@ -196,8 +196,9 @@ def test_switches(ball):
 def test_unknown_keywords(ball):
     with pytest.raises(nsdae.ArgumentError, match="did you mean 'method'"):
         nsdae.Sim(ball, metod="moreau")
-    with pytest.raises(nsdae.ArgumentError, match=r"did you mean 'dt' \(step\)"):
-        nsdae.solve(ball, 1, [1], step=0.1)
+    for name in ("step", "timestep"):
+        with pytest.raises(nsdae.ArgumentError, match=r"did you mean 'dt' \(time step\)"):
+            nsdae.solve(ball, 1, [1], **{name: 0.1})
     with pytest.raises(TypeError, match="did you mean 'force'"):
         nsdae.System(nq=1, forces=ball_callbacks()["force"])
 

@@ -107,7 +107,7 @@ static int build(faults *f, int d, int listed, int own, nsdae_bodies **b, nsdae_
 {
   nsdae_error error;
   const int shape = d == 2 ? NSDAE_SHAPE_DISC : NSDAE_SHAPE_SPHERE, up = d - 1;
-  nsdae_rigid_body body = {.mass = 1, .inertia = {0.1, 0.1, 0.1}};
+  nsdae_rigid_body body = {.mass = 1, .inertia = {d == 3 ? 0.1 : 0, d == 3 ? 0.1 : 0, 0.1}};
   const nsdae_solid ground = {.shape = NSDAE_SHAPE_PLANE}, ball = {.shape = shape, .radius = 0.1};
   nsdae_joint joint = {
       .kind = NSDAE_JOINT_DISTANCE, .body = {NSDAE_GROUND, 1}, .drive = drive, .user = f};

@@ -39,7 +39,7 @@ static int start(world *w, int method, int start_check)
   nsdae_dims dims;
   int status = nsdae_bodies_system(w->bodies, &w->system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(w->bodies)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_dims(w->bodies, &dims);
   if (w->own_contact) nsdae_system_set_contact(w->system, dims.k - 1, 0.1, 0, 0);
   nsdae_sim_options_default(&o);
@@ -287,7 +287,7 @@ static void test_own_parts_are_checked(void **state)
 {
   (void)state;
   static const char *const callback[MISTAKES] = {"gap_normal", "contact_acceleration",
-                                                 "constraint_jacobian", "constraint_bias"};
+                                                 "constraint_jacobian", "joint"};
   for (int mistake = 0; mistake < MISTAKES; mistake++)
     for (sign = -1; sign <= 1; sign += 2) {
       world w = begin(2);
@@ -381,8 +381,12 @@ static void test_no_length(void **state)
   nsdae_bodies_add_spring(
       w.bodies,
       &(nsdae_spring){
-          .body = {NSDAE_GROUND, 0}, .point = {1, 2}, .end = {1, 2}, .stiffness = 1, .rest = 1});
-  assert_int_equal(start(&w, NSDAE_METHOD_MOREAU, 1), NSDAE_E_NONFINITE);
+          .body = {NSDAE_GROUND, 0}, .point = {1, 2}, .end = {1.5, 2}, .stiffness = 1, .rest = 1});
+  assert_int_equal(start(&w, NSDAE_METHOD_MOREAU, 0), NSDAE_OK);
+  w.q[0] -= 0.5; /* the end at the point */
+  int status = nsdae_sim_init(w.sim, 0, w.q, w.v);
+  if (status == NSDAE_OK) status = nsdae_sim_step(w.sim);
+  assert_int_equal(status, NSDAE_E_NONFINITE);
   named(&w, NSDAE_E_NONFINITE, "spring", 1,
         "spring 1 of body 0 and the ground: its ends coincide, its force has no direction");
   end(&w);

@@ -79,7 +79,7 @@ static nsdae_sim *start(const nsdae_bodies *b, nsdae_system **system, int method
   o.dt = dt;
   o.start_check = 0;
   o.projection = NSDAE_PROJECTION_NONE; /* which leaves the drift */
-  assert_int_equal(nsdae_bodies_system((nsdae_bodies *)b, system), NSDAE_OK);
+  assert_true(nsdae_bodies_system((nsdae_bodies *)b, system) >= 0);
   assert_int_equal(nsdae_sim_create(*system, &o, &sim, NULL), NSDAE_OK);
   nsdae_bodies_get_start(b, q, v);
   assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);

@@ -87,7 +87,7 @@ contains
     type(nsdae_sim), intent(inout) :: sim
     real(c_double) :: q(7), v(6)
     type(nsdae_dims) :: dims
-    call is_int(nsdae_bodies_system(bodies, system), NSDAE_OK, 'system')
+    call is_true(nsdae_bodies_system(bodies, system) >= 0, 'system')
     call is_int(nsdae_bodies_get_dims(bodies, dims), NSDAE_OK, 'dims')
     call is_int(nsdae_bodies_get_start(bodies, q, v), NSDAE_OK, 'start')
     call is_int(nsdae_sim_create(system, sim), NSDAE_OK, 'sim')

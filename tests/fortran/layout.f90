@@ -123,6 +123,7 @@ contains
     call same('NSDAE_WARN_IMPACTS', NSDAE_WARN_IMPACTS)
     call same('NSDAE_WARN_RESTITUTION', NSDAE_WARN_RESTITUTION)
     call same('NSDAE_WARN_CONTACT', NSDAE_WARN_CONTACT)
+    call same('NSDAE_WARN_MODEL', NSDAE_WARN_MODEL)
   end subroutine
 
   subroutine constants()
@@ -454,6 +455,7 @@ contains
     type(nsdae_rigid_body), target :: x
     call same_size('nsdae_rigid_body', c_sizeof(x))
     call same_place('nsdae_rigid_body%inertia', c_loc(x), c_loc(x%inertia))
+    call same_place('nsdae_rigid_body%product', c_loc(x), c_loc(x%product))
     call same_place('nsdae_rigid_body%position', c_loc(x), c_loc(x%position))
     call same_place('nsdae_rigid_body%angle', c_loc(x), c_loc(x%angle))
     call same_place('nsdae_rigid_body%quaternion', c_loc(x), c_loc(x%quaternion))

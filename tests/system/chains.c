@@ -23,7 +23,7 @@ static void begin(fall *f, nsdae_bodies *b, int method, double dt, double link)
   *f = (fall){.bodies = b, .link = link};
   int status = nsdae_bodies_system(b, &f->system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(b)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_dims(b, &dims);
   double *q = test_calloc((size_t)(dims.nq + dims.nv), sizeof *q), *v = q + dims.nq;
   nsdae_bodies_get_start(b, q, v);

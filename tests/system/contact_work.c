@@ -63,7 +63,7 @@ static long run(uint64_t seed, double work)
   nsdae_system *system;
   nsdae_stats before = {0}, stats;
   nsdae_record record, other;
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_sim *one = begin(system, work, 1, q0, v0), *two = begin(system, work, 2, q0, v0);
   for (int i = 0; i < STEPS; i++) {
     assert_true(nsdae_sim_step(one) >= 0 && nsdae_sim_step(two) >= 0);

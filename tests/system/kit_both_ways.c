@@ -273,7 +273,7 @@ static void start(run *r, scene (*make)(int), int form, int method)
   r->scene = make(form);
   int status = nsdae_bodies_system(r->scene.b, &r->system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(r->scene.b)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_dims(r->scene.b, &r->dims);
   nsdae_bodies_get_start(r->scene.b, q, v);
   if (r->dims.m > 0 && make == shaken_discs) v[1] = 0.4; /* of the drive */

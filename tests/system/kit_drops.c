@@ -172,7 +172,7 @@ static int run(unsigned long seed)
     for (int j = 0; j < 3; j++) nsdae_bodies_add_contact(b, wall[j], solid[i], d.mu, d.e, 0);
     for (int j = 0; j < i; j++) nsdae_bodies_add_contact(b, solid[j], solid[i], d.mu, d.e, 0);
   }
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q, v);
   nsdae_sim_options_default(&o);
   o.method = NSDAE_METHOD_EVENT;

@@ -87,7 +87,7 @@ static int run(klein *k, double T, nsdae_error *error, double *acceleration)
   nsdae_sim_options o;
   nsdae_record r;
   double q[6], v[6];
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_sim_options_default(&o);
   o.method = NSDAE_METHOD_EVENT;
   o.dt = 1e-2;

@@ -62,7 +62,7 @@ static nsdae_stats run(nsdae_bodies *bodies, const nsdae_sim_options *options, d
   double q[NQ_MAX], v[NQ_MAX];
   int status = nsdae_bodies_system(bodies, &system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(bodies)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_start(bodies, q, v);
   status = nsdae_sim_create(system, options, &sim, &error);
   if (status < 0) print_error("%s\n", error.text);

@@ -432,7 +432,7 @@ static void test_quaternions_listed(void **state)
       assert_true(nsdae_bodies_add_solid(world, i, &ball) >= 0);
     }
     nsdae_bodies_set_pair(world, 0, 0, 0.5, 0, 0);
-    assert_int_equal(nsdae_bodies_system(world, &system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(world, &system) >= 0);
     assert_int_equal(nsdae_bodies_get_start(world, q0, v0), NSDAE_OK);
     nsdae_sim_options_default(&options);
     options.method = method[k];

@@ -131,7 +131,7 @@ static int start(mechanism *m, int form, int method, int redundant)
   options.redundant = redundant;
   options.dt = 1e-3;
   if (form == BY_LIST) assert_int_equal(nsdae_bodies_set_pair(m->bodies, 0, 0, 0, 0, 0), NSDAE_OK);
-  assert_int_equal(nsdae_bodies_system(m->bodies, &m->system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(m->bodies, &m->system) >= 0);
   if (form == DENSE) m->dense = dense_copy(m->system);
   nsdae_system *system = form == DENSE ? m->dense : m->system;
   assert_int_equal(nsdae_sim_create(system, &options, &m->sim, &m->error), NSDAE_OK);

@@ -73,7 +73,7 @@ static series simulate(const mechanism *m, int method, double dt)
   options.dt = dt;
   options.rtol = 1e-10;
   options.atol = 1e-12;
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q, v);
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   int status = nsdae_sim_init(sim, 0, q, v);

@@ -109,7 +109,7 @@ static outcome by_kit(nsdae_bodies *bodies, int method, double dt, double t_end)
   double q0[NQ_MAX], v0[NQ_MAX];
   int status = nsdae_bodies_system(bodies, &system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(bodies)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_start(bodies, q0, v0);
   outcome out = run(system, q0, v0, method, dt, t_end);
   nsdae_system_destroy(&system);
@@ -216,7 +216,7 @@ static void expect_same_steps(nsdae_system *hand, nsdae_bodies *bodies, double d
 {
   nsdae_system *system[2] = {hand};
   double q0[NQ_MAX], v0[NQ_MAX];
-  assert_int_equal(nsdae_bodies_system(bodies, &system[1]), NSDAE_OK);
+  assert_true(nsdae_bodies_system(bodies, &system[1]) >= 0);
   nsdae_bodies_get_start(bodies, q0, v0);
   double most = apart_in_a_step(system, q0, v0, dt, steps);
   print_message("%d steps of moreau: at most %.1e apart after one\n", steps, most);
@@ -449,7 +449,7 @@ static void test_polhode(void **state)
     square += J[i] * J[i] * w[i] * w[i];
   }
   assert_int_equal(nsdae_bodies_add(b, &body), 0);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q, v);
   double speed = (J[2] - J[1]) * (square - twice_E * J[0]);
   double k = sqrt((J[1] - J[0]) * (twice_E * J[2] - square) / speed);

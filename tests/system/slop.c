@@ -45,7 +45,7 @@ static nsdae_sim *start(nsdae_bodies *b, const nsdae_sim_options *o, nsdae_syste
   nsdae_sim *sim;
   nsdae_error error;
   nsdae_dims d;
-  assert_int_equal(nsdae_bodies_system(b, system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, system) >= 0);
   assert_int_equal(nsdae_bodies_get_dims(b, &d), NSDAE_OK);
   double *q = calloc((size_t)d.nq, sizeof *q), *v = calloc((size_t)d.nv, sizeof *v);
   nsdae_bodies_get_start(b, q, v);
@@ -677,7 +677,7 @@ static void refused(void **state)
   nsdae_error error;
   nsdae_sim *sim;
   add_ball(b, 1, 0.1, 0, 1);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   const int others[] = {NSDAE_METHOD_IMPLICIT_PRINTED, NSDAE_METHOD_EVENT, NSDAE_METHOD_PENALTY};
   for (int i = 0; i < 3; i++) {
     nsdae_sim_options o = options_of(others[i], 1e-10);

@@ -234,7 +234,7 @@ static void spread(int with_chains, int method, double tol, int fails)
   int status;
   assert_int_equal(nsdae_bodies_get_dims(world, &s.dims), NSDAE_OK);
   assert_true(s.dims.nq <= (int)(sizeof q0 / sizeof *q0));
-  assert_int_equal(nsdae_bodies_system(world, &s.system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(world, &s.system) >= 0);
   nsdae_bodies_get_start(world, q0, v0);
   int islands = compare(&s, method, tol, &status);
   assert_true(islands > PARTS / 2);
@@ -303,7 +303,7 @@ static void test_large_island(void **state)
     nsdae_bodies *world = draw_lattice();
     scene s = {.q0 = q0, .v0 = v0, .steps = 40, .give = 100};
     assert_int_equal(nsdae_bodies_get_dims(world, &s.dims), NSDAE_OK);
-    assert_int_equal(nsdae_bodies_system(world, &s.system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(world, &s.system) >= 0);
     nsdae_bodies_get_start(world, q0, v0);
     run(&s, methods[m], 1, 1e-4, &first);
     print_message("%d contacts in an island, %d steps, %s\n", first.contacts, first.steps,

@@ -120,7 +120,7 @@ static void spin_top(top *p, const nsdae_sim_options *options, double t_end)
                                                    .position = {0, 0, p->alpha * p->R}});
   int floor = nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
   nsdae_bodies_add_contact(b, floor, ball, p->mu, 0, 0);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q, v);
   assert_int_equal(nsdae_sim_create(system, options, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);

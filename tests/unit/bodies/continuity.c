@@ -55,7 +55,7 @@ static couple make(int d, const nsdae_solid *first, const nsdae_solid *second)
     nsdae_bodies_add_solid(c.bodies, i, i ? second : first);
   }
   nsdae_bodies_add_contact(c.bodies, 0, 1, 0, 0, 0);
-  assert_int_equal(nsdae_bodies_system(c.bodies, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(c.bodies, &system) >= 0);
   nsdae_system_destroy(&system);
   return c;
 }
@@ -304,7 +304,7 @@ static void fall(int d, double turn, const double *q, double *v_end)
   nsdae_bodies_add_solid(b, NSDAE_GROUND, &block);
   nsdae_bodies_add_solid(b, 0, &block);
   nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   int status = nsdae_sim_init(sim, 0, q, v);
   if (status >= 0) status = nsdae_sim_step(sim);

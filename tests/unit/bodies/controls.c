@@ -23,7 +23,7 @@ static machine wheel(int d, nsdae_motor motor, int method, double dt)
   double q[7], v[6];
   motor.joint = hang(m.bodies, d, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.mass = 2});
   assert_int_equal(nsdae_bodies_add_motor(m.bodies, &motor), 0);
-  assert_int_equal(nsdae_bodies_system(m.bodies, &m.system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(m.bodies, &m.system) >= 0);
   nsdae_bodies_get_start(m.bodies, q, v);
   nsdae_sim_options_default(&o);
   o.method = method;
@@ -315,7 +315,7 @@ static void test_contact_stays(void **state)
     int floor = nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
     nsdae_bodies_add_contact(b, disc, floor, 0, 0.5, 0);
     nsdae_bodies_add_motor(b, &(nsdae_motor){joint, .limit = INFINITY});
-    assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
     nsdae_bodies_get_start(b, q, v);
     nsdae_sim_options_default(&o);
     o.method = methods[i];

@@ -55,7 +55,8 @@ static int load(double t, const double x[3], const double v[3], double force[3],
 static void add_body(nsdae_bodies *b, int d)
 {
   nsdae_rigid_body body = {.mass = uniform(0.5, 2), .angle = uniform(-3, 3)};
-  for (int i = 0; i < 3; i++) body.inertia[i] = uniform(0.5, 2);
+  for (int i = 0; i < 3; i++) body.inertia[i] = uniform(1, 1.6);
+  for (int i = 0; i < 3 && d == 3; i++) body.product[i] = uniform(-0.1, 0.1);
   vector(d, 2, body.position);
   vector(d, 1, body.velocity);
   for (int i = 0; i < 4; i++) body.quaternion[i] = uniform(-1, 1);
@@ -373,7 +374,7 @@ static void check_system(int d, int index, int by_list)
   double q[NQ_MAX], v[NV_MAX];
   int status = nsdae_bodies_system(b, &system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(b)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_dims(b, &dims);
   nsdae_bodies_get_start(b, q, v);
   look_around(system, &dims, q, v, d, index);

@@ -126,7 +126,7 @@ static void make_couple(couple *c, int d, int shape0, int shape1)
     nsdae_bodies_add_solid(c->bodies, i, &c->solid[i]);
   }
   nsdae_bodies_add_contact(c->bodies, 0, 1, 0, 0, 0);
-  assert_int_equal(nsdae_bodies_system(c->bodies, &c->system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(c->bodies, &c->system) >= 0);
   nsdae_dims dims;
   nsdae_bodies_get_dims(c->bodies, &dims);
   c->k = dims.k;

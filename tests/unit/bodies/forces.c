@@ -82,7 +82,7 @@ static void test_formulas(void **state)
         nsdae_dims dims;
         nsdae_check worst;
         double q[7 * BODIES_MOST], v[6 * BODIES_MOST];
-        assert_int_equal(nsdae_bodies_system(b, &s), NSDAE_OK);
+        assert_true(nsdae_bodies_system(b, &s) >= 0);
         nsdae_system_get_dims(s, &dims);
         for (int i = 0; i < STATES; i++) {
           assert_int_equal(nsdae_bodies_get_start(b, q, v), NSDAE_OK);
@@ -118,7 +118,7 @@ static void test_load_fails(void **state)
   nsdae_system *s;
   double q[7 * BODIES_MOST], v[6 * BODIES_MOST];
   nsdae_bodies_add_load(b, 0, centre, fails, &calls);
-  assert_int_equal(nsdae_bodies_system(b, &s), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &s) >= 0);
   nsdae_bodies_get_start(b, q, v);
   assert_int_equal(nsdae_system_check(s, 0, q, v, 1e-5, NULL), NSDAE_OK);
   long all = (1L << 30) - calls;

@@ -99,7 +99,7 @@ static void follow(int d, int kind, int method, double dt, double tol)
   for (int i = 0; i < 2; i++)
     nsdae_bodies_add(
         b, &(nsdae_rigid_body){.mass = 1 + i,
-                               .inertia = {0.4, 0.5, 0.6 + i},
+                               .inertia = {0.8, 0.9, 0.6 + i},
                                .position = {i * from},
                                .spin = {0, 0, kind == NSDAE_JOINT_GEAR && i ? ratio * 0.4 : 0.4}});
   nsdae_bodies_add_joint(b, &(nsdae_joint){.kind = kind,
@@ -112,7 +112,7 @@ static void follow(int d, int kind, int method, double dt, double tol)
                                            .user = &from});
   int status = nsdae_bodies_system(b, &system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(b)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_start(b, q0, v0);
   nsdae_sim_options_default(&options);
   options.method = method;
@@ -297,7 +297,7 @@ static void keeps(int d, int kind, int flags, int rows)
   nsdae_bodies_set_gravity(b, (const double[]){0.3, -2, 0});
   for (int i = 0; i < 2; i++) {
     nsdae_rigid_body body = {
-        .mass = 1 + i, .inertia = {0.4, 0.5, 0.6 + i}, .angle = uniform(-3, 3)};
+        .mass = 1 + i, .inertia = {0.8, 0.9, 0.6 + i}, .angle = uniform(-3, 3)};
     draw(d, 1, body.position);
     draw(d, 1, body.velocity);
     for (int k = 0; k < 4; k++) body.quaternion[k] = uniform(-1, 1);
@@ -308,7 +308,7 @@ static void keeps(int d, int kind, int flags, int rows)
   assert_int_equal(nsdae_bodies_add_joint(b, &j), 0);
   nsdae_bodies_get_dims(b, &dims);
   assert_int_equal(dims.m, rows);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q0, v0);
   tell(&t, d, &j, q0);
   nsdae_sim_options_default(&options);

@@ -473,7 +473,7 @@ static void refused(int method, double x, double angle, const char *words)
   nsdae_bodies *b = create(2, 0, 0, 0);
   int joint = hang(b, 2, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.position = {1}});
   nsdae_bodies_add_limit(b, &(nsdae_limit){joint, 0, -1, 1, 0.5});
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_sim_options_default(&o);
   o.method = method;
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);

@@ -201,7 +201,7 @@ static void check_guided(const guided *g)
   }
   if (g->named) nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
   nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q, v);
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
@@ -305,7 +305,7 @@ static void fall(int d, int by_list, double mu, double *q, int *contacts)
   }
   int status = nsdae_bodies_system(b, &system);
   if (status < 0) print_error("%s\n", nsdae_bodies_error(b)->text);
-  assert_int_equal(status, NSDAE_OK);
+  assert_true(status >= 0);
   nsdae_bodies_get_dims(b, &dims);
   assert_int_equal(dims.k, by_list ? 0 : BALLS * (BALLS + 1) / 2);
   assert_int_equal(dims.nt, d - 1);
@@ -423,7 +423,7 @@ static void run_own(int dense)
   nsdae_sim *sim;
   nsdae_record r;
   double q[7], v[7];
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   assert_int_equal(nsdae_system_get_blocks(system), 3);
   nsdae_bodies_get_start(b, q, v);
   assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
@@ -535,7 +535,7 @@ static void test_spin_stays(void **state)
             b, i,
             &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1, .material = i == count - 1});
       }
-      assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+      assert_true(nsdae_bodies_system(b, &system) >= 0);
       nsdae_bodies_get_start(b, q0, v0);
       nsdae_sim_options_default(&options);
       options.method = NSDAE_METHOD_MOREAU;
@@ -626,7 +626,7 @@ static void test_standing_heap_begins_well(void **state)
   nsdae_stats before, after;
   double q0[7 * 66], v0[6 * 66];
   (void)state;
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q0, v0);
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;

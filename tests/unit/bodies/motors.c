@@ -187,7 +187,7 @@ static void test_added_bound(void **state)
     double q[3], v[3];
     nsdae_bodies *b = create(2, 0, 0, 0);
     add_motor(b, (nsdae_motor){wheel(b, 2, 3), .kind = NSDAE_MOTOR_SPEED, .vary = ramp});
-    assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
     nsdae_bodies_get_start(b, q, v);
     nsdae_sim_options_default(&o);
     o.method = method;
@@ -231,7 +231,7 @@ static void test_wrong_vary(void **state)
       double q[3], v[3];
       nsdae_bodies *b = create(2, 0, 0, 0);
       add_motor(b, (nsdae_motor){wheel(b, 2, 3), .kind = NSDAE_MOTOR_SPEED, .vary = late});
-      assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+      assert_true(nsdae_bodies_system(b, &system) >= 0);
       nsdae_bodies_get_start(b, q, v);
       nsdae_sim_options_default(&o);
       o.method = method;

@@ -200,7 +200,7 @@ static void check_form(const fixed *f, int number, int form, const double *q, co
   nsdae_error error;
   double reach = uniform(0, 0.5);
   int seen[K_MAX] = {0};
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   assert_int_equal(system->dims.k, 0);
   nsdae_contact_list list = empty_list(system, &error);
   nsdae_contact_list_clear(&list);
@@ -233,7 +233,7 @@ static void check_family(int d)
   for (int number = 0; number < MECHANISMS; number++) {
     double q[NQ_MAX], v[NV_MAX];
     f.b = mechanism(d, number, FIXED);
-    assert_int_equal(nsdae_bodies_system(f.b, &f.system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(f.b, &f.system) >= 0);
     nsdae_bodies_get_dims(f.b, &f.dims);
     nsdae_bodies_get_start(f.b, q, v);
     if (f.dims.k > 0) evaluate(&f, q, v);
@@ -265,7 +265,7 @@ static void test_speed(void **state)
       if (i < 2) assert_int_equal(nsdae_bodies_add_solid(b, i, &s), i);
     }
     assert_int_equal(nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0), NSDAE_OK);
-    assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
     assert_int_equal(nsdae_bodies_get_start(b, q, v), NSDAE_OK);
     assert_int_equal(system->call.contact_speed(0, q, v, &speed, &b->force.user), 0);
     assert_near(speed, 1 + 3 * (plane ? 2 : 0.5) + 2, 1e-14);

