@@ -272,6 +272,12 @@ def wall(a, q, p):
         expect("size of a block", away < a.rounding, f"is off by {away:g}")
 
 
+def gripper(a, q, p):
+    q = q.reshape(len(q), -1, 3)
+    for i in range(4):
+        a.close(f"polygon {i}", "pose", q[:, i, 0], q[:, i, 1], *turn(q[:, i, 2]))
+
+
 def quaternions(e):
     """Matrices [n, 9]: what e x e* makes of the axes."""
     w, x, y, z = (e / np.linalg.norm(e, axis=1)[:, None]).T
@@ -312,7 +318,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank, "scene": scene}
+          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper}
 
 
 def check_strips(a, f):

@@ -296,6 +296,22 @@ def wall(a, f, p):
     blocks(a, f, p, np.concatenate(corners))
 
 
+def planar(a, q, name):
+    """The body moves as q [n, 3] of its centre; its points beside the centre at the start [p, 2]."""
+    out, c, s = a.body(name)[..., :2] - q[:, None, :2], np.cos(q[:, 2, None]), np.sin(q[:, 2, None])
+    own = np.stack([c * out[..., 0] + s * out[..., 1], c * out[..., 1] - s * out[..., 0]], axis=-1)
+    close(f"motion of {name}", own, own[:1])
+    return own[0]
+
+
+def gripper(a, f, p):
+    q, s = f["q"][...].reshape(a.n, -1, 3), p["size"]
+    for i, half in enumerate([(1.5, 0.2), (0.1, 0.9), (0.1, 0.9), (0.5, 0.5)]):
+        close("half sizes", np.abs(planar(a, q[:, i], f"polygon {i}")), s * np.array(half))
+    for finger, side in ((1, -1), (2, 1)):
+        close("a finger at the box", side * (q[:, finger, 0] - q[:, 3, 0]), 0.6 * s)
+
+
 def spheres(a, f, p, names, mass):
     q = f["q"][...].reshape(a.n, -1, 7)
     expect("number of spheres", q.shape[1] == len(names) == len(mass))
@@ -342,7 +358,7 @@ CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-c
           "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank, "scene": scene}
+          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper}
 
 
 def check_with_vtk(a):

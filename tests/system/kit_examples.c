@@ -1,0 +1,66 @@
+/* The examples of joints, motors and contacts against their closed forms: a gripper at its limit
+ * of friction. */
+#include "check.h"
+
+#include "gripper.h"
+#include "simulation.h"
+
+static int follow(const nsdae_record *r, nsdae_error *error, void *user)
+{
+  const driver_model *model = user;
+  (void)error;
+  model->follow(model->base, r);
+  return 0;
+}
+
+/* Runs the model with the parameters at its base. */
+static nsdae_stats run(const driver_model *model, int method, double dt, double t_end)
+{
+  nsdae_system *system = NULL;
+  nsdae_sim *sim = NULL;
+  nsdae_stats stats;
+  nsdae_error error;
+  nsdae_sim_options options;
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.dt = dt;
+  int status = simulation_make(model, &options, &system, &sim, &error);
+  if (status < 0) print_error("%s: %s\n", model->name, error.text);
+  assert_true(status >= 0);
+  assert_int_equal(nsdae_sim_observe(sim, follow, (void *)(uintptr_t)model), NSDAE_OK);
+  status = nsdae_sim_run(sim, t_end);
+  if (status < 0) print_error("%s: %s\n", model->name, nsdae_sim_error(sim)->text);
+  assert_true(status >= 0);
+  nsdae_sim_get_stats(sim, &stats);
+  simulation_release(&system, &sim);
+  return stats;
+}
+
+/* Stick is exact: in 100 s the box moves beside the fingers by rounding of its coordinates alone,
+ * steps of 1e-16 m at most, also 1 % above the least force. 1 % below it slips. */
+static void test_gripper(void **state)
+{
+  static const struct {
+    int method;
+    double dt, t_end;
+  } runs[] = {{NSDAE_METHOD_MOREAU, 5e-3, 100},
+              {NSDAE_METHOD_IMPLICIT, 5e-3, 100},
+              {NSDAE_METHOD_EVENT, 1e-2, 2}};
+  gripper *p = gripper_model.base;
+  (void)state;
+  for (int i = 0; i < 3; i++)
+    for (int part = -1; part <= 1; part++) {
+      nsdae_params_default(gripper_model.parameters, p);
+      if (part) p->force = (1 + 0.01 * part) * gripper_least_force(p);
+      double t_end = part ? fmin(runs[i].t_end, 2) : runs[i].t_end;
+      run(&gripper_model, runs[i].method, runs[i].dt, t_end);
+      if (part >= 0) assert_at_most(p->slip, 1e-16 * t_end / runs[i].dt);
+      assert_int_equal(p->slip > 1e-6, part < 0);
+    }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_gripper)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
