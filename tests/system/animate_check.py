@@ -278,6 +278,14 @@ def gripper(a, q, p):
         a.close(f"polygon {i}", "pose", q[:, i, 0], q[:, i, 1], *turn(q[:, i, 2]))
 
 
+def geneva(a, q, p):
+    r, arm = p["distance"] * np.cos(np.pi / p["slots"]), p["distance"] * np.sin(np.pi / p["slots"])
+    for i in range(p["slots"]):
+        a.close(f"polygon {i}", "pose", 0, 0, *turn(q[:, 2]))
+    a.close(f"disc {p['slots'] + 1}", "pose", p["distance"] + arm * np.cos(q[:, 5]), arm * np.sin(q[:, 5]))
+    expect("length of the slots", abs(np.abs(a.pose("polygon 0")).max() - 1) < a.rounding and r < p["distance"])
+
+
 def quaternions(e):
     """Matrices [n, 9]: what e x e* makes of the axes."""
     w, x, y, z = (e / np.linalg.norm(e, axis=1)[:, None]).T
@@ -318,7 +326,8 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper}
+          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
+          "geneva": geneva}
 
 
 def check_strips(a, f):

@@ -312,6 +312,20 @@ def gripper(a, f, p):
         close("a finger at the box", side * (q[:, finger, 0] - q[:, 3, 0]), 0.6 * s)
 
 
+def geneva(a, f, p):
+    """A slot is between the side of a tooth and that of the next one, which are parallel, as far apart as the pin is wide."""
+    q, n, C = f["q"][...].reshape(a.n, -1, 3), p["slots"], p["distance"]
+    teeth = [np.unique(np.round(planar(a, q[:, 0], f"polygon {i}"), 14), axis=0) for i in range(n)]
+    for i in range(n):
+        angle = (2 * i + 1) * np.pi / n  # of the slot after the tooth i
+        for tooth, side in ((teeth[i], -1), (teeth[(i + 1) % n], 1)):
+            beside = side * tooth @ [-np.sin(angle), np.cos(angle)]
+            close("sides of a slot", np.sort(beside)[:2], p["pin"] + p["play"])
+            close("end of a slot", (tooth @ [np.cos(angle), np.sin(angle)]).max(), C * np.cos(np.pi / n))
+    pin = planar(a, q[:, 1], f"disc {n + 1}")
+    close("the pin", np.linalg.norm(pin - [C * np.sin(np.pi / n), 0], axis=1), p["pin"])
+
+
 def spheres(a, f, p, names, mass):
     q = f["q"][...].reshape(a.n, -1, 7)
     expect("number of spheres", q.shape[1] == len(names) == len(mass))
@@ -358,7 +372,8 @@ CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-c
           "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper}
+          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
+          "geneva": geneva}
 
 
 def check_with_vtk(a):
