@@ -316,6 +316,13 @@ def heap(a, q, p):
         a.close(f"sphere {i + 1}", "pose", x, y, 0)
 
 
+def ragdoll(a, q, p):
+    q = q.reshape(len(q), -1, 7)
+    expect("number of bodies", q.shape[1] == 10 and len(a.scene["bodies"]) == 11 + p["steps"])
+    for i in range(10):
+        a.close(f"capsule {1 + p['steps'] + i}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
+
+
 def scene(a, q, p):
     q = q.reshape(len(q), -1, 7)
     for i in range(q.shape[1]):
@@ -327,7 +334,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva}
+          "geneva": geneva, "ragdoll": ragdoll}
 
 
 def check_strips(a, f):
@@ -435,7 +442,7 @@ def check_example(stem):
 SHORTER = {"bouncing-ball": ("--t-end", "3"), "pendulum": ("--t-end", "3"), "pendulum-fortran": ("--t-end", "3"),
            "crank-slider": ("--t-end", "3"), "woodpecker": ("--t-end", "1"), "newtons-cradle": ("--t-end", "1"),
            "dominoes": ("--t-end", "0.3"), "heap": ("--t-end", "0.3"), "scene": ("--t-end", "0.3"), "shaken-ball": ("--t-end", "0.3"),
-           "column": ("--set", "balls=3")}  # each is a mesh
+           "ragdoll": ("--t-end", "0.5"), "column": ("--set", "balls=3")}  # each is a mesh
 
 
 def check_examples(data):

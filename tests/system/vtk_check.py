@@ -359,13 +359,25 @@ def heap(a, f, p):
     spheres(a, f, p, [f"sphere {grit + i + 1}" for i in range(n)], mass)
 
 
-def scene(a, f, p):
-    """The box i + 1 is that of body i: its centre, and a motion of its corners as one body."""
+def moved(a, f, name, first):
+    """Its bodies of that name, numbered from the first on: their centres, and motions of their corners as one body."""
     q = f["q"][...].reshape(a.n, -1, 7)
     for i in range(q.shape[1]):
-        out = a.body(f"box {i + 5}") - q[:, i, None, :3]
+        out = a.body(f"{name} {i + first}") - q[:, i, None, :3]
         close("centre", out.mean(axis=1), 0)
         close("orientation", out, turned(q[:, i, 3:], turned(q[:1, i, 3:] * [1, -1, -1, -1], out[0])[0]))
+
+
+def scene(a, f, p):
+    moved(a, f, "box", 5)
+
+
+def ragdoll(a, f, p):
+    moved(a, f, "capsule", 1 + p["steps"])
+    for i in range(p["steps"]):
+        box = a.body(f"box {1 + i}")[0]
+        close("a step", box.max(axis=0), [1, (i + 0.5) * p["run"], (p["steps"] - i) * p["rise"]])
+        close("a step", box.min(axis=0), [-1, (i - 0.5) * p["run"], 0])
 
 
 CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
@@ -373,7 +385,7 @@ CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-c
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva}
+          "geneva": geneva, "ragdoll": ragdoll}
 
 
 def check_with_vtk(a):
@@ -413,7 +425,8 @@ def check_example(example):
     print(f"{WRITTEN}: {a.n} steps, {len(a.names)} bodies; {check_with_vtk(a)}")
 
 
-SHORTER = {"column": ("--set", "balls=20"), "heap": ("--t-end", "0.2"), "scene": ("--t-end", "0.2")}  # their meshes are large
+SHORTER = {"column": ("--set", "balls=20"), "heap": ("--t-end", "0.2"), "scene": ("--t-end", "0.2"),
+           "ragdoll": ("--t-end", "0.2")}  # their meshes are large
 
 
 def check_examples(data):
