@@ -286,6 +286,11 @@ def geneva(a, q, p):
     expect("length of the slots", abs(np.abs(a.pose("polygon 0")).max() - 1) < a.rounding and r < p["distance"])
 
 
+def backlash(a, q, p):
+    a.close("disc 0", "pose", -0.005 * (p["pinion"] + p["gear"]), 0, *turn(q[:, 2]))
+    a.close("disc 1", "pose", 0, 0, *turn(q[:, 5]))
+
+
 def quaternions(e):
     """Matrices [n, 9]: what e x e* makes of the axes."""
     w, x, y, z = (e / np.linalg.norm(e, axis=1)[:, None]).T
@@ -334,7 +339,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva, "ragdoll": ragdoll}
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash}
 
 
 def check_strips(a, f):

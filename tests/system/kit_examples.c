@@ -1,7 +1,8 @@
 /* The examples of joints, motors and contacts against their closed forms: a gripper at its limit
- * of friction, a Geneva drive, and a ragdoll by its invariants. */
+ * of friction, a Geneva drive, gears with backlash, and a ragdoll by its invariants. */
 #include "check.h"
 
+#include "backlash.h"
 #include "geneva.h"
 #include "gripper.h"
 #include "ragdoll.h"
@@ -86,6 +87,30 @@ static void test_geneva(void **state)
   }
 }
 
+/* The load follows the play operator, with the least brake too. A time step finds a stop up to a
+ * step late and a reversal within a step. So each is off by at most two steps of the gear's
+ * fastest. */
+static void test_backlash(void **state)
+{
+  static const int methods[] = {NSDAE_METHOD_EVENT, NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
+  backlash *p = backlash_model.base;
+  uint64_t seed = 5;
+  (void)state;
+  for (int i = 0; i < 12; i++) {
+    const double dt = i % 2 ? 1e-3 : 2e-3;
+    nsdae_params_default(backlash_model.parameters, p);
+    p->amplitude = random_between(&seed, -2, 2);
+    p->teeth[0] = 10 + random_below(&seed, 40);
+    p->play = random_between(&seed, 0.01, 0.5);
+    p->brake = (i % 4 ? 2 : 1.001) * backlash_least_brake(p);
+    double a = fabs(p->amplitude) * p->teeth[0] / p->teeth[1];
+    nsdae_stats s = run(&backlash_model, methods[i % 3], dt, 8);
+    assert_at_most(p->error,
+                   methods[i % 3] == NSDAE_METHOD_EVENT ? 1e-10 : 2 * a * p->frequency * dt);
+    assert_int_equal(s.impacts > 0, a > p->play / 2);
+  }
+}
+
 /* Falls on stairs of all kinds: no joint is off by more than 1e-3 of its link, of which the
  * shortest is 0.2 m, and the energy grows by no more than the record of the projection explains, up
  * to the 1e-3 of explicit gyroscopic terms. */
@@ -111,6 +136,7 @@ static void test_ragdoll(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_gripper), cmocka_unit_test(test_geneva),
+                                     cmocka_unit_test(test_backlash),
                                      cmocka_unit_test(test_ragdoll)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

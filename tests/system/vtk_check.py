@@ -326,6 +326,22 @@ def geneva(a, f, p):
     close("the pin", np.linalg.norm(pin - [C * np.sin(np.pi / n), 0], axis=1), p["pin"])
 
 
+def backlash(a, f, p):
+    """The wheels roll on each other. The arm is as far from each stop of the gear as the gap of its limit."""
+    q = f["q"][...].reshape(a.n, -1, 3)
+    wheels = [planar(a, q[:, i], f"disc {i}") for i in range(2)]
+    radius = [np.linalg.norm(w, axis=1) for w in wheels]
+    close("wheels touch", radius[0].max() + radius[1].max(), np.ptp(q[0, :2, 0]))
+    drifted("rolling", f, radius[0].max() * q[:, 0, 2] + radius[1].max() * q[:, 1, 2])
+    arm = np.column_stack([np.cos(q[:, 2, 2]), np.sin(q[:, 2, 2])])  # its normal, to the right
+    width = np.ptp(planar(a, q[:, 2], "segment 4")[:, 0]) / 2
+    for side, (stop, gap) in zip((-1, 1), (("disc 2", 0), ("disc 3", 1))):
+        out = a.centre(stop)[:, :2]
+        angle = np.arcsin(side * np.einsum("ni,ni->n", out, arm) / np.linalg.norm(out, axis=1))
+        touching = np.arcsin(2 * width / np.linalg.norm(out, axis=1))
+        close(f"gap of {stop}", angle - touching, f["contacts/gap"][:, gap])
+
+
 def spheres(a, f, p, names, mass):
     q = f["q"][...].reshape(a.n, -1, 7)
     expect("number of spheres", q.shape[1] == len(names) == len(mass))
@@ -385,7 +401,7 @@ CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-c
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva, "ragdoll": ragdoll}
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash}
 
 
 def check_with_vtk(a):
