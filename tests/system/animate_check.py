@@ -278,6 +278,19 @@ def gripper(a, q, p):
         a.close(f"polygon {i}", "pose", q[:, i, 0], q[:, i, 1], *turn(q[:, i, 2]))
 
 
+def geneva(a, q, p):
+    r, arm = p["distance"] * np.cos(np.pi / p["slots"]), p["distance"] * np.sin(np.pi / p["slots"])
+    for i in range(p["slots"]):
+        a.close(f"polygon {i}", "pose", 0, 0, *turn(q[:, 2]))
+    a.close(f"disc {p['slots'] + 1}", "pose", p["distance"] + arm * np.cos(q[:, 5]), arm * np.sin(q[:, 5]))
+    expect("length of the slots", abs(np.abs(a.pose("polygon 0")).max() - 1) < a.rounding and r < p["distance"])
+
+
+def backlash(a, q, p):
+    a.close("disc 0", "pose", -0.005 * (p["pinion"] + p["gear"]), 0, *turn(q[:, 2]))
+    a.close("disc 1", "pose", 0, 0, *turn(q[:, 5]))
+
+
 def quaternions(e):
     """Matrices [n, 9]: what e x e* makes of the axes."""
     w, x, y, z = (e / np.linalg.norm(e, axis=1)[:, None]).T
@@ -308,6 +321,13 @@ def heap(a, q, p):
         a.close(f"sphere {i + 1}", "pose", x, y, 0)
 
 
+def ragdoll(a, q, p):
+    q = q.reshape(len(q), -1, 7)
+    expect("number of bodies", q.shape[1] == 10 and len(a.scene["bodies"]) == 11 + p["steps"])
+    for i in range(10):
+        a.close(f"capsule {1 + p['steps'] + i}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
+
+
 def scene(a, q, p):
     q = q.reshape(len(q), -1, 7)
     for i in range(q.shape[1]):
@@ -318,7 +338,8 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper}
+          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash}
 
 
 def check_strips(a, f):
@@ -426,7 +447,7 @@ def check_example(stem):
 SHORTER = {"bouncing-ball": ("--t-end", "3"), "pendulum": ("--t-end", "3"), "pendulum-fortran": ("--t-end", "3"),
            "crank-slider": ("--t-end", "3"), "woodpecker": ("--t-end", "1"), "newtons-cradle": ("--t-end", "1"),
            "dominoes": ("--t-end", "0.3"), "heap": ("--t-end", "0.3"), "scene": ("--t-end", "0.3"), "shaken-ball": ("--t-end", "0.3"),
-           "column": ("--set", "balls=3")}  # each is a mesh
+           "ragdoll": ("--t-end", "0.5"), "column": ("--set", "balls=3")}  # each is a mesh
 
 
 def check_examples(data):

@@ -312,6 +312,36 @@ def gripper(a, f, p):
         close("a finger at the box", side * (q[:, finger, 0] - q[:, 3, 0]), 0.6 * s)
 
 
+def geneva(a, f, p):
+    """A slot is between the side of a tooth and that of the next one, which are parallel, as far apart as the pin is wide."""
+    q, n, C = f["q"][...].reshape(a.n, -1, 3), p["slots"], p["distance"]
+    teeth = [np.unique(np.round(planar(a, q[:, 0], f"polygon {i}"), 14), axis=0) for i in range(n)]
+    for i in range(n):
+        angle = (2 * i + 1) * np.pi / n  # of the slot after the tooth i
+        for tooth, side in ((teeth[i], -1), (teeth[(i + 1) % n], 1)):
+            beside = side * tooth @ [-np.sin(angle), np.cos(angle)]
+            close("sides of a slot", np.sort(beside)[:2], p["pin"] + p["play"])
+            close("end of a slot", (tooth @ [np.cos(angle), np.sin(angle)]).max(), C * np.cos(np.pi / n))
+    pin = planar(a, q[:, 1], f"disc {n + 1}")
+    close("the pin", np.linalg.norm(pin - [C * np.sin(np.pi / n), 0], axis=1), p["pin"])
+
+
+def backlash(a, f, p):
+    """The wheels roll on each other. The arm is as far from each stop of the gear as the gap of its limit."""
+    q = f["q"][...].reshape(a.n, -1, 3)
+    wheels = [planar(a, q[:, i], f"disc {i}") for i in range(2)]
+    radius = [np.linalg.norm(w, axis=1) for w in wheels]
+    close("wheels touch", radius[0].max() + radius[1].max(), np.ptp(q[0, :2, 0]))
+    drifted("rolling", f, radius[0].max() * q[:, 0, 2] + radius[1].max() * q[:, 1, 2])
+    arm = np.column_stack([np.cos(q[:, 2, 2]), np.sin(q[:, 2, 2])])  # its normal, to the right
+    width = np.ptp(planar(a, q[:, 2], "segment 4")[:, 0]) / 2
+    for side, (stop, gap) in zip((-1, 1), (("disc 2", 0), ("disc 3", 1))):
+        out = a.centre(stop)[:, :2]
+        angle = np.arcsin(side * np.einsum("ni,ni->n", out, arm) / np.linalg.norm(out, axis=1))
+        touching = np.arcsin(2 * width / np.linalg.norm(out, axis=1))
+        close(f"gap of {stop}", angle - touching, f["contacts/gap"][:, gap])
+
+
 def spheres(a, f, p, names, mass):
     q = f["q"][...].reshape(a.n, -1, 7)
     expect("number of spheres", q.shape[1] == len(names) == len(mass))
@@ -345,20 +375,33 @@ def heap(a, f, p):
     spheres(a, f, p, [f"sphere {grit + i + 1}" for i in range(n)], mass)
 
 
-def scene(a, f, p):
-    """The box i + 1 is that of body i: its centre, and a motion of its corners as one body."""
+def moved(a, f, name, first):
+    """Its bodies of that name, numbered from the first on: their centres, and motions of their corners as one body."""
     q = f["q"][...].reshape(a.n, -1, 7)
     for i in range(q.shape[1]):
-        out = a.body(f"box {i + 5}") - q[:, i, None, :3]
+        out = a.body(f"{name} {i + first}") - q[:, i, None, :3]
         close("centre", out.mean(axis=1), 0)
         close("orientation", out, turned(q[:, i, 3:], turned(q[:1, i, 3:] * [1, -1, -1, -1], out[0])[0]))
+
+
+def scene(a, f, p):
+    moved(a, f, "box", 5)
+
+
+def ragdoll(a, f, p):
+    moved(a, f, "capsule", 1 + p["steps"])
+    for i in range(p["steps"]):
+        box = a.body(f"box {1 + i}")[0]
+        close("a step", box.max(axis=0), [1, (i + 0.5) * p["run"], (p["steps"] - i) * p["rise"]])
+        close("a step", box.min(axis=0), [-1, (i - 0.5) * p["run"], 0])
 
 
 CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
-          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper}
+          "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash}
 
 
 def check_with_vtk(a):
@@ -398,7 +441,8 @@ def check_example(example):
     print(f"{WRITTEN}: {a.n} steps, {len(a.names)} bodies; {check_with_vtk(a)}")
 
 
-SHORTER = {"column": ("--set", "balls=20"), "heap": ("--t-end", "0.2"), "scene": ("--t-end", "0.2")}  # their meshes are large
+SHORTER = {"column": ("--set", "balls=20"), "heap": ("--t-end", "0.2"), "scene": ("--t-end", "0.2"),
+           "ragdoll": ("--t-end", "0.2")}  # their meshes are large
 
 
 def check_examples(data):
