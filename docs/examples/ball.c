@@ -1,32 +1,28 @@
 #include <nsdae/nsdae.h>
 #include <stdio.h>
-#define USED(x) ((void)(x))
-
-static int mass(double t, const double *q, double *M, int ldm, void *user)
-{ USED(t), USED(q), USED(ldm), USED(user); M[0] = 0.1; return 0; } /* kg */
-
-static int force(double t, const double *q, const double *v, double *F, void *user)
-{ USED(t), USED(q), USED(v), USED(user); F[0] = -0.1 * 9.81; return 0; } /* N */
-
-static int gap(double t, const double *q, double *g, void *user)
-{ USED(t), USED(user); g[0] = q[0]; return 0; } /* height above the floor [m] */
 
 int main(void)
 {
-  const nsdae_dims dims = {.nq = 1, .k = 1}; /* one coordinate, one contact */
-  const double height = 1, rest = 0;
-  nsdae_system *system; nsdae_sim *sim; nsdae_record now; nsdae_error error;
-  nsdae_system_create(&dims, &system, NULL);
-  nsdae_system_set_mass(system, mass);
-  nsdae_system_set_force(system, force);
-  nsdae_system_set_gap(system, gap);
-  nsdae_system_set_contact(system, 0, 0, 0.5, 0); /* mu, e_N, e_T */
-  /* default options: implicit, dt 0.005 s; it also says what a setter above was refused */
+  const double gravity[3] = {0, -9.81, 0}; /* m/s^2 */
+  /* kg, kg m^2, m: the ball has the radius 0.05, its lowest point is 1 m above the floor */
+  const nsdae_rigid_body body = {.mass = 0.1, .inertia = {0, 0, 1.25e-4}, .position = {0, 1.05}};
+  const nsdae_solid disc = {.shape = NSDAE_SHAPE_DISC, .radius = 0.05};
+  const nsdae_solid plane = {.shape = NSDAE_SHAPE_PLANE};
+  nsdae_bodies *world; nsdae_system *system; nsdae_sim *sim; nsdae_record now; nsdae_error error;
+  double q[3], v[3]; /* x, y, theta of the ball, and their rates */
+  if (nsdae_bodies_create(2, &world, &error) < 0) return puts(error.text), 1;
+  nsdae_bodies_set_gravity(world, gravity);
+  int ball = nsdae_bodies_add_solid(world, nsdae_bodies_add(world, &body), &disc);
+  int floor = nsdae_bodies_add_solid(world, NSDAE_GROUND, &plane);
+  nsdae_bodies_add_contact(world, ball, floor, 0, 0.5, 0); /* mu, e_N, e_T */
+  /* the first failure of a call above, too */
+  if (nsdae_bodies_system(world, &system) < 0) return puts(nsdae_bodies_error(world)->text), 1;
+  nsdae_bodies_get_start(world, q, v);
+  /* default options: implicit, dt 0.005 s */
   if (nsdae_sim_create(system, NULL, &sim, &error) < 0) return puts(error.text), 1;
-  if (nsdae_sim_init(sim, 0, &height, &rest) < 0 || nsdae_sim_run(sim, 3) < 0)
+  if (nsdae_sim_init(sim, 0, q, v) < 0 || nsdae_sim_run(sim, 3) < 0)
     return puts(nsdae_sim_error(sim)->text), 1;
   nsdae_sim_get_record(sim, &now);
-  printf("t %g s, height %.1e m, velocity %.1e m/s\n", now.time, now.q[0], now.v[0]);
-  nsdae_sim_destroy(&sim);
-  nsdae_system_destroy(&system);
+  printf("t %g s, height %.1e m, velocity %.1e m/s\n", now.time, now.gap[0], now.v[1]);
+  nsdae_sim_destroy(&sim), nsdae_system_destroy(&system), nsdae_bodies_destroy(&world);
 }
