@@ -55,7 +55,7 @@ static int values(double t, double *g, void *user)
 {
   nsdae_event_integrator *e = user;
   int status = nsdae_event_integrator_read(e, t, e->y);
-  return status < 0 ? status : nsdae_event_root_values(e->roots, t, e->y, g);
+  return status < 0 ? status : nsdae_event_root_values(e->roots, t, e->y, 0, g);
 }
 
 /* Gaps and their rates at t in the last step. */
@@ -218,8 +218,8 @@ static int look_again(nsdae_event_integrator *e, double from)
   nsdae_dip_start(&e->dip);
   int status = look_around(from, &T, e);
   if (status < 0 || e->fall.count == 0) return status;
-  return nsdae_event_root_values(e->roots, from, e->y, e->fall.low) < 0 ? NSDAE_E_CONVERGENCE
-                                                                        : NSDAE_OK;
+  return nsdae_event_root_values(e->roots, from, e->y, 0, e->fall.low) < 0 ? NSDAE_E_CONVERGENCE
+                                                                           : NSDAE_OK;
 }
 
 /* After a step: contacts that are near in it have slots, and roots from its start on. NSDAE_OK or a
@@ -280,7 +280,7 @@ static int step_to_fall(nsdae_event_integrator *e)
   nsdae_runge_kutta *s = &e->smooth.steps;
   double from = e->ahead;
   memcpy(e->y, e->end, (size_t)s->controlled * sizeof *e->y);
-  if (e->fall.count > 0 && nsdae_event_first_values(e->roots, from, e->y, e->fall.low) < 0)
+  if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, 1, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
     int status = step(e), fell = 0;

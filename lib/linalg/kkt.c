@@ -109,12 +109,6 @@ int nsdae_kkt_factor_coupled(nsdae_kkt *kkt, const double *A, const nsdae_coupli
                         : nsdae_dense_kkt_factor_in(kkt, A, coupling, J, basis, rank);
 }
 
-int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, const double *basis,
-                        int rank)
-{
-  return nsdae_kkt_factor_coupled(kkt, M, NULL, J, basis, rank);
-}
-
 int nsdae_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, double *C, int ldc)
 {
   int status = NSDAE_OK;

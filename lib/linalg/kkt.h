@@ -53,15 +53,12 @@ void nsdae_kkt_basis(const nsdae_kkt *kkt, double *basis);
 /* Of the last factorisation and a basis, the dimension that their combinations have in common. */
 double nsdae_kkt_common(const nsdae_kkt *kkt, const double *basis);
 
-/* Factors M and the combinations of a basis of this rank, Z^T J x = Z^T c and l = Z mu, without a
- * decision about the rank, dense, sines below 3e-6 damped; basis NULL: all rows.
- * NSDAE_E_CONVERGENCE if they are dependent here. */
-int nsdae_kkt_factor_in(nsdae_kkt *kkt, const double *M, const nsdae_rows *J, const double *basis,
-                        int rank);
-
-/* The same with A + coupling in place of M, positive definite, else NSDAE_E_MASS (sparse: pivot 0
- * if no block of A alone tells). Sparse, l is zero in rows outside of the basis, a new pattern of
- * pairs may be NSDAE_E_MEMORY, and nsdae_kkt_solve_mass does not follow. */
+/* Factors A + coupling (NULL: none) as M, which is positive definite, else NSDAE_E_MASS (sparse:
+ * pivot 0 if no block of A alone tells), and the combinations of a basis of this rank,
+ * Z^T J x = Z^T c and l = Z mu, without a decision about the rank, dense, sines below 3e-6 damped;
+ * basis NULL: all rows. NSDAE_E_CONVERGENCE if they are dependent here. With a coupling, sparse, l
+ * is zero in rows outside of the basis, a new pattern of pairs may be NSDAE_E_MEMORY, and
+ * nsdae_kkt_solve_mass does not follow. */
 int nsdae_kkt_factor_coupled(nsdae_kkt *kkt, const double *A, const nsdae_coupling *coupling,
                              const nsdae_rows *J, const double *basis, int rank);
 

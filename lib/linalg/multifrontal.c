@@ -486,7 +486,8 @@ void nsdae_multifrontal_solve(const nsdae_multifrontal *f, double *x)
 
 void nsdae_multifrontal_release(nsdae_multifrontal *f)
 {
-  nsdae_symbolic_release(&f->tree);
+  nsdae_arena_release(&f->tree.of_nodes);
+  nsdae_arena_release(&f->tree.of_rows);
   nsdae_arena_release(&f->of_graph);
   nsdae_arena_release(&f->of_numbers);
   f->graph.n = 0;

@@ -135,9 +135,3 @@ int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int
   e->first = e->index = NULL;
   return NSDAE_OK;
 }
-
-void nsdae_symbolic_release(nsdae_symbolic *e)
-{
-  nsdae_arena_release(&e->of_nodes);
-  nsdae_arena_release(&e->of_rows);
-}

@@ -26,6 +26,5 @@ typedef struct nsdae_symbolic {
  * of zeros has none. */
 int nsdae_symbolic_analyse(nsdae_symbolic *e, int n, const int *first, const int *index,
                            int negative);
-void nsdae_symbolic_release(nsdae_symbolic *e);
 
 #endif

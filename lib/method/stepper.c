@@ -191,11 +191,6 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
   return status;
 }
 
-double nsdae_step_settled(const nsdae_step *step)
-{
-  return nsdae_larger(step->tools->iteration_tol, step->tools->problem.dispatch.solved->noise);
-}
-
 int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char *advice, double t,
                           double t_end)
 {

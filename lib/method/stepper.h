@@ -94,8 +94,6 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
                       const double *r, double *v);
 int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
                     const double *r, double *v, double *lambda);
-/* The relative change below which an iteration cannot converge. */
-double nsdae_step_settled(const nsdae_step *step);
 
 /* The parts that methods share. */
 

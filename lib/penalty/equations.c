@@ -202,10 +202,3 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
   at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
 }
-
-void nsdae_penalty_start_newton(nsdae_penalty_equations *p)
-{
-  const nsdae_kkt *kkt = &p->stepper->kkt;
-  p->rank = kkt->rank;
-  if (kkt->rank < kkt->m) nsdae_kkt_basis(kkt, p->basis);
-}

@@ -100,9 +100,6 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *equations, nsdae_ar
 void nsdae_penalty_add_forces(const nsdae_terms *terms, const nsdae_rows *rows, int each,
                               double scale, const double *force, double *r);
 
-/* IDA starts at the point of the last factorisation. */
-void nsdae_penalty_start_newton(nsdae_penalty_equations *equations);
-
 /* What the integrator asks for (smooth.h); user: the equations. */
 int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void *user);
 int nsdae_penalty_residual(double t, const double *y, const double *ydot, double cj, double *r,

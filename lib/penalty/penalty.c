@@ -224,7 +224,8 @@ static int start_integrator(nsdae_penalty *p)
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
   *s->counters = counted;
   if (status < 0) return status;
-  nsdae_penalty_start_newton(&p->equations);
+  p->equations.rank = s->kkt.rank; /* IDA starts at the point of the last factorisation */
+  if (s->kkt.rank < s->kkt.m) nsdae_kkt_basis(&s->kkt, p->equations.basis);
   return NSDAE_OK;
 }
 
@@ -241,7 +242,7 @@ static int move_base(nsdae_penalty *p, double t)
     if (status < 0) return status;
     nsdae_add(d->k, 1, z + nsdae_penalty_at_normal(d), b->impulse);
     nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at_tangential(d), b->impulse_t);
-    *b->first = g->is_stiff ? FIRST * nsdae_smooth_last(g) : g->steps.h;
+    *b->first = g->is_stiff ? FIRST * (g->to - g->from) : g->steps.h;
   }
   *b->t = t;
   *b->steps = 0;

@@ -92,7 +92,7 @@ static void fill_record(nsdae_point *p)
   nsdae_record *record = &p->record;
   record->step = p->accounts.step;
   record->time = nsdae_terms_time(end);
-  record->kinetic = nsdae_terms_kinetic(end);
+  record->kinetic = nsdae_terms_energy(end, end->v);
   record->potential = end->potential;
   record->dissipated = p->accounts.dissipated;
   record->projection_energy = p->accounts.raised;

@@ -109,10 +109,12 @@ static int first_room(nsdae_sim *sim)
   return nsdae_sim_make_room(sim, &contacts, &rows);
 }
 
-/* Which rows are projected, by the option projection and at the start of event: none, constraints,
- * or the contacts too. Event with a contact list projects its start by terms of their own. */
-static void choose_projected(nsdae_sim *sim)
+void nsdae_sim_measure(nsdae_sim *sim)
 {
+  nsdae_stepper_prepare(&sim->stepper);
+  /* Which rows are projected, by the option projection and at the start of event: none,
+   * constraints, or the contacts too. Event with a contact list projects its start by terms of
+   * their own. */
   nsdae_projector *p = &sim->projection;
   const nsdae_sim_options *o = &sim->options;
   int event = o->method == NSDAE_METHOD_EVENT && !sim->model.tracked;
@@ -121,12 +123,6 @@ static void choose_projected(nsdae_sim *sim)
   p->rows = event || projection != NSDAE_PROJECTION_NONE ? sim->system->dims.m : 0;
   p->contacts.any =
       event || projection == NSDAE_PROJECTION_CONTACTS || projection == NSDAE_PROJECTION_DEPTHS;
-}
-
-void nsdae_sim_measure(nsdae_sim *sim)
-{
-  nsdae_stepper_prepare(&sim->stepper);
-  choose_projected(sim);
   for (int i = 0; i < 3; i++) {
     nsdae_memory *memory = &sim->point[i].result.memory;
     nsdae_memory_part part = {.slots = (size_t)sim->model.dims.k};

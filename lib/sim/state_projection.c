@@ -211,7 +211,8 @@ static void keep_there(nsdae_projector *p, const part *b, int same)
   for (int i = 0; i < b->nq; i++) of[i] = of[i] < 0 ? -2 - of[i] : -1;
 }
 
-void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length)
+/* length [count]: of the groups of q. */
+static void measure_groups(const nsdae_units *units, int nq, const double *q, double *length)
 {
   memset(length, 0, (size_t)units->count * sizeof *length);
   for (int i = 0; i < nq; i++)
@@ -235,7 +236,7 @@ int nsdae_units_find(nsdae_projector *p, double t, const double *q)
   code = read_kinematics(p, t, q, -0.07);
   b = (part){.H = p->H};
   for (int i = 0; next_part(p, &b, i); i++) keep_there(p, &b, code == 0);
-  nsdae_units_measure(u, nq, q, u->length);
+  measure_groups(u, nq, q, u->length);
   return code < 0 ? nsdae_system_callback_status(code, "kinematics", t, p->tools->error) : NSDAE_OK;
 }
 
@@ -243,7 +244,7 @@ static void restore_lengths(nsdae_projector *p)
 {
   int nq = p->tools->system->dims.nq;
   const nsdae_units *u = &p->units;
-  if (u->count > 0) nsdae_units_measure(u, nq, p->q, p->length);
+  if (u->count > 0) measure_groups(u, nq, p->q, p->length);
   for (int i = 0; i < nq && u->count > 0; i++) {
     int g = u->of[i];
     if (g >= 0 && p->length[g] > 0) p->q[i] *= u->length[g] / p->length[g];
@@ -254,7 +255,7 @@ int nsdae_units_strayed(nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_units *u = &p->units;
   if (u->count == 0) return 0;
-  nsdae_units_measure(u, T->system->dims.nq, T->q, p->length);
+  measure_groups(u, T->system->dims.nq, T->q, p->length);
   for (int g = 0; g < u->count; g++)
     if (p->length[g] > 2 * u->length[g] || p->length[g] < u->length[g] / 2) return 1;
   return 0;

@@ -68,8 +68,6 @@ void nsdae_projector_release(nsdae_projector *projection);
 /* Looks for the groups at (t, q) and keeps their lengths. NSDAE_OK, or what the kinematics returns.
  */
 int nsdae_units_find(nsdae_projector *projection, double t, const double *q);
-/* length [count]: of the groups of q. */
-void nsdae_units_measure(const nsdae_units *units, int nq, const double *q, double *length);
 
 /* 1 where a group of the terms' point is twice as long as it was, or half as long: then its length
  * is put back. What is near stays as the method left it. */

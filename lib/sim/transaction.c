@@ -65,7 +65,7 @@ static int advance_method(nsdae_sim *sim, double t1, double length)
 static int energy(nsdae_terms *T, double *value)
 {
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_POTENTIAL);
-  *value = nsdae_terms_kinetic(T) + T->potential;
+  *value = nsdae_terms_energy(T, T->v) + T->potential;
   return status;
 }
 

@@ -166,9 +166,10 @@ static int stages(nsdae_runge_kutta *rk, double h)
   return code != 0 ? code : stage(rk, rk->t, rk->y, h, rk->n, last);
 }
 
-/* h |lambda|, from the two stages at the step's end; the earlier one's point is in dense[1]. */
-static void watch_stability(nsdae_runge_kutta *rk, double h)
+/* The step becomes the last one; trial is y at its end. */
+static void accept(nsdae_runge_kutta *rk, double h)
 {
+  /* h |lambda|, from the two stages at the step's end; the earlier one's point is in dense[1]. */
   const double *f = rate_here(rk), *before = rk->k[rk->pair->stages - 1];
   double change = 0, way = 0;
   for (int i = 0; i < rk->controlled; i++) {
@@ -179,12 +180,6 @@ static void watch_stability(nsdae_runge_kutta *rk, double h)
     rk->border++;
   else if (rk->border > 0)
     rk->border--;
-}
-
-/* The step becomes the last one; trial is y at its end. */
-static void accept(nsdae_runge_kutta *rk, double h)
-{
-  watch_stability(rk, h);
   memcpy(rk->dense[0], rk->y, (size_t)rk->n * sizeof *rk->y);
   memcpy(rk->y, rk->trial, (size_t)rk->n * sizeof *rk->y);
   rk->from = rk->t;

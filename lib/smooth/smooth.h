@@ -73,10 +73,4 @@ static inline int nsdae_smooth_stiff(const nsdae_smooth *smooth)
   return smooth->ida && !smooth->is_stiff && nsdae_runge_kutta_stiff(&smooth->steps);
 }
 
-/* Length of the last step. */
-static inline double nsdae_smooth_last(const nsdae_smooth *smooth)
-{
-  return smooth->to - smooth->from;
-}
-
 #endif

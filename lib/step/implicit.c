@@ -147,8 +147,9 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
  * worker.c: the problem of an iterate may have several solutions. */
 static double settled(const nsdae_step *step, const progress *p)
 {
-  int loose = p->frozen && p->since >= STAGNATION;
-  return fmax(nsdae_step_settled(step), loose ? 1e2 * step->tools->options->contact_tol : 0);
+  const nsdae_stepper *s = step->tools;
+  double noise = nsdae_larger(s->iteration_tol, s->problem.dispatch.solved->noise);
+  return fmax(noise, p->frozen && p->since >= STAGNATION ? 1e2 * s->options->contact_tol : 0);
 }
 
 /* The constraint with the largest |Phi| at the end of the step; -1: none. */

@@ -45,10 +45,9 @@ typedef struct nsdae_differences {
 /* system is set before. */
 void nsdae_differences_layout(nsdae_differences *differences, nsdae_arena *arena);
 
-/* Room for lists of tracked contacts; NSDAE_OK or NSDAE_E_MEMORY. */
+/* Room for by_id.list of tracked contacts, to be released; NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_differences_grow(nsdae_differences *differences, const nsdae_room *contacts,
                            nsdae_error *error);
-void nsdae_differences_release(nsdae_differences *differences);
 
 /* D [rows x nv] (or its transpose [nv x rows]): f' = D v + f_t. */
 int nsdae_differences_velocity(nsdae_differences *differences, nsdae_position_fn f, int rows,

@@ -21,11 +21,6 @@ int nsdae_differences_grow(nsdae_differences *d, const nsdae_room *contacts, nsd
   return d->system->tracked ? nsdae_contact_list_grow(&d->by_id.list, contacts) : NSDAE_OK;
 }
 
-void nsdae_differences_release(nsdae_differences *d)
-{
-  nsdae_contact_list_release(&d->by_id.list);
-}
-
 int nsdae_differences_status(nsdae_differences *d, int code, const char *callback, double t,
                              nsdae_error *error)
 {

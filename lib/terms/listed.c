@@ -282,7 +282,7 @@ void nsdae_terms_release(nsdae_terms *T)
   nsdae_row_list_release(&by->rows);
   nsdae_row_list_release(&by->joint_rows);
   nsdae_contact_list_release(&by->list);
-  if (T->differences) nsdae_differences_release(T->differences);
+  if (T->differences) nsdae_contact_list_release(&T->differences->by_id.list);
   if (!T->system || !T->system->by_list) return;
   nsdae_array each[ARRAYS];
   list_selected(T, each);

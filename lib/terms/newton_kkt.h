@@ -34,8 +34,8 @@ void nsdae_newton_kkt_release(nsdae_newton_kkt *newton);
  * needs. NSDAE_OK, NSDAE_E_MEMORY, what the terms and callbacks return. */
 int nsdae_newton_kkt_start(nsdae_newton_kkt *newton, nsdae_terms *terms);
 
-/* Factors K at the terms' point, with the independent rows of a basis (nsdae_kkt_factor_in). No
- * force is in the border yet. A status with the record. */
+/* Factors K at the terms' point, with the independent rows of a basis (nsdae_kkt_factor_coupled).
+ * No force is in the border yet. A status with the record. */
 int nsdae_newton_kkt_factor(nsdae_newton_kkt *newton, nsdae_terms *terms, double cj,
                             const double *basis, int rank);
 

@@ -556,11 +556,6 @@ double nsdae_terms_energy(const nsdae_terms *terms, const double *v)
   return nsdae_blocks_square(&terms->system->blocks, terms->M, v) / 2;
 }
 
-double nsdae_terms_kinetic(const nsdae_terms *terms)
-{
-  return nsdae_terms_energy(terms, terms->v);
-}
-
 double nsdae_terms_touch(const nsdae_terms *terms)
 {
   double size = 1;

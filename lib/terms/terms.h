@@ -189,8 +189,7 @@ static inline double nsdae_terms_slip(const nsdae_terms *T, int i, const double 
 /* dq/dt = H v of a velocity at the point; NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE. */
 int nsdae_kinematics_at(const nsdae_terms *terms, const double *v, double *qdot);
 
-/* T = v^T M v / 2, of the point's velocity or another [nv]; the mass matrix must be there. */
-double nsdae_terms_kinetic(const nsdae_terms *terms);
+/* T = v^T M v / 2 of a velocity [nv]; the mass matrix must be there. */
 double nsdae_terms_energy(const nsdae_terms *terms, const double *v);
 
 /* A gap below this touches: gaps are made of coordinates and constants, and a few roundings of

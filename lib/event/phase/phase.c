@@ -196,8 +196,8 @@ static int solve(nsdae_event_phase *p)
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
   int m = T->system->dims.m, redundant = *p->modes.redundant;
-  int status = nsdae_kkt_factor_in(p->setting->kkt, T->M, &T->by.jacobian,
-                                   redundant ? p->modes.basis : NULL, m - redundant);
+  int status = nsdae_kkt_factor_coupled(p->setting->kkt, T->M, NULL, &T->by.jacobian,
+                                        redundant ? p->modes.basis : NULL, m - redundant);
   if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->border, NULL, INFINITY);
   if (status < 0) return status;
   memcpy(p->x, T->F, (size_t)T->system->dims.nv * sizeof *p->x);

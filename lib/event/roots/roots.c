@@ -145,7 +145,7 @@ static int has_risen(const nsdae_event_phase *p, const nsdae_event_root *root, d
          p->modes.contact[root->index] == NSDAE_MODE_OPEN && value > root->size;
 }
 
-static int root_values(nsdae_event_roots *r, double t, const double *y, int begins, double *g)
+int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, int begins, double *g)
 {
   const nsdae_event_phase *p = r->phase;
   if (evaluate(r, t, y) < 0) return -1;
@@ -166,16 +166,6 @@ static int root_values(nsdae_event_roots *r, double t, const double *y, int begi
     if (root->state == NSDAE_ROOT_MASKED && !out) g[e] += root->size;
   }
   return 0;
-}
-
-int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, double *g)
-{
-  return root_values(r, t, y, 0, g);
-}
-
-int nsdae_event_first_values(nsdae_event_roots *r, double t, const double *y, double *g)
-{
-  return root_values(r, t, y, 1, g);
 }
 
 /* Size of a force that is zero up to the errors of the integration. */

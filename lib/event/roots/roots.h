@@ -66,11 +66,9 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
   return roots->entry + first[kind] + index;
 }
 
-/* g [count] at y [n]; 0, or -1 where it could not be evaluated. */
-int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y, double *g);
-
-/* The same where a step starts. */
-int nsdae_event_first_values(nsdae_event_roots *roots, double t, const double *y, double *g);
+/* g [count] at y [n], where a step begins or not; 0, or -1 if it could not be evaluated. */
+int nsdae_event_root_values(nsdae_event_roots *roots, double t, const double *y, int begins,
+                            double *g);
 
 /* The states for the phase that starts now at y, with the accelerations a [nv]. */
 int nsdae_event_set_roots(nsdae_event_roots *roots, double t, const double *y, const double *a);

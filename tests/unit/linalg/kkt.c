@@ -608,7 +608,7 @@ static void test_factor_in(void **state)
       assert_int_equal(nsdae_kkt_basis_size(&p.kkt), p.m * p.m);
       nsdae_kkt_basis(&p.kkt, B);
       const nsdae_rows rows = rows_of(p.J, p.m, LDJ);
-      assert_int_equal(nsdae_kkt_factor_in(&p.kkt, packed, &rows, B, rank), NSDAE_OK);
+      assert_int_equal(nsdae_kkt_factor_coupled(&p.kkt, packed, NULL, &rows, B, rank), NSDAE_OK);
       memcpy(p.x, p.r, sizeof p.x);
       memcpy(p.l, p.c, sizeof p.l);
       assert_int_equal(nsdae_kkt_solve(&p.kkt, RHS, p.x, LDM, p.l, LDJ), NSDAE_OK);
@@ -638,13 +638,14 @@ static void test_factor_in_all_rows(void **state)
       const nsdae_rows rows = rows_of(p.J, m, LDJ);
       for (int j = 0; j < p.n; j++)
         memcpy(packed + j * p.n, p.mass + j * LDM, (size_t)p.n * sizeof *packed);
-      assert_int_equal(nsdae_kkt_factor_in(&p.kkt, packed, &rows, NULL, m), NSDAE_OK);
+      assert_int_equal(nsdae_kkt_factor_coupled(&p.kkt, packed, NULL, &rows, NULL, m), NSDAE_OK);
       memcpy(p.x, p.r, sizeof p.x);
       memcpy(p.l, p.c, sizeof p.l);
       assert_int_equal(nsdae_kkt_solve(&p.kkt, RHS, p.x, LDM, p.l, LDJ), NSDAE_OK);
       expect_equations(100 * p.n * DBL_EPSILON / sines[s]);
       for (int j = 0; j < p.n; j++) p.J[j * LDJ] = 0;
-      assert_int_equal(nsdae_kkt_factor_in(&p.kkt, packed, &rows, NULL, m), NSDAE_E_CONVERGENCE);
+      assert_int_equal(nsdae_kkt_factor_coupled(&p.kkt, packed, NULL, &rows, NULL, m),
+                       NSDAE_E_CONVERGENCE);
       end();
     }
 }

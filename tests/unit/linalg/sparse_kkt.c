@@ -374,7 +374,8 @@ static void expect_one_interface(int kind, int bodies, int revolute)
   nsdae_kkt_basis(&many, basis);
   assert_near(nsdae_kkt_common(&many, basis), f.rank, 1e-9);
   for (int fixed = 0; fixed < 2; fixed++) {
-    if (fixed) assert_int_equal(nsdae_kkt_factor_in(&many, f.M, &f.J, basis, f.rank), NSDAE_OK);
+    if (fixed)
+      assert_int_equal(nsdae_kkt_factor_coupled(&many, f.M, NULL, &f.J, basis, f.rank), NSDAE_OK);
     solve_both(&one, &w, X[0], L[0], z[0]);
     solve_both(&many, &w, X[1], L[1], z[1]);
     if (!many.is_sparse && !fixed) { /* the same numbers */
