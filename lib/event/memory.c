@@ -1,4 +1,4 @@
-#include "memory.h"
+#include "event_method.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 
 #include "errors.h"
 #include "event_method.h"
-#include "painleve.h"
+#include "acceleration.h"
 
 /* Events without an impact or a change of mode before tolerances grow. */
 enum { CHATTERS = 20, STILL = 16 };

@@ -1,4 +1,4 @@
-#include "newton_matrix.h"
+#include "newton_kkt.h"
 
 #include <math.h>
 #include <string.h>

@@ -112,7 +112,7 @@ int nsdae_event_find_set(nsdae_event_accumulation *p, const double *v, double mo
   status = move_to_limit(p);
   if (status < 0) return status;
   nsdae_event_set_laws(p->acceleration, 1, p->slow);
-  int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
+  int solved = nsdae_event_accelerate(p->acceleration, NSDAE_PAINLEVE_EXACT) == NSDAE_OK;
   nsdae_error_clear(s->error);
   double none = nsdae_event_acceleration_size(p->acceleration); /* others carry what has no force */
   for (int i = 0; i < s->system->dims.k; i++) {
@@ -276,7 +276,7 @@ static int closed_forces(nsdae_event_accumulation *p, const double *closed)
   nsdae_terms_set_velocity(s->here, closed);
   if (nsdae_terms_need(s->here, NSDAE_EVENT_TERMS) < 0) return 0;
   nsdae_event_set_laws(p->acceleration, 1, nsdae_event_velocity_size(s));
-  int solved = nsdae_event_accelerate(p->acceleration) == NSDAE_OK;
+  int solved = nsdae_event_accelerate(p->acceleration, NSDAE_PAINLEVE_EXACT) == NSDAE_OK;
   nsdae_error_clear(s->error);
   return solved;
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "projected_gauss_seidel.h"
+#include "acceleration.h"
 
 /* One after the other in an instant. */
 enum { IMPACTS_MAX = 2000 };

@@ -4,8 +4,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "painleve.h"
-#include "projected_gauss_seidel.h"
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)
 {
@@ -118,7 +116,7 @@ static int solve(nsdae_event_acceleration *p)
 }
 
 /* Where the polygons' problem was not solved, the cones' may be. */
-static int accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin margin)
+int nsdae_event_accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin margin)
 {
   int status = solve(p);
   p->by_cones = status == NSDAE_E_LCP &&
@@ -133,11 +131,6 @@ static int accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin margin)
                               p->phase->setting->here->t);
 }
 
-int nsdae_event_accelerate(nsdae_event_acceleration *p)
-{
-  return accelerate(p, NSDAE_PAINLEVE_EXACT);
-}
-
 int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
 {
   nsdae_event_setting *s = p->phase->setting;
@@ -149,7 +142,7 @@ int nsdae_event_diagnose(nsdae_event_acceleration *p, double t, const double *y)
     for (int i = 0; i < s->system->dims.k; i++)
       p->is.candidate[i] = p->phase->modes.contact[i] != NSDAE_MODE_OPEN;
     nsdae_event_set_laws(p, 1, nsdae_event_velocity_size(s));
-    status = accelerate(p, NSDAE_PAINLEVE_NEAR);
+    status = nsdae_event_accelerate(p, NSDAE_PAINLEVE_NEAR);
   }
   if (status == NSDAE_E_PAINLEVE) return status;
   *s->error = kept;

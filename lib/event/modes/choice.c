@@ -3,8 +3,6 @@
 #include <math.h>
 
 #include "phase.h"
-#include "painleve.h"
-#include "projected_gauss_seidel.h"
 
 enum { DIRECTIONS = 20 };
 
@@ -195,7 +193,7 @@ static int settle_directions(nsdae_event_acceleration *p)
           s->contact[i].mu > 0)
         moved = fmax(moved, turn(p, i, round));
     if (!(moved > 1e-13)) break;
-    status = nsdae_event_accelerate(p);
+    status = nsdae_event_accelerate(p, NSDAE_PAINLEVE_EXACT);
     if (status == NSDAE_OK) p->by_cones ? read_cones(p) : read_contacts(p);
   }
   return status;
@@ -244,7 +242,7 @@ int nsdae_event_choose_modes(nsdae_event_acceleration *p, int impacted)
   int status;
   do {
     nsdae_event_set_laws(p, impacted, nsdae_event_velocity_size(p->phase->setting));
-    status = nsdae_event_accelerate(p);
+    status = nsdae_event_accelerate(p, NSDAE_PAINLEVE_EXACT);
     if (status < 0) return status;
   } while (comes_back(p) || (!impacted && sticks_after_all(p)));
   read_contacts(p);

@@ -1,4 +1,4 @@
-#include "painleve.h"
+#include "acceleration.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "projected_gauss_seidel.h"
+#include "acceleration.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "write_queue.h"
+#include "crash_safe_vfd.h"
 
 #include <stdlib.h>
 #include <string.h>

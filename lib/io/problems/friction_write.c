@@ -8,7 +8,7 @@
 #include "dense.h"
 #include "double_double.h"
 #include "problem.h"
-#include "triplets.h"
+#include "to_blocks.h"
 
 typedef struct writer {
   nsdae_h5 h5;

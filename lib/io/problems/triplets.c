@@ -1,4 +1,4 @@
-#include "triplets.h"
+#include "to_blocks.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 
 #include <nsdae/sim.h>
 
-#include "dataset_table.h"
+#include "series.h"
 #include "hdf5_data.h"
 
 typedef struct nsdae_checkpoint {

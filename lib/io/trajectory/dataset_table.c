@@ -1,4 +1,4 @@
-#include "dataset_table.h"
+#include "series.h"
 
 #include <stddef.h>
 

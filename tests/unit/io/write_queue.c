@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "write_queue.h"
+#include "crash_safe_vfd.h"
 #include "support/random.h"
 
 enum { SIZE = 64, UNSET = 0xee };

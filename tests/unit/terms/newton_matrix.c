@@ -5,7 +5,7 @@
  *   f = -(d (s + s^3/10) + k (x + x^3/10)),  F_r += f w,  F_c -= f u
  * and within a block F_i += g v_i+1, F_i+1 -= g v_i. dq_i/dt = v_i + v_i+1/3 in a block, so that
  * K = -(dF/dq) H is not symmetric. */
-#include "newton_matrix.h"
+#include "newton_kkt.h"
 #include "listed.h"
 #include "check.h"
 
