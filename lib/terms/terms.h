@@ -190,7 +190,10 @@ static inline double nsdae_terms_slip(const nsdae_terms *T, int i, const double 
 int nsdae_kinematics_at(const nsdae_terms *terms, const double *v, double *qdot);
 
 /* T = v^T M v / 2 of a velocity [nv]; the mass matrix must be there. */
-double nsdae_terms_energy(const nsdae_terms *terms, const double *v);
+static inline double nsdae_terms_energy(const nsdae_terms *terms, const double *v)
+{
+  return nsdae_blocks_square(&terms->system->blocks, terms->M, v) / 2;
+}
 
 /* A gap below this touches: gaps are made of coordinates and constants, and a few roundings of
  * those are all that it says, 8 eps (1 + max |q|). */
