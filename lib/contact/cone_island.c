@@ -203,6 +203,7 @@ static double *add_joint(nsdae_cone_island *c, const nsdae_island_equations *w, 
   double d = mobility(w, &T->by.frictional_joint, j), most = times * c->fastest / d,
          bound = w->joint_bound[j], limit = most > 0 && most < bound ? most : bound;
   int row = c->m;
+  d = nsdae_slides_normal(d, limit, c->fastest);
   c->at.rows[c->items] = 2;
   c->at.mu[c->items] = 1;
   c->at.w[row] = -d * limit;
@@ -454,7 +455,7 @@ static int solve_to(nsdae_cone_island *c, nsdae_cone_work *work, double tol, dou
 /* A warm start within tol has a residual up to tol, which moves bodies at rest for ever. If it is
  * taken as it is and no item moves, Newton's method solves it to rounding, once: from then on the
  * impulses are those of rest. Walls take 4 to 7 steps of it. */
-static int solve_rest(nsdae_cone_island *c, nsdae_cone_work *work)
+static int solve_rest(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
 {
   const double tol = work->tol, most = RESTING * nsdae_fc_speed(work->solver);
   if (c->driven || work->info.sweeps + work->info.iterations > 0 ||
@@ -462,22 +463,20 @@ static int solve_rest(nsdae_cone_island *c, nsdae_cone_work *work)
     return NSDAE_OK;
   c->options.stages = NSDAE_FRICTION_WARM;
   c->options.max_iterations = STEPS;
-  int status = solve_to(c, work, 1e-2 * NSDAE_STILL, work->budget);
+  int status = solve_to(c, work, 1e-2 * NSDAE_STILL, budget);
   return status == NSDAE_E_LCP && work->info.residual <= tol ? NSDAE_OK : status;
 }
 
 /* A share of the work is for the tolerance; the rest for the residual that is taken instead. */
-static int solve(nsdae_cone_island *c, nsdae_cone_work *work)
+static int solve(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
 {
-  const double share = NSDAE_SHARE_TO_TOL * work->budget;
+  const double share = NSDAE_SHARE_TO_TOL * budget;
   work->info = (nsdae_friction_info){0};
   int status = solve_to(c, work, work->tol, share);
-  if (status == NSDAE_E_LCP && work->budget > 0 && work->info.residual > work->accept)
-    status = solve_to(c, work, fmax(work->accept, work->tol), work->budget - share);
-  if (status == NSDAE_OK && work->info.residual <= work->tol) status = solve_rest(c, work);
-  work->accepted = (status == NSDAE_OK && work->info.residual > work->tol) ||
-                   (status == NSDAE_E_LCP && work->info.residual <= work->accept);
-  return work->accepted ? NSDAE_OK : status;
+  if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > work->accept)
+    status = solve_to(c, work, fmax(work->accept, work->tol), budget - share);
+  if (status == NSDAE_OK && work->info.residual <= work->tol) status = solve_rest(c, work, budget);
+  return status == NSDAE_E_LCP && work->info.residual <= work->accept ? NSDAE_OK : status;
 }
 
 /* The row along which item i moves, and the velocity that is asked of it beside. */
@@ -525,41 +524,22 @@ static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equation
   return 0;
 }
 
-/* The status by the residual in units of c->fastest, if that is known. */
-static int judge_limited(const nsdae_cone_island *c, nsdae_cone_work *work,
-                         const nsdae_cone_work *begin, int status)
-{
-  double residual = work->info.residual;
-  work->tol = begin->tol;
-  work->accept = begin->accept;
-  if ((status < 0 && status != NSDAE_E_LCP) || !(c->fastest > 0)) return status;
-  double speed = nsdae_fc_speed(work->solver);
-  if (speed > 0) residual *= speed / c->fastest;
-  work->accepted = residual > work->tol && residual <= work->accept;
-  return residual <= work->tol || work->accepted ? NSDAE_OK : NSDAE_E_LCP;
-}
-
 /* With the limits of the joints as in slides.h. */
 static int solve_limited(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                          nsdae_cone_work *work)
 {
   int joints = nsdae_members_count(&w->islands->joint, island), status;
-  const nsdae_cone_work begin = *work;
+  const double budget = nsdae_contacts_budget(
+      work->budget, nsdae_members_count(&w->islands->contact, island) + joints);
   c->fastest = 0;
   gather(c, w, island, 0);
   status = joints > 0 ? find_fastest(c, w, work) : NSDAE_OK;
   if (status < 0) return status;
-  for (double times = NSDAE_BOUND_FIRST;; times *= NSDAE_BOUND_FURTHER) {
+  for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
     if (joints > 0) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
-    *work = begin;
-    if (joints > 0) { /* d times a limit is that much faster */
-      work->tol = fmax(work->tol / times, 32 * DBL_EPSILON);
-      work->accept /= times;
-    }
-    work->budget = nsdae_contacts_budget(work->budget, c->contacts + joints);
-    status = solve(c, work);
-    if (joints == 0 || !reaches_limit(c, w)) return judge_limited(c, work, &begin, status);
+    status = solve(c, work, budget);
+    if (joints == 0 || !reaches_limit(c, w)) return status;
   }
 }
 
@@ -569,10 +549,8 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
   nsdae_friction_options_default(&c->options);
   int status = solve_limited(c, w, island, work);
   if (status < 0) return unsolved(c, w, status, work);
-  const double of_solver = nsdae_fc_speed(work->solver),
-               speed = c->fastest > 0 ? c->fastest : of_solver;
-  work->residual =
-      (nsdae_natural_residual){work->info.residual * (of_solver > 0 ? of_solver : 1), speed};
+  const double speed = nsdae_fc_speed(work->solver);
+  work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
   status = velocities(c, w, work, speed);
   if (status == NSDAE_OK) scatter(c, w);
   return status;

@@ -58,7 +58,6 @@ typedef struct nsdae_cone_work {
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_natural_residual residual;
-  int accepted; /* the best point was, above tol */
 } nsdae_cone_work;
 
 /* NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE, NSDAE_E_MEMORY with

@@ -95,11 +95,12 @@ static int column_of(const nsdae_contacts *c, int a, int l)
   return l == 0 ? -1 : contact_columns(c) + a - c->active_count;
 }
 
-/* G_jj of joint j, if there is any. */
+/* d of joint j: G_jj, if there is any, and less if the limit then has more than the scale of the
+ * problem, max |offset|. */
 static double diagonal_of(const nsdae_contacts *c, int j)
 {
   double d = delassus_at(c, contact_columns(c) + j, contact_columns(c) + j);
-  return d > 0 ? d : 1;
+  return nsdae_slides_normal(d > 0 ? d : 1, c->slides.limit[j], c->slides.fastest);
 }
 
 /* The closed contacts, and this number of joints. */
@@ -172,6 +173,7 @@ static int solve_with_joints(nsdae_contacts *c, const double *lambda)
   nsdae_cones *s = &c->cones;
   int columns = contact_columns(c), count = c->slides.count;
   (void)lambda;
+  set_values(c, count);
   for (int j = 0; j < count; j++) {
     double *r = s->r + columns + 2 * j, *q = s->q + columns + 2 * j;
     r[0] = c->slides.limit[j];
@@ -265,13 +267,13 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
 {
   nsdae_cones *s = &c->cones;
   int loaded = nsdae_slides_loaded(c);
-  set_values(c, loaded ? 0 : c->slides.count);
+  if (loaded) set_values(c, 0);
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
   s->options.budget = nsdae_contacts_budget(c->lcp.budget, c->active_count);
   recall(c);
-  int status =
-      loaded ? solve_in_turn(c, lambda) : nsdae_slides_limited(c, lambda, solve_with_joints);
+  int status = loaded ? solve_in_turn(c, lambda)
+                      : nsdae_slides_limited(c, lambda, NSDAE_BOUND_CONE, solve_with_joints);
   status = nsdae_contacts_accept(c, status);
   if (status < 0) return status;
   memcpy(c->lcp.x, s->r, (size_t)contact_columns(c) * sizeof *s->r);

@@ -8,7 +8,8 @@
  *
  * A frictional joint (slides.h) with a bound b of its own is a further contact of the problem, in
  * the plane, with mu = 1 and a normal row that no other row touches, xi_N = d (Lambda_N - b): its
- * law gives Lambda_N = b and |Lambda_T| <= b. d = G_jj has the scale of its tangential row.
+ * law gives Lambda_N = b and |Lambda_T| <= b. d = min(G_jj, max |offset| / b) has the scale of its
+ * tangential row, and d b at most that of the problem: a large bound costs no digits.
  *
  * If the friction of a joint is bounded by |lambda|, contacts and joints are solved in turn, each
  * with the impulses of the others held, until those no longer change (block Gauss-Seidel: Jean,

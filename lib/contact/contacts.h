@@ -65,6 +65,7 @@ typedef struct nsdae_contact_slides {
   const double *bound; /* f: largest impulse (or force) without a load; NULL: none */
   double *limit;       /* count: that of each as the problem has it */
   double terms;        /* |w| + |W^T v_free|, the largest of a slide */
+  double fastest;      /* the largest velocity of a column without impulses */
   const int *sense;    /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
 } nsdae_contact_slides;
 

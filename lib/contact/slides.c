@@ -187,6 +187,7 @@ static int set_limits(nsdae_contacts *c, double times)
   int less = 0;
   /* where a motor has its speed, offsets are rounding, to be left within the tolerance */
   fastest = fmax(fastest, 32 * DBL_EPSILON * c->slides.terms / c->lcp.options.tol);
+  c->slides.fastest = fastest;
   for (int j = 0; j < c->slides.count; j++) {
     int column = column_of(c, j);
     double bound = c->slides.bound ? c->slides.bound[c->slides.number[j]] : 0;
@@ -221,9 +222,10 @@ static int reaches_limit(const nsdae_contacts *c)
   return 0;
 }
 
-int nsdae_slides_limited(nsdae_contacts *c, const double *lambda, nsdae_slides_solver *solve)
+int nsdae_slides_limited(nsdae_contacts *c, const double *lambda, double times,
+                         nsdae_slides_solver *solve)
 {
-  for (double times = NSDAE_BOUND_FIRST;; times *= NSDAE_BOUND_FURTHER) {
+  for (;; times *= NSDAE_BOUND_FURTHER) {
     int less = set_limits(c, times), status = solve(c, lambda);
     if (!less || (status == NSDAE_OK && !reaches_limit(c))) return status;
   }
@@ -261,5 +263,5 @@ static int solve_lcp(nsdae_contacts *c, const double *lambda)
 
 int nsdae_slides_solve(nsdae_contacts *c, const double *lambda)
 {
-  return nsdae_slides_limited(c, lambda, solve_lcp);
+  return nsdae_slides_limited(c, lambda, NSDAE_BOUND_FIRST, solve_lcp);
 }

@@ -43,6 +43,8 @@
 
 #define NSDAE_BOUND_FIRST   10.0
 #define NSDAE_BOUND_FURTHER 1e3
+/* A joint as a contact, see cones.h: its limit costs no digits, but squares of it have a bound. */
+#define NSDAE_BOUND_CONE 1e10
 
 /* Rows of the j-th slide: one if mu > 0, and two if its direction is not known. */
 int nsdae_slides_rows(const nsdae_contacts *contacts, int j);
@@ -53,10 +55,16 @@ int nsdae_slides_rows(const nsdae_contacts *contacts, int j);
 int nsdae_slides_solve(nsdae_contacts *contacts, const double *lambda);
 
 /* A solver of the problem with these limits of the joints, which writes their impulses; and by it
- * the problem with its bounds. */
+ * the problem with its bounds, of which the first has `times` for NSDAE_BOUND_FIRST. */
 typedef int nsdae_slides_solver(nsdae_contacts *contacts, const double *lambda);
-int nsdae_slides_limited(nsdae_contacts *contacts, const double *lambda,
+int nsdae_slides_limited(nsdae_contacts *contacts, const double *lambda, double times,
                          nsdae_slides_solver *solve);
+
+/* The diagonal entry d of the normal row of a joint as a contact, see cones.h. */
+static inline double nsdae_slides_normal(double diagonal, double limit, double fastest)
+{
+  return diagonal * limit > fastest && fastest > 0 ? fastest / limit : diagonal;
+}
 
 /* Joints with mu > 0. */
 int nsdae_slides_loaded(const nsdae_contacts *contacts);

@@ -87,7 +87,6 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
-  sum->accepted += one->accepted;
   count_rank(sum, one->rank, one->kept, one->left);
   if (one->contacts > sum->contacts) sum->contacts = one->contacts;
 }
@@ -256,10 +255,8 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
     s->lcps++;
     s->pivots += l->contacts.lcp.info.pivots;
     s->problem = &l->contacts;
-    if (status == NSDAE_OK && l->contacts.lcp.accepted) {
-      s->accepted++;
+    if (status == NSDAE_OK && l->contacts.lcp.accepted)
       s->noise = fmax(s->noise, 1e2 * l->contacts.lcp.info.residual);
-    }
     nsdae_natural_residual_add(&s->residual, &residual);
   }
   if (status == NSDAE_OK) return status;
@@ -345,7 +342,6 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
   status = nsdae_cone_island_solve(island == whole->kept_island ? whole->kept : &w->cones, whole,
                                    island, &work);
   if (status < 0) status = cause_of(w, whole, island, status);
-  s->accepted += work.accepted;
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
   nsdae_natural_residual_add(&s->residual, &work.residual);

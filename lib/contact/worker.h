@@ -25,7 +25,6 @@ typedef struct nsdae_solved {
   double kept, left; /* smallest sine that counts in the rank, largest that does not */
   double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
-  int accepted;                      /* islands that were left above the tolerance */
   const nsdae_contacts *problem;     /* that failed, or of the only island; NULL: none, or not of
                                         this kind */
   const nsdae_single *single;        /* the same of one contact */

@@ -99,18 +99,24 @@ void nsdae_stepper_lay(const nsdae_stepper *s, nsdae_memory_part *part)
   nsdae_stepper_lay_basis(s, part);
 }
 
-void nsdae_step_end(const nsdae_step *step)
+int nsdae_step_end(const nsdae_step *step)
 {
   const nsdae_stepper *s = step->tools;
   nsdae_result *result = step->result;
+  const double tol = s->options->contact_tol, most = fmax(tol, s->contacts.lcp.accept);
   for (int i = 0; i < s->system->dims.m; i++) result->multiplier[i] = s->impulse[i] / step->h;
   result->smooth = !nsdae_problem_any(&s->problem);
-  if (result->smooth) return;
+  if (result->smooth) return NSDAE_OK;
   result->work = nsdae_problem_work(&s->problem);
+  /* islands are solved by their own scale, a step is judged by that of all */
   result->worst_residual = nsdae_problem_residual(&s->problem);
-  /* islands are solved by their own scale, a step is by that of all */
-  result->counters.given = s->problem.dispatch.solved->accepted > 0 &&
-                           !(result->worst_residual <= s->options->contact_tol);
+  result->counters.given = !(result->worst_residual <= tol);
+  if (result->worst_residual <= most) return NSDAE_OK;
+  nsdae_error_set(s->error, NSDAE_E_LCP, "nsdae_contacts", "contact_tol",
+                  "at t = %.17g the contact problem was solved to %.3g, above %.3g; a smaller dt "
+                  "or less friction may help",
+                  step->t_end, result->worst_residual, most);
+  return nsdae_error_at(s->error, NSDAE_E_LCP, -1, step->t_end);
 }
 
 int nsdae_stepper_factor(nsdae_stepper *s, nsdae_terms *terms, const double *M)

@@ -79,7 +79,8 @@ static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_st
                       .h = state->length,
                       .t_end = t_end};
 }
-void nsdae_step_end(const nsdae_step *step);
+/* NSDAE_OK, or NSDAE_E_LCP if the laws have a residual above contact_tol that is not accepted. */
+int nsdae_step_end(const nsdae_step *step);
 
 /* The problem of the step (contact_problem.h), with what it did counted. update: at another point,
  * as far as closed contacts may have come apart. The terms named have what they need, except lists.

@@ -144,8 +144,7 @@ static int contact_step(const nsdae_step *step)
   if (status == NSDAE_OK) status = positions(step);
   if (status < 0) return status;
   status = velocity_at_end(step);
-  nsdae_step_end(step);
-  return status;
+  return status < 0 ? status : nsdae_step_end(step);
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)

@@ -263,9 +263,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
     status = nsdae_step_close(&step, start);
     if (status == NSDAE_OK) status = attempt(&step, 1);
   }
-  if (status < 0) return status;
-  nsdae_step_end(&step);
-  return NSDAE_OK;
+  return status < 0 ? status : nsdae_step_end(&step);
 }
 
 const nsdae_stepping nsdae_stepping_implicit = {

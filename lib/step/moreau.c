@@ -46,8 +46,7 @@ static int to_end(const nsdae_step *step)
   nsdae_move(s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
   if (s->system->dims.m > 0) nsdae_result_rate(step->result, middle, s->v);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
-  nsdae_step_end(step);
-  return status;
+  return status < 0 ? status : nsdae_step_end(step);
 }
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)

@@ -61,7 +61,8 @@ static int slides(nsdae_event_acceleration *p, int i, int impacted, double size)
     speed = hypot(speed, v_t[l]);
     slid |= p->phase->modes.contact[i] == NSDAE_MODE_SLIP && direction[l] != 0;
   }
-  int stopped = !impacted && p->is.stopped[i] && slid && (nt == 1 || speed <= 10 * size);
+  double slow = 10 * size * (nt == 1 ? p->phase->modes.blur[i] : 1);
+  int stopped = !impacted && p->is.stopped[i] && slid && speed <= slow;
   int moves = speed > size && !stopped;
   for (int l = 0; l < nt; l++) direction[l] = moves ? v_t[l] / speed : 0;
   return moves;

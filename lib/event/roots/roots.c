@@ -145,6 +145,18 @@ static int has_risen(const nsdae_event_phase *p, const nsdae_event_root *root, d
          p->modes.contact[root->index] == NSDAE_MODE_OPEN && value > root->size;
 }
 
+/* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it is
+ * out of the set until it has. One in the plane that starts within the tolerance and has one is
+ * lifted: braked, it would slide on against its friction until the end of the step. */
+static int is_out(const nsdae_event_phase *p, const nsdae_event_root *root)
+{
+  int masked = root->state == NSDAE_ROOT_MASKED &&
+               (p->setting->system->dims.nt > 1 || !(root->start > -root->size));
+  int slips = root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIP;
+  return root->state == NSDAE_ROOT_OFF || (masked && slips) ||
+         (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
+}
+
 int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, int begins, double *g)
 {
   const nsdae_event_phase *p = r->phase;
