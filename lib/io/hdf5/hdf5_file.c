@@ -1,4 +1,5 @@
 #include "hdf5_file.h"
+#include "hdf5_guard.h"
 
 #include <errno.h>
 #include <stdarg.h>

@@ -58,14 +58,4 @@ int nsdae_h5_no_memory(nsdae_h5 *h5);
 /* Zeros, from calloc: count and one more. NULL after a failure. */
 void *nsdae_h5_allocate(nsdae_h5 *h5, size_t count, size_t size);
 
-/* ---- hdf5_guard.c: What is refused in an HDF5 file of unknown origin before anything in it is
- * read: links and data that lead to other files, filters that need a plugin, and shapes of more
- * bytes than are stored. HDF5 itself follows the first two and allocates what a shape claims. */
-
-enum { NSDAE_GUARD_REASON = 120 };
-
-/* Walks the whole file, of that length in bytes. 0, or < 0: refused, with reason
- * [NSDAE_GUARD_REASON], or empty where HDF5 itself failed. */
-int nsdae_h5_guard(hid_t file, hsize_t length, char *reason);
-
 #endif

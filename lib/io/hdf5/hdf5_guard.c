@@ -1,4 +1,4 @@
-#include "hdf5_file.h"
+#include "hdf5_guard.h"
 
 #include <stdio.h>
 #include <string.h>
