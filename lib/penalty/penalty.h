@@ -50,6 +50,22 @@ static inline int nsdae_penalty_read(nsdae_penalty *p, double t, double *qv)
   return nsdae_smooth_read(&p->integrator, t, d->nq + d->nv, qv);
 }
 
+/* ---- switching.c: NSDAE_OK, or a status with the record */
+
+/* Whether the law has a force for contact i. */
+int nsdae_penalty_check_law(const nsdae_stepper *stepper, const char *where, int i);
+/* The status and record of an integrator that failed at t, unless there is a record already. */
+int nsdae_penalty_failed(nsdae_penalty *penalty, int status, double t);
+
+/* The base to t, where q and v are qv; the integrator from the base on; both, stiff or not. */
+int nsdae_penalty_move_base(nsdae_penalty *penalty, double t);
+int nsdae_penalty_start_integrator(nsdae_penalty *penalty);
+int nsdae_penalty_start(nsdae_penalty *penalty, double t, int stiff);
+
+/* From a state that this method did not lead to; after gaps that crossed zero at t. */
+int nsdae_penalty_begin(nsdae_penalty *penalty, const nsdae_terms *from);
+int nsdae_penalty_switch_contacts(nsdae_penalty *penalty, nsdae_result *result, double t);
+
 /* ---- slots.c: nothing is done for fixed contacts */
 
 void nsdae_penalty_slots_layout(nsdae_penalty *penalty, nsdae_arena *arena);
