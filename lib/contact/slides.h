@@ -19,7 +19,7 @@
  * has -b too, Q l- has D_S b of all joints, and the Lambda_L row has 2 b. Of mu = 0 there is no
  * l+, no l-, and two rows are left.
  *
- * A bound far above what acts costs the digits of Lambda_R - b, and slip is no more zero: the
+ * In the complementarity problem a bound far above the load costs the digits of Lambda_R - b: the
  * problem has the bound NSDAE_BOUND_FIRST times the impulse that stops the fastest column, and, if
  * an impulse reaches such a bound, again with NSDAE_BOUND_FURTHER times that.
  *

@@ -27,7 +27,7 @@ RECORDS = (
     ("multiplier", "multiplier", "of the model: force of each constraint",
      "mean bilateral force over the step that ends here", ("time", "constraint")),
     ("frictional_joint/impulse", "frictional_joint_impulse", "N s",
-     "friction impulse on each bilateral constraint with friction, of the step that ends here", ("time", JOINT)),
+     "friction impulse of each frictional joint, of the step that ends here; about an axis [N m s]", ("time", JOINT)),
     ("frictional_joint/mode", "frictional_joint_mode", "1", "0 frictionless, 1 slip, 2 stick", ("time", JOINT)),
     ("energy/kinetic", "kinetic", "J", "v^T M v / 2", ("time",)),
     ("energy/potential", "potential", "J", "potential energy of the model", ("time",)),
@@ -73,8 +73,9 @@ CHANGES = (
 # field, unit, description, scale of its last dimension
 CONTACTS = (
     ("block", "1", "blocks of the contact; -1: the ground", ("side",)),
-    ("gap", "m", "normal distance, negative in overlap; of a contact list at the last evaluation", ()),
-    ("normal_impulse", "N s", "normal impulse of the step that ends here", ()),
+    ("gap", "m", "normal distance, negative in overlap; of a contact list at the last evaluation; of a limit about an axis [rad]",
+     ()),
+    ("normal_impulse", "N s", "normal impulse of the step that ends here; of a limit about an axis [N m s]", ()),
     ("tangential_impulse", "N s", "tangential impulse of the step that ends here", ("tangent",)),
     ("mode", "1", "0 open, 1 slip, 2 stick", ()),
 )

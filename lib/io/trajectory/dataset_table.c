@@ -25,7 +25,8 @@ static const nsdae_column record_columns[] = {
     {"/contacts/count", INT_FIELD(record.contacts.count), NSDAE_WIDTH_LIST, "1",
      "number of these contacts, which were closed in the step that ends here"},
     {"/frictional_joint/impulse", ROW(record.frictional_joint_impulse), NSDAE_WIDTH_F, "N s",
-     "friction impulse on each bilateral constraint with friction, of the step that ends here"},
+     "friction impulse of each frictional joint, of the step that ends here; about an axis [N m "
+     "s]"},
     {"/frictional_joint/mode", INT_ROW(record.frictional_joint_mode), NSDAE_WIDTH_F, "1",
      "0 frictionless, 1 slip, 2 stick"},
     {"/energy/kinetic", FIELD(record.kinetic), NSDAE_WIDTH_ONE, "J", "v^T M v / 2"},
@@ -108,9 +109,10 @@ static const nsdae_column contact_columns[] = {
     {"/contacts/block", INT_ROW(record.contacts.block), NSDAE_WIDTH_PAIR, "1",
      "blocks of the contact; -1: the ground"},
     {"/contacts/gap", ROW(record.contacts.gap), NSDAE_WIDTH_ONE, "m",
-     "normal distance, negative in overlap; of a contact list at the last evaluation"},
+     "normal distance, negative in overlap; of a contact list at the last evaluation; of a limit "
+     "about an axis [rad]"},
     {"/contacts/normal_impulse", ROW(record.contacts.normal_impulse), NSDAE_WIDTH_ONE, "N s",
-     "normal impulse of the step that ends here"},
+     "normal impulse of the step that ends here; of a limit about an axis [N m s]"},
     {"/contacts/tangential_impulse", ROW(record.contacts.tangential_impulse), NSDAE_WIDTH_T, "N s",
      "tangential impulse of the step that ends here"},
     {"/contacts/mode", INT_ROW(record.contacts.mode), NSDAE_WIDTH_ONE, "1",
