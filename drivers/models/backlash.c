@@ -120,12 +120,12 @@ static void start(const void *base, double *q0, double *v0)
   nsdae_bodies_get_start(p->world, q0, v0);
 }
 
-/* The gear meets the load where |x| = b / 2, and b after each reversal. */
+/* The gear meets the load where |x| = b / 2, and b after each reversal; if the brake is enough. */
 static int exact(const void *base, int number, driver_exact *impact)
 {
   const backlash *p = base;
   double a = fabs(amplitude(p)), angle = asin(p->play / 2 / a);
-  if (!(p->play / 2 < a)) return 0;
+  if (!(p->play / 2 < a) || p->brake < backlash_least_brake(p)) return 0;
   if (number > 0) angle = (number - 0.5) * pi + acos(1 - p->play / a);
   impact->time = angle / p->frequency;
   impact->normal_impulse = p->inertia * a * p->frequency * fabs(cos(angle));

@@ -54,6 +54,17 @@ static void add_teeth(geneva *p)
   }
 }
 
+/* The walls of a slot begin at w / tan beta from the axis, the pin comes as close as C - a. */
+static int check(const geneva *p, nsdae_error *error)
+{
+  double beta = pi / p->slots, most = p->distance * (1 - sin(beta)) * tan(beta);
+  if (p->pin + p->play < most) return NSDAE_OK;
+  snprintf(error->text, sizeof error->text,
+           "pin + play = %g m is not below %g m, which a wheel of %d slots has room for",
+           p->pin + p->play, most, p->slots);
+  return error->status = NSDAE_E_ARGUMENT;
+}
+
 /* A body that turns about the axis at x, and its joint. */
 static int add_wheel(geneva *p, double x, double mass, double inertia, double spin)
 {
@@ -70,7 +81,8 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   geneva *p = base;
   nsdae_bodies_destroy(&p->world);
-  int status = nsdae_bodies_create(2, &p->world, error);
+  int status = check(p, error);
+  if (status == NSDAE_OK) status = nsdae_bodies_create(2, &p->world, error);
   if (status < 0) return status;
   double a = p->distance * sin(pi / p->slots);
   p->error = p->moving = p->turned = 0;

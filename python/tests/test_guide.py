@@ -18,13 +18,14 @@ def matches(expected, printed):
 
 @pytest.mark.parametrize("page, programs", [("README.md", 1), ("docs/guide/first-program.md", 1),
                                             ("docs/guide/coming-from.md", 1), ("docs/guide/scenes.md", 1),
-                                            ("docs/guide/python.md", 6)])
+                                            ("docs/guide/python.md", 7)])
 def test_guide(tmp_path, page, programs):
     with open(os.path.join(ROOT, page), encoding="utf-8") as file:
         text = file.read()
     for name, code in re.findall(r"<!-- file: (\S+) -->\n```python\n(.*?)```", text, re.S):
         (tmp_path / name).write_text(code)
-    (tmp_path / "data").symlink_to(os.path.abspath(os.path.join(ROOT, "data")))
+    for folder in ("data", "docs"):
+        (tmp_path / folder).symlink_to(os.path.abspath(os.path.join(ROOT, folder)))
     ran = 0
     for block in re.findall(r"```console\n(.*?)```", text, re.S):
         command, *expected = block.splitlines()
