@@ -1000,6 +1000,7 @@ public:
   /* nsdae_sim_set_control: the target of motor i in this simulation. */
   void set_control(int i, double value) { demand(nsdae_sim_set_control(c(), i, value)); }
 
+  /* nsdae_sim_get_control. */
   double control(int i)
   {
     double value = 0;
