@@ -164,13 +164,7 @@ int nsdae_event_root_values(nsdae_event_roots *r, double t, const double *y, int
   double position = nsdae_largest(p->setting->at.lambda, y);
   for (int e = 0; e < r->count; e++) {
     nsdae_event_root *root = &r->entry[e];
-    /* A velocity of sliding that is zero to rounding has no direction yet to be measured along: it
-     * is out of the set until it has. */
-    int masked = root->state == NSDAE_ROOT_MASKED;
-    int slips =
-        root->kind == NSDAE_ROOT_TANGENT && p->modes.contact[root->index] == NSDAE_MODE_SLIP;
-    int out = root->state == NSDAE_ROOT_OFF || (masked && slips) ||
-              (root->kind != NSDAE_ROOT_NORMAL && undecided(p, root));
+    int out = is_out(p, root);
     g[e] = out ? 1 : value_of(p, p->setting->here, r->at, root);
     root->moved |= !out && g[e] > root->size;
     if (begins && has_risen(p, root, g[e])) root->state = NSDAE_ROOT_LIVE;
