@@ -353,6 +353,18 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,
                                     double e_n, double e_t);
 
+/* What nsdae_bodies_set_name names. */
+enum nsdae_named { NSDAE_NAMED_BODY, NSDAE_NAMED_SOLID };
+
+/* Names a body or a solid in messages, pictures and trajectory files. name: 1 to 23 letters, digits
+ * and _ - . which no other body or solid has; copied. kind: enum nsdae_named. Returns NSDAE_OK or
+ * the errors above. */
+NSDAE_API int nsdae_bodies_set_name(nsdae_bodies *bodies, int kind, int i, const char *name);
+/* Number of the material of this name, for nsdae_solid and nsdae_bodies_set_pair; name as above.
+ * The first name is number 63, the next one 62, and so on. Returns the number or the errors above.
+ */
+NSDAE_API int nsdae_bodies_material(nsdae_bodies *bodies, const char *name);
+
 /* Gravity [3] [m/s^2]; default zero. */
 NSDAE_API int nsdae_bodies_set_gravity(nsdae_bodies *bodies, const double *gravity);
 

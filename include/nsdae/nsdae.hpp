@@ -788,6 +788,14 @@ public:
     demand(nsdae_bodies_set_pair(c(), material0, material1, mu, e_n, e_t));
     return *this;
   }
+  /* nsdae_bodies_set_name. */
+  bodies &name(nsdae_named kind, int i, const std::string &name)
+  {
+    demand(nsdae_bodies_set_name(c(), kind, i, name.c_str()));
+    return *this;
+  }
+  /* nsdae_bodies_material. */
+  int material(const std::string &name) { return demand(nsdae_bodies_material(c(), name.c_str())); }
   /* nsdae_bodies_set_gravity. */
   bodies &gravity(double x, double y, double z = 0)
   {
@@ -992,6 +1000,7 @@ public:
   /* nsdae_sim_set_control: the target of motor i in this simulation. */
   void set_control(int i, double value) { demand(nsdae_sim_set_control(c(), i, value)); }
 
+  /* nsdae_sim_get_control. */
   double control(int i)
   {
     double value = 0;

@@ -11,7 +11,7 @@
 typedef struct nsdae_reason {
   const char *element; /* "joint", "spring", "load", "contact" */
   int index;
-  char text[256];
+  char text[512];
 } nsdae_reason;
 
 /* Last argument of the callbacks of its system: what was made, and the controls. Those of a

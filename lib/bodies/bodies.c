@@ -37,7 +37,7 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
   nsdae_list *lists[] = {
       &b->body,         &b->constraint, &b->frictional_joint, &b->solid, &b->feature, &b->limit,
-      &b->force.spring, &b->force.load, &b->force.target,     &b->pair,  &b->joint};
+      &b->force.spring, &b->force.load, &b->force.target,     &b->pair,  &b->joint,   &b->name};
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);

@@ -85,6 +85,13 @@ typedef struct nsdae_bodies_pair {
   double mu, e_n, e_t;
 } nsdae_bodies_pair;
 
+/* Name of a body or a solid (enum nsdae_named), or of material NSDAE_MATERIALS - 1 - i. */
+enum { NSDAE_NAMED_MATERIAL = NSDAE_NAMED_SOLID + 1, NSDAE_WORD = 24 };
+typedef struct nsdae_bodies_name {
+  int kind, i;
+  char text[NSDAE_WORD];
+} nsdae_bodies_name;
+
 /* What a callback of contacts by list works with, kept from call to call; see broad_phase.h. */
 typedef struct nsdae_broad nsdae_broad;
 enum { NSDAE_BROADS = 16 };
@@ -112,6 +119,7 @@ struct nsdae_bodies {
   nsdae_list pair;                            /* nsdae_bodies_pair */
   _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
   nsdae_list joint;                           /* nsdae_bodies_joint */
+  nsdae_list name;                            /* nsdae_bodies_name */
   nsdae_user_rows own;                        /* beside the bodies; nv filled in */
 };
 
@@ -287,6 +295,9 @@ static inline int nsdae_is_moment(double largest, double other0, double other1)
 {
   return largest <= (other0 + other1) * (1 + 1e-5);
 }
+
+/* Name of object i of a kind, or NULL. */
+const char *nsdae_bodies_name_of(const nsdae_bodies *bodies, int kind, int i);
 
 /* L := J omega in body axes. */
 static inline void nsdae_body_momentum(const nsdae_rigid_body *body, const double *w, double *L)

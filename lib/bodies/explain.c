@@ -8,16 +8,27 @@
 #include "maker.h"
 #include "bodies_impl.h"
 
-enum { WORDS = 64 }; /* of two bodies, or of a solid: two numbers of 11 digits and 40 letters */
+enum { WORDS = 112 }; /* of two bodies, or of a solid: two numbers, two names and 40 letters */
+
+/* ` "NAME"`, or nothing. */
+static const char *quoted(const nsdae_bodies *b, int kind, int i, char text[NSDAE_WORD + 3])
+{
+  const char *name = nsdae_bodies_name_of(b, kind, i);
+  snprintf(text, NSDAE_WORD + 3, name ? " \"%s\"" : "", name);
+  return text;
+}
 
 /* ---- words */
 
-static const char *of_bodies(const int body[2], char text[WORDS])
+static const char *of_bodies(const nsdae_bodies *b, const int body[2], char text[WORDS])
 {
-  if (body[0] == NSDAE_GROUND || body[1] == NSDAE_GROUND)
-    snprintf(text, WORDS, "body %d and the ground", body[body[0] == NSDAE_GROUND]);
+  char name[2][NSDAE_WORD + 3];
+  for (int i = 0; i < 2; i++) quoted(b, NSDAE_NAMED_BODY, body[i], name[i]);
+  int grounded = body[0] == NSDAE_GROUND || body[1] == NSDAE_GROUND, i = body[0] == NSDAE_GROUND;
+  if (grounded)
+    snprintf(text, WORDS, "body %d%s and the ground", body[i], name[i]);
   else
-    snprintf(text, WORDS, "bodies %d, %d", body[0], body[1]);
+    snprintf(text, WORDS, "bodies %d%s, %d%s", body[0], name[0], body[1], name[1]);
   return text;
 }
 
@@ -26,13 +37,13 @@ static void joint_words(const nsdae_bodies *b, int i, char *text, size_t size)
   const nsdae_bodies_joint *joint = nsdae_joint_at(b, i);
   char bodies[WORDS];
   snprintf(text, size, "%s joint %d of %s", nsdae_joint_name(joint->kind), i,
-           of_bodies(joint->body, bodies));
+           of_bodies(b, joint->body, bodies));
 }
 
-static void motor_words(int i, const int body[2], char *text, size_t size)
+static void motor_words(const nsdae_bodies *b, int i, const int body[2], char *text, size_t size)
 {
   char bodies[WORDS];
-  snprintf(text, size, "motor %d of %s", i, of_bodies(body, bodies));
+  snprintf(text, size, "motor %d of %s", i, of_bodies(b, body, bodies));
 }
 
 static void constraint_words(const nsdae_bodies *b, int i, char *text, size_t size)
@@ -52,7 +63,7 @@ static void limit_words(const nsdae_bodies *b, int i, char *text, size_t size)
   const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
   char of[2 * WORDS];
   if (l->joint == NSDAE_ROPE) {
-    snprintf(text, size, "rope %d of %s", i, of_bodies(l->value.body, of));
+    snprintf(text, size, "rope %d of %s", i, of_bodies(b, l->value.body, of));
     return;
   }
   joint_words(b, l->joint, of, sizeof of);
@@ -63,10 +74,13 @@ static const char *solid_words(const nsdae_bodies *b, int i, char text[WORDS])
 {
   const nsdae_solid_of *s = nsdae_solid_at(b, i);
   const char *shape = s->hollow ? "hole" : nsdae_solid_name(s->shape);
+  char name[NSDAE_WORD + 3], body[NSDAE_WORD + 3];
+  quoted(b, NSDAE_NAMED_SOLID, i, name);
   if (s->body == NSDAE_GROUND)
-    snprintf(text, WORDS, "%s %d of the ground", shape, i);
+    snprintf(text, WORDS, "%s %d%s of the ground", shape, i, name);
   else
-    snprintf(text, WORDS, "%s %d of body %d", shape, i, s->body);
+    snprintf(text, WORDS, "%s %d%s of body %d%s", shape, i, name, s->body,
+             quoted(b, NSDAE_NAMED_BODY, s->body, body));
   return text;
 }
 
@@ -103,7 +117,7 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
     if (f->motor < 0)
       joint_words(b, f->joint, text, size);
     else
-      motor_words(f->motor, f->along.body, text, size);
+      motor_words(b, f->motor, f->along.body, text, size);
   }
   return constraint || frictional;
 }
@@ -208,7 +222,7 @@ static int explain_rates(const nsdae_bodies *b, double t, nsdae_reason *r)
   for (int i = 0; i < b->force.spring.count && !found; i++) {
     const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
     if (!s->drive || !(s->damping > 0)) continue;
-    motor_words(r->index = s->number, s->value.body, of, sizeof of);
+    motor_words(b, r->index = s->number, s->value.body, of, sizeof of);
     found = explain_rate(s->drive, s->user, t, 1, of, r);
   }
   return found;
@@ -245,7 +259,7 @@ static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r
   const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
   char motor[2 * WORDS];
   if (f->motor < 0) return 0; /* a slot */
-  motor_words(f->motor, f->along.body, motor, sizeof motor);
+  motor_words(b, f->motor, f->along.body, motor, sizeof motor);
   r->element = "motor";
   r->index = f->motor;
   return explain_drive("drive", f->drive, f->user, t, motor, r) ||
@@ -261,12 +275,12 @@ static int explain_spring(const nsdae_bodies *b, int i, double t, const double *
   char bodies[WORDS], motor[2 * WORDS];
   r->element = s->owner >= NSDAE_FORCE_MOTOR ? "motor" : "spring";
   r->index = s->number;
-  motor_words(s->number, e->body, motor, sizeof motor);
+  motor_words(b, s->number, e->body, motor, sizeof motor);
   if (explain_drive("drive", s->drive, s->user, t, motor, r)) return 1;
   if (!has_no_length(b, e, q)) return 0;
   snprintf(r->text, sizeof r->text,
            "spring %d of %s: its ends coincide, its force has no direction", r->index,
-           of_bodies(e->body, bodies));
+           of_bodies(b, e->body, bodies));
   return 1;
 }
 

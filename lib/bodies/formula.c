@@ -136,7 +136,7 @@ static formula quaternion(int body, const double *turn, int i)
 /* A body of the file with the texts that it points to. */
 typedef struct portrait {
   nsdae_body body;
-  char name[NAME];
+  char name[64];
   formula position[3], end[3], angle, turn[4];
 } portrait;
 
@@ -178,9 +178,14 @@ static void set_frame(portrait *p, const nsdae_bodies *b, int body, double angle
   }
 }
 
-static int show(portrait *p, nsdae_system *system, const char *what, int number)
+/* The name; or by shape and number, of a solid behind the name of its body. */
+static int show(portrait *p, nsdae_system *system, const char *name, const char *body,
+                const char *what, int number)
 {
-  snprintf(p->name, sizeof p->name, "%s %d", what, number);
+  if (name)
+    snprintf(p->name, sizeof p->name, "%s", name);
+  else
+    snprintf(p->name, sizeof p->name, "%s%s%s %d", body ? body : "", body ? " " : "", what, number);
   p->body.name = p->name;
   return nsdae_system_add_body(system, &p->body);
 }
@@ -193,7 +198,7 @@ static int show_length(const nsdae_bodies *b, nsdae_system *system, const nsdae_
   portrait p = {.body = {.shape = NSDAE_SHAPE_SEGMENT}};
   set_position(&p, b, e->body[0], e->point[0]);
   set_point(b, e->body[1], e->point[1], p.end, p.body.end);
-  return show(&p, system, what, number);
+  return show(&p, system, NULL, NULL, what, number);
 }
 
 static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
@@ -223,7 +228,8 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
     set_position(&p, b, s->body, s->origin);
     set_frame(&p, b, s->body, flat ? 0 : atan2(s->R[1], s->R[0]), flat ? no_turn : s->turn);
   }
-  return show(&p, system, nsdae_solid_name(s->shape), i);
+  return show(&p, system, nsdae_bodies_name_of(b, NSDAE_NAMED_SOLID, i),
+              nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, s->body), nsdae_solid_name(s->shape), i);
 }
 
 /* Bodies of which nothing else is seen. */
@@ -241,7 +247,7 @@ static int show_bare(const nsdae_bodies *b, nsdae_system *system)
     if (seen[i]) continue;
     set_position(&p, b, i, centre);
     set_frame(&p, b, i, 0, no_turn);
-    status = show(&p, system, "body", i);
+    status = show(&p, system, nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, i), NULL, "body", i);
   }
   free(seen);
   return status;

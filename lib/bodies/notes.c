@@ -7,6 +7,7 @@
 
 #include "bodies_impl.h"
 #include "errors.h"
+#include "suggest.h"
 
 static int in_degrees(double angle)
 {
@@ -145,8 +146,30 @@ static int note_contacts(nsdae_bodies *b)
   return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, alone, NAN);
 }
 
+/* A named material of no solid: a name is misspelt. */
+static int note_material(nsdae_bodies *b)
+{
+  const nsdae_bodies_name *name = b->name.at;
+  for (int i = 0; i < b->name.count; i++) {
+    int used = name[i].kind != NSDAE_NAMED_MATERIAL;
+    nsdae_suggest meant = nsdae_suggest_start(name[i].text);
+    for (int j = 0; j < b->solid.count && !used; j++)
+      used = nsdae_solid_at(b, j)->material == name[i].i;
+    for (int j = 0; j < b->name.count && !used; j++)
+      if (j != i && name[j].kind == NSDAE_NAMED_MATERIAL) nsdae_suggest_try(&meant, name[j].text);
+    if (used) continue;
+    const char *other = nsdae_suggest_end(&meant);
+    nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "material",
+                    "material '%s' has no solid%s%s%s", name[i].text,
+                    other ? "; did you mean '" : "", other ? other : "", other ? "'?" : "");
+    return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, name[i].i, NAN);
+  }
+  return NSDAE_OK;
+}
+
 int nsdae_bodies_note(nsdae_bodies *b)
 {
   int status = note_given(b);
+  if (status == NSDAE_OK) status = note_material(b);
   return status == NSDAE_OK ? note_contacts(b) : status;
 }

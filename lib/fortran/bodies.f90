@@ -16,7 +16,7 @@ module nsdae_f_bodies
   private
 
   ! Materials are 0 .. NSDAE_MATERIALS - 1.
-  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_ NSDAE_COUPLER_ NSDAE_MOTOR_
+  ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_ NSDAE_COUPLER_ NSDAE_MOTOR_ NSDAE_NAMED_
 
   ! A rigid body at the start.
   type, bind(C), public :: nsdae_rigid_body
@@ -184,14 +184,14 @@ module nsdae_f_bodies
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_bodies_add_scene, &
-            nsdae_scene_read, nsdae_scene_release
+            nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
     ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
-    ! headers: functions nsdae_bodies_ add_scene
+    ! headers: functions nsdae_bodies_ add_scene set_name material
     ! headers: functions nsdae_solid_ inertia
     ! headers: functions nsdae_scene_ read
 
@@ -256,6 +256,25 @@ contains
   ! Lets every two solids of these materials touch that belong to different bodies without a joint:
   ! the system has a contact list, and there can be many contacts.
   ! headers: wrappers nsdae_bodies_ set_pair
+
+  ! Names a body or a solid (NSDAE_NAMED_BODY, NSDAE_NAMED_SOLID) in messages, pictures and files.
+  integer(c_int) function nsdae_bodies_set_name(bodies, kind, i, name) result(status)
+    type(nsdae_bodies), intent(in) :: bodies
+    integer(c_int), intent(in) :: kind, i
+    character(len=*), intent(in) :: name
+    character(kind=c_char) :: c_name(len_trim(name) + 1)
+    call to_chars(name, c_name)
+    status = c_set_name(at(bodies), kind, i, c_name)
+  end function
+
+  ! Number of the material of this name.
+  integer(c_int) function nsdae_bodies_material(bodies, name) result(number)
+    type(nsdae_bodies), intent(in) :: bodies
+    character(len=*), intent(in) :: name
+    character(kind=c_char) :: c_name(len_trim(name) + 1)
+    call to_chars(name, c_name)
+    number = c_material(at(bodies), c_name)
+  end function
 
   integer(c_int) function nsdae_bodies_set_gravity(bodies, gravity) result(status)
     type(nsdae_bodies), intent(in) :: bodies

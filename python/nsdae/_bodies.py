@@ -15,6 +15,7 @@ from ._system import System
 from ._trajectory import Shape
 
 GROUND = -1
+_BODY, _SOLID = 0, 1  # enum nsdae_named
 MOTORS = ("force", "speed", "position")
 JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal",
           "screw")
@@ -65,10 +66,13 @@ class Solid(NamedTuple):
         Planar: angle in the frame of the body [rad].
     quaternion : array_like, shape (4,)
         Spatial: orientation w, x, y, z in the frame of the body.
-    material : int
-        0 to 63, for `Bodies.set_pair`.
+    material : int or str
+        A name, or 0 to 63, for `Bodies.set_pair`.
     group, exclude : int
-        Bits of the groups of the solid, and of the groups that it does not touch by `Bodies.set_pair`.
+        Bits of the groups of the solid, and of the groups that it does not touch by `Bodies.set_pair`. exclude = -1: it
+        touches nothing, as a shape for pictures alone.
+    name : str
+        In messages, pictures and files: letters, digits, "_", "-", ".".
     """
 
     shape: str
@@ -79,16 +83,17 @@ class Solid(NamedTuple):
     position: Any = ()
     angle: float = 0
     quaternion: Any = ()
-    material: int = 0
+    material: int | str = 0
     group: int = 0
     exclude: int = 0
+    name: str = ""
 
     def _given(self) -> dict[str, Any]:
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
             length = [0, 0, length] if self.shape == "capsule" else [length]
         return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
-                "angle": float(self.angle), "material": int(self.material), "group": int(self.group),
+                "angle": float(self.angle), "material": 0 if isinstance(self.material, str) else int(self.material), "group": int(self.group),
                 "exclude": int(self.exclude), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
                 "quaternion": _quaternion(self.quaternion),
@@ -174,6 +179,7 @@ class Bodies:
         self._kept: list[Any] = []
         self._system: System | None = None
         self._user_rows: Any = None
+        self._names: dict[int, str] = {}
         self.scene: Scene | None = None
         if len(gravity):
             self._core.set_gravity(self._vector("gravity", gravity))
@@ -200,7 +206,7 @@ class Bodies:
         return list(map(float, array.reshape(-1))), [0.0] * 3
 
     def add(self, mass: float, inertia: Any, position: Any = (), *, angle: float = 0, quaternion: Any = (),
-            velocity: Any = (), spin: Any = ()) -> int:
+            velocity: Any = (), spin: Any = (), name: str = "") -> int:
         """Adds a body.
 
         Parameters
@@ -220,6 +226,8 @@ class Bodies:
             Of the centre of mass at the start [m/s].
         spin : float or array_like
             Angular velocity at the start, in space about the body's own axes [rad/s].
+        name : str
+            In messages, pictures and files: letters, digits, "_", "-", ".".
 
         Returns
         -------
@@ -230,8 +238,15 @@ class Bodies:
             raise ValueError("quaternion is given in the plane: give angle")
         planar = self.dimension == 2 and np.size(spin) == 1
         turning = [0.0, 0.0, float(np.ravel(spin)[0])] if planar else self._vector("spin", spin)
-        return self._core.add(float(mass), *self._inertia(inertia), self._vector("position", position), float(angle),
-                              _quaternion(quaternion), self._vector("velocity", velocity), turning)
+        number = self._core.add(float(mass), *self._inertia(inertia), self._vector("position", position), float(angle),
+                                _quaternion(quaternion), self._vector("velocity", velocity), turning)
+        if name:
+            self._core.set_name(_BODY, number, name)
+            self._names[number] = name
+        return number
+
+    def _material(self, material: int | str) -> int:
+        return self._core.material(material) if isinstance(material, str) else int(material)
 
     def add_joint(self, kind: str, body0: int, body1: int, *, point: Any = (), end: Any = (), axis: Any = (),
                   cross: Any = (), ratio: float = 0, mu: float = 0, collide_connected: bool = False,
@@ -493,7 +508,9 @@ class Bodies:
         int
             Number of the solid.
         """
-        number = self._core.add_solid(body, solid._given())
+        number = self._core.add_solid(body, {**solid._given(), "material": self._material(solid.material)})
+        if solid.name:
+            self._core.set_name(_SOLID, number, solid.name)
         self._solids.append((body, solid))
         return number
 
@@ -517,7 +534,7 @@ class Bodies:
         """
         return self._core.add_contact(solid0, solid1, float(mu), float(e_n), float(e_t))
 
-    def set_pair(self, material0: int, material1: int, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
+    def set_pair(self, material0: int | str, material1: int | str, *, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
         """Adds contacts between all solids of two materials on different bodies.
 
         The contacts are detected in every step and form a contact list (`Record.contacts`). Two solids of `add_contact`
@@ -526,12 +543,12 @@ class Bodies:
 
         Parameters
         ----------
-        material0, material1 : int
-            Materials of the solids, 0 to 63.
+        material0, material1 : int or str
+            Materials of the solids: names, or 0 to 63.
         mu, e_n, e_t : float
             Coefficient of friction, normal and tangential restitution.
         """
-        self._core.set_pair(material0, material1, float(mu), float(e_n), float(e_t))
+        self._core.set_pair(self._material(material0), self._material(material1), float(mu), float(e_n), float(e_t))
 
     def set_user_rows(self, nq: int = 0, nv: int | None = None, m: int = 0, k: int = 0, f: int = 0, *, user: Any = None,
                       **callbacks: Callable[..., Any]) -> None:
@@ -641,7 +658,10 @@ class Bodies:
         list of Shape
         """
         place = _planar if self.dimension == 2 else _spatial
-        return [place(f"{solid.shape} {i}", body, solid) for i, (body, solid) in enumerate(self._solids)]
+        def name(i: int, body: int, solid: Solid) -> str:
+            return solid.name or f"{self._names.get(body, '')} {solid.shape} {i}".lstrip()
+
+        return [place(name(i, body, solid), body, solid) for i, (body, solid) in enumerate(self._solids)]
 
 
 def read_scene(path: str | os.PathLike[str]) -> Bodies:

@@ -254,6 +254,16 @@ void bodies::set_gravity(triple g)
 }
 
 // Reads a scene and adds it; its settings, and shape, radius and length of each solid.
+void bodies::set_name(int kind, int i, const std::string &name)
+{
+  demand(nsdae_bodies_set_name(handle, kind, i, text(name, "name")));
+}
+
+int bodies::material(const std::string &name)
+{
+  return demand(nsdae_bodies_material(handle, text(name, "material")));
+}
+
 void bodies::set_user_rows(std::array<int, 5> sizes, nb::list callbacks)
 {
   nsdae_user_rows rows = {};
@@ -400,6 +410,8 @@ void bind_bodies(nb::module_ &m)
       .def("set_pair", &bodies::set_pair)
       .def("set_gravity", &bodies::set_gravity)
       .def("set_user_rows", &bodies::set_user_rows)
+      .def("set_name", &bodies::set_name)
+      .def("material", &bodies::material)
       .def("add_scene", &bodies::add_scene)
       .def("system", &bodies::make_system)
       .def("start", &bodies::start)

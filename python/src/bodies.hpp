@@ -48,6 +48,8 @@ public:
   int add_contact(int solid0, int solid1, double mu, double e_n, double e_t);
   void set_pair(int material0, int material1, double mu, double e_n, double e_t);
   void set_gravity(triple g);
+  void set_name(int kind, int i, const std::string &name);
+  int material(const std::string &name);
   // Sizes nq, nv, m, k, f; callbacks: name, function or None, address, user.
   void set_user_rows(std::array<int, 5> sizes, nb::list callbacks);
   nb::dict add_scene(const std::string &path);

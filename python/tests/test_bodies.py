@@ -379,3 +379,34 @@ nsdae.solve(world, 1e9, output={str(path)!r}, dt=1e-3)
     other.add(1, 1)
     with pytest.raises(OSError):
         nsdae.solve(other, 1, output=tmp_path / "no/such/folder/run.h5")
+
+
+def test_names():
+    """In messages and files; materials by name, and a name that is misspelt."""
+    world = Bodies(2, gravity=(0, -G))
+    floor = world.add_solid(GROUND, Solid("plane", material="ice", name="lake"))
+    rod = world.add(mass=1, inertia=1 / 12, position=(0, 0.1), name="puck")
+    world.add_solid(rod, Solid("disc", radius=0.1, material="rubber"))
+    world.set_pair("ice", "rubber", mu=0.1)
+    run = nsdae.solve(world, 0.1)
+    assert floor == 0 and [shape.name for shape in run.shapes] == ["lake", "puck disc 1"]
+    assert run.contact_count[-1] == 1
+    with pytest.raises(nsdae.ArgumentError, match="prismatic joint") as told:
+        world = Bodies(2)
+        puck = world.add(mass=1, inertia=1, name="puck")
+        world.add_joint("prismatic", GROUND, puck, axis=(1, 0))
+        q, v = world.start()
+        nsdae.solve(world, 1, q + (0, 1, 0), v)
+    assert 'prismatic joint 0 of body 0 "puck" and the ground' in str(told.value)
+    world = Bodies(2)
+    world.add_solid(GROUND, Solid("plane", material="steel"))
+    world.add_solid(world.add(1, 1), Solid("disc", radius=1, material="ice"))
+    world.set_pair("stel", "ice")
+    with pytest.warns(nsdae.ModelWarning, match="material 'stel' has no solid; did you mean 'steel'?"):
+        world.system()
+    for wrong in ("two words", "", "x" * 24, "puck"):
+        world = Bodies(2)
+        world.add(1, 1, name="puck")
+        if wrong:
+            with pytest.raises(nsdae.ArgumentError, match="name"):
+                world.add(1, 1, name=wrong)

@@ -691,6 +691,10 @@ static void test_bodies()
     nsdae::bodies world(2);
     world.gravity(0, -10);
     EXPECT(world.add(ball) == 0);
+    world.name(NSDAE_NAMED_BODY, 0, "ball");
+    EXPECT(
+        throws_status(NSDAE_E_ARGUMENT, [] { nsdae::bodies(2).name(NSDAE_NAMED_BODY, 0, "a"); }));
+    EXPECT(nsdae::bodies(2).material("ice") == NSDAE_MATERIALS - 1);
     world.load(0, centre, [&](double, const double *, const double *, double *force, double *) {
       if (refuse) throw std::runtime_error("refused");
       force[1] = 20; /* carries its weight */

@@ -75,11 +75,28 @@ program mechanism
   call neighbours(1_c_int)
   call groups
   call rope_on_drum
+  call names
   call refused
   call scene_of_a_file
   call check_done
 
 contains
+
+  ! A name is in a message; materials by name.
+  subroutine names()
+    type(nsdae_bodies) :: bodies
+    type(nsdae_error) :: error
+    call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_add(bodies, nsdae_rigid_body(mass=1d0, inertia=[0d0, 0d0, 1d0])), 0_c_int, 'body')
+    call is_int(nsdae_bodies_set_name(bodies, NSDAE_NAMED_BODY, 0_c_int, 'crank '), NSDAE_OK, 'name')
+    call is_int(nsdae_bodies_material(bodies, 'ice'), 63_c_int, 'ice')
+    call is_int(nsdae_bodies_material(bodies, 'steel'), 62_c_int, 'steel')
+    call is_int(nsdae_bodies_material(bodies, 'ice'), 63_c_int, 'ice again')
+    call is_int(nsdae_bodies_set_name(bodies, NSDAE_NAMED_BODY, 0_c_int, 'rod'), NSDAE_E_STATE, 'twice')
+    error = nsdae_bodies_error(bodies)
+    call is_true(index(error%text, 'crank') > 0, 'the name it has')
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
 
   subroutine start(bodies, system, sim)
     type(nsdae_bodies), intent(in) :: bodies
