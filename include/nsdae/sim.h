@@ -418,7 +418,7 @@ NSDAE_API int nsdae_sim_set_control(nsdae_sim *sim, int i, double value);
 /* Control i into *value. NSDAE_E_ARGUMENT: as above. */
 NSDAE_API int nsdae_sim_get_control(nsdae_sim *sim, int i, double *value);
 
-enum { NSDAE_SENSOR_VALUES = 4 }; /* most values of a sensor */
+enum { NSDAE_VALUES_MAX = 4 }; /* most values of a sensor */
 
 /* The values of sensor i of nsdae_bodies_add_sensor at the present record, also in an observer:
  * nsdae_system_sensor_size of them. Forces and accelerations are means over the step, 0 at the

@@ -16,7 +16,7 @@ typedef struct nsdae_moved {
  * from step to step. */
 typedef struct nsdae_maker_sensors {
   int count, angles;
-  int (*size)(const void *of, int i); /* number of values, at most NSDAE_SENSOR_VALUES */
+  int (*size)(const void *of, int i); /* number of values, at most NSDAE_VALUES_MAX */
   /* The angles after a step of length h from those before it; before NULL: at the start, `to`. */
   void (*follow)(const void *of, const nsdae_moved *from, const nsdae_moved *to, double h,
                  const double *before, double *angle);

@@ -57,8 +57,8 @@ static void release(machine *m)
 
 static const double *read(const machine *m, int sensor)
 {
-  static double value[NSDAE_SENSOR_VALUES];
-  for (int i = 0; i < NSDAE_SENSOR_VALUES; i++) value[i] = 0;
+  static double value[NSDAE_VALUES_MAX];
+  for (int i = 0; i < NSDAE_VALUES_MAX; i++) value[i] = 0;
   assert_int_equal(nsdae_sim_get_sensor(m->sim, sensor, value), NSDAE_OK);
   return value;
 }
@@ -372,7 +372,7 @@ static void test_names(void **state)
   (void)state;
   nsdae_bodies *b = create(2, 0, 0, 0);
   nsdae_sim *none = NULL;
-  double value[NSDAE_SENSOR_VALUES];
+  double value[NSDAE_VALUES_MAX];
   hang(b, 2, NSDAE_JOINT_REVOLUTE, (nsdae_rigid_body){.mass = 1});
   add(b, (nsdae_sensor){.name = "turned", .kind = NSDAE_SENSOR_COORDINATE});
   add(b, (nsdae_sensor){.kind = NSDAE_SENSOR_RATE});
