@@ -342,9 +342,9 @@ int recorder::add(const nsdae_record &record)
 
 nb::dict recorder::arrays()
 {
+  const std::size_t n = kept.time.size();
   nb::dict a = kept.arrays(dims);
   nb::list all;
-  const std::size_t n = nb::len(a["time"]);
   for (auto &values : sensors) {
     const std::size_t size = n > 0 ? values.size() / n : 1;
     all.append(size == 1 ? array_of(values, {n}) : array_of(values, {n, size}));

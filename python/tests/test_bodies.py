@@ -140,7 +140,7 @@ def test_controls():
 def test_sensors(tmp_path):
     """A wheel of 40 rad/s over ten turns in space, its rim, and its weight; kept by solve and in a file."""
     world = Bodies(3, gravity=(0, 0, -10))
-    joint = world.add_joint("revolute", GROUND, world.add(mass=2, inertia=1, spin=(0, 0, 40)), axis=(0, 0, 1))
+    joint = world.add_joint("revolute", GROUND, world.add(mass=2, inertia=(1, 1, 1), spin=(0, 0, 40)), axis=(0, 0, 1))
     world.add_sensor("coordinate", "turned", joint=joint)
     force = world.add_sensor("reaction_force", joint=joint)
     world.add_sensor("velocity", "rim", point=(0.5, 0, 0))
