@@ -216,6 +216,37 @@ typedef struct nsdae_coupler {
   double p[NSDAE_COUPLER_COEFFICIENTS]; /* of the polynomial */
 } nsdae_coupler;
 
+/* Kinds of sensors; see nsdae_sensor. In the plane vectors have 2 components, moments and rotations
+ * 1. */
+enum nsdae_sensor_kind {
+  NSDAE_SENSOR_COORDINATE,       /* coordinate of joint, turns counted, also in space [m or rad] */
+  NSDAE_SENSOR_RATE,             /* its rate [m/s or rad/s] */
+  NSDAE_SENSOR_REACTION_FORCE,   /* of the constraints of joint on its body 1 [3] [N] */
+  NSDAE_SENSOR_REACTION_MOMENT,  /* the same about point of the joint (DISTANCE: its end), of body 1
+                                    [3] [N m] */
+  NSDAE_SENSOR_CONTACT_FORCE,    /* of all contacts of solids on body [3] [N] */
+  NSDAE_SENSOR_PAIR_FORCE,       /* of solid[0] on solid[1] [3] [N] */
+  NSDAE_SENSOR_POSITION,         /* of point of body [3] [m] */
+  NSDAE_SENSOR_ORIENTATION,      /* of body: quaternion [4], planar: theta [rad] */
+  NSDAE_SENSOR_VELOCITY,         /* of point of body [3] [m/s] */
+  NSDAE_SENSOR_ANGULAR_VELOCITY, /* of body, in space [3] [rad/s] */
+  NSDAE_SENSOR_ACCELERATION,     /* of point of body [3] [m/s^2] */
+  NSDAE_SENSOR_KINETIC_ENERGY,   /* of body [J] */
+  NSDAE_SENSOR_POTENTIAL_ENERGY  /* of body, by gravity [J] */
+};
+
+/* A sensor: a quantity that is read with nsdae_sim_get_sensor, in the axes of space. One with a
+ * name is also the data set /sensor/NAME of trajectory files. A reaction contains the drive of the
+ * joint, not its motors, springs, limits and friction. */
+typedef struct nsdae_sensor {
+  const char *name;      /* copied; NULL or "": none. Without / and control characters, each once */
+  int kind;              /* enum nsdae_sensor_kind */
+  int body;              /* a body's number */
+  int joint, coordinate; /* a joint's number; 0 or 1, of nsdae_joint */
+  int solid[2];          /* numbers of solids of different bodies */
+  double point[3];       /* of body, in space at the start [m] */
+} nsdae_sensor;
+
 /* A spring and damper between a point of body 0 and a point of body 1, in space at the start. The
  * force acts along the line between the points: F = stiffness (l - rest) + damping l'. */
 typedef struct nsdae_spring {
@@ -317,6 +348,7 @@ NSDAE_API int nsdae_bodies_add_rope(nsdae_bodies *bodies, const nsdae_rope *rope
 NSDAE_API int nsdae_bodies_add_coupler(nsdae_bodies *bodies, const nsdae_coupler *coupler);
 NSDAE_API int nsdae_bodies_add_joint_spring(nsdae_bodies *bodies, const nsdae_joint_spring *spring);
 NSDAE_API int nsdae_bodies_add_motor(nsdae_bodies *bodies, const nsdae_motor *motor);
+NSDAE_API int nsdae_bodies_add_sensor(nsdae_bodies *bodies, const nsdae_sensor *sensor);
 NSDAE_API int nsdae_bodies_add_spring(nsdae_bodies *bodies, const nsdae_spring *spring);
 NSDAE_API int nsdae_bodies_add_torsion(nsdae_bodies *bodies, const nsdae_torsion *torsion);
 /* Adds a force callback on the point [3] of a body, in space at the start. */

@@ -759,6 +759,8 @@ public:
     motor.vary_user = &guts_->drives.back();
     return this->motor(motor, std::move(target));
   }
+  /* nsdae_bodies_add_sensor. */
+  int sensor(const nsdae_sensor &sensor) { return demand(nsdae_bodies_add_sensor(c(), &sensor)); }
   /* nsdae_bodies_add_joint_spring. */
   int joint_spring(const nsdae_joint_spring &spring)
   {
@@ -1006,6 +1008,15 @@ public:
     double value = 0;
     demand(nsdae_sim_get_control(c(), i, &value));
     return value;
+  }
+
+  /* nsdae_sim_get_sensor: the values of sensor i at the present record. */
+  std::vector<double> sensor(int i)
+  {
+    double value[NSDAE_VALUES_MAX];
+    demand(nsdae_sim_get_sensor(c(), i, value));
+    return std::vector<double>(value,
+                               value + nsdae_system_sensor_size(nsdae_sim_get_system(c()), i));
   }
 
   /* nsdae_sim_get_state: the state as a block of bytes. */

@@ -418,6 +418,15 @@ NSDAE_API int nsdae_sim_set_control(nsdae_sim *sim, int i, double value);
 /* Control i into *value. NSDAE_E_ARGUMENT: as above. */
 NSDAE_API int nsdae_sim_get_control(nsdae_sim *sim, int i, double *value);
 
+enum { NSDAE_VALUES_MAX = 4 }; /* most values of a sensor */
+
+/* The values of sensor i of nsdae_bodies_add_sensor at the present record, also in an observer:
+ * nsdae_system_sensor_size of them. Forces and accelerations are means over the step, 0 at the
+ * start and after nsdae_sim_set_state.
+ *
+ * NSDAE_E_ARGUMENT; NSDAE_E_STATE: before nsdae_sim_init. */
+NSDAE_API int nsdae_sim_get_sensor(nsdae_sim *sim, int i, double *value);
+
 /* The complementarity problem of a step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE. Its arrays belong to the simulation and are valid until the next step.
  * NSDAE_E_STATE: the last step did not fail in this way, or its contacts have the second-order cone

@@ -270,11 +270,12 @@ NSDAE_API int nsdae_system_set_contacts(nsdae_system *system, nsdae_contacts_fn 
 
 /* Objects with a name; the comment is their number, from 0. */
 enum nsdae_name_kind {
-  NSDAE_NAME_COORDINATE,      /* nq */
-  NSDAE_NAME_VELOCITY,        /* nv */
-  NSDAE_NAME_CONSTRAINT,      /* m */
-  NSDAE_NAME_CONTACT,         /* k */
-  NSDAE_NAME_FRICTIONAL_JOINT /* f */
+  NSDAE_NAME_COORDINATE,       /* nq */
+  NSDAE_NAME_VELOCITY,         /* nv */
+  NSDAE_NAME_CONSTRAINT,       /* m */
+  NSDAE_NAME_CONTACT,          /* k */
+  NSDAE_NAME_FRICTIONAL_JOINT, /* f */
+  NSDAE_NAME_SENSOR            /* of nsdae_bodies_add_sensor, which names them */
 };
 
 /* Sizes of name and unit, including the terminating zero. */
@@ -300,6 +301,8 @@ NSDAE_API int nsdae_system_set_size(nsdae_system *system, int kind, int i, doubl
  * of its coordinate, and its unit per second, if there is no callback kinematics. */
 NSDAE_API const char *nsdae_system_get_name(const nsdae_system *system, int kind, int i);
 NSDAE_API const char *nsdae_system_get_unit(const nsdae_system *system, int kind, int i);
+/* Number of values of sensor i (nsdae_bodies_add_sensor); 0: there is none. */
+NSDAE_API int nsdae_system_sensor_size(const nsdae_system *system, int i);
 
 /* Adds a body to the trajectory files of this system: its shape, and formulas of its pose. All data
  * are copied. nsdae_trajectory_create checks the formulas. nsdae_bodies_system adds every solid.

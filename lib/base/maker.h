@@ -5,7 +5,24 @@
 
 #include <stddef.h>
 
-#include <nsdae/system.h>
+#include <nsdae/sim.h>
+
+/* A state. */
+typedef struct nsdae_moved {
+  const double *q, *v;
+} nsdae_moved;
+
+/* Quantities that are read from a record. Rotations that count their turns, `angles`, are followed
+ * from step to step. */
+typedef struct nsdae_maker_sensors {
+  int count, angles;
+  int (*size)(const void *of, int i); /* number of values, at most NSDAE_VALUES_MAX */
+  /* The angles after a step of length h from those before it; before NULL: at the start, `to`. */
+  void (*follow)(const void *of, const nsdae_moved *from, const nsdae_moved *to, double h,
+                 const double *before, double *angle);
+  void (*sense)(const void *of, int i, const nsdae_record *record, const double *angle,
+                double *value);
+} nsdae_maker_sensors;
 
 /* Why a callback has no value at a point. */
 typedef struct nsdae_reason {
@@ -37,6 +54,7 @@ typedef struct nsdae_maker {
   const double *control; /* [controls] at first */
   /* NULL, or why a simulation cannot set control i. */
   const char *(*fixed)(const void *of, int i);
+  nsdae_maker_sensors sensors;
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

@@ -37,7 +37,8 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
   nsdae_list *lists[] = {
       &b->body,         &b->constraint, &b->frictional_joint, &b->solid, &b->feature, &b->limit,
-      &b->force.spring, &b->force.load, &b->force.target,     &b->pair,  &b->joint,   &b->name};
+      &b->force.spring, &b->force.load, &b->force.target,     &b->pair,  &b->joint,   &b->name,
+      &b->sensor};
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);
@@ -358,9 +359,10 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;
-  status = nsdae_bodies_set_callbacks(b, *system);
-  if (status == NSDAE_OK) status = nsdae_bodies_show(b, *system);
   nsdae_bodies_sign(b, *system);
+  status = nsdae_bodies_set_callbacks(b, *system);
+  if (status == NSDAE_OK) status = nsdae_bodies_name_sensors(b, *system);
+  if (status == NSDAE_OK) status = nsdae_bodies_show(b, *system);
   if (status < 0) {
     b->error = *nsdae_system_error(*system);
     if (b->error.status == NSDAE_OK)

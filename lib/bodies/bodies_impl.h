@@ -80,6 +80,15 @@ typedef struct nsdae_bodies_spring {
 
 enum { NSDAE_SPRING, NSDAE_TORSION, NSDAE_JOINT_SPRING, NSDAE_FORCE_MOTOR, NSDAE_POSITION_MOTOR };
 
+/* A sensor, its coordinate, its point in the frame of its body. */
+typedef struct nsdae_bodies_sensor {
+  nsdae_sensor of; /* without its name */
+  char name[NSDAE_NAME_SIZE];
+  nsdae_primitive value;
+  double point[3];
+  int angle; /* which of those that are followed; -1: none */
+} nsdae_bodies_sensor;
+
 typedef struct nsdae_bodies_pair {
   int material[2];
   double mu, e_n, e_t;
@@ -120,6 +129,7 @@ struct nsdae_bodies {
   _Atomic(nsdae_broad *) broad[NSDAE_BROADS]; /* those that no call uses now */
   nsdae_list joint;                           /* nsdae_bodies_joint */
   nsdae_list name;                            /* nsdae_bodies_name */
+  nsdae_list sensor;                          /* nsdae_bodies_sensor */
   nsdae_user_rows own;                        /* beside the bodies; nv filled in */
 };
 
@@ -313,6 +323,13 @@ int nsdae_bodies_note(nsdae_bodies *bodies);
 
 /* Makes the bodies the maker of the system: see maker.h. */
 void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
+
+/* Names of sensors; what the maker knows of them. */
+int nsdae_bodies_name_sensors(const nsdae_bodies *bodies, nsdae_system *system);
+void nsdae_bodies_sense(const nsdae_bodies *bodies, nsdae_maker *maker);
+
+/* The two solids of a contact, and its number among those of the pair. 0: it has none. */
+int nsdae_bodies_pair_of(const nsdae_bodies *bodies, long id, int solid[2], long *number);
 
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);

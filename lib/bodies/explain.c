@@ -93,20 +93,14 @@ static void contact_words(const nsdae_bodies *b, const int solid[2], char *text,
 static int words(const void *of, int kind, long i, char *text, size_t size)
 {
   const nsdae_bodies *b = of;
-  if (kind == NSDAE_NAME_CONTACT && i >= 0 && i < b->feature.count) {
-    contact_words(b, nsdae_feature_at(b, (int)i)->solid, text, size);
+  int solid[2];
+  long number, limit = i - (nsdae_bodies_has_list(b) ? nsdae_bodies_limit_id(b) : b->feature.count);
+  if (kind == NSDAE_NAME_CONTACT && nsdae_bodies_pair_of(b, i, solid, &number)) {
+    contact_words(b, solid, text, size);
     return 1;
   }
-  long limit = i - (nsdae_bodies_has_list(b) ? nsdae_bodies_limit_id(b) : b->feature.count);
   if (kind == NSDAE_NAME_CONTACT && limit >= 0 && limit < b->limit.count) {
     limit_words(b, (int)limit, text, size);
-    return 1;
-  }
-  if (kind == NSDAE_NAME_CONTACT && nsdae_bodies_has_list(b)) {
-    long pair = (i - b->feature.count) / nsdae_broad_features(b), solids = b->solid.count;
-    if (i < 0 || pair >= solids * solids) return 0; /* < 0: of the user rows */
-    const int solid[2] = {(int)(pair / solids), (int)(pair % solids)};
-    contact_words(b, solid, text, size);
     return 1;
   }
   int constraint = kind == NSDAE_NAME_CONSTRAINT && i < b->constraint.count;
@@ -345,11 +339,13 @@ static int explain(const void *of, const char *callback, double t, const double 
 
 void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
 {
-  nsdae_system_set_maker(system, &(nsdae_maker){.of = b,
-                                                .exact = exact,
-                                                .words = words,
-                                                .explain = explain,
-                                                .controls = b->force.target.count,
-                                                .control = b->force.target.at,
-                                                .fixed = nsdae_motor_fixed});
+  nsdae_maker maker = {.of = b,
+                       .exact = exact,
+                       .words = words,
+                       .explain = explain,
+                       .controls = b->force.target.count,
+                       .control = b->force.target.at,
+                       .fixed = nsdae_motor_fixed};
+  nsdae_bodies_sense(b, &maker);
+  nsdae_system_set_maker(system, &maker);
 }

@@ -17,6 +17,7 @@ module nsdae_f_bodies
 
   ! Materials are 0 .. NSDAE_MATERIALS - 1.
   ! headers: constants NSDAE_GROUND NSDAE_MATERIALS NSDAE_JOINT_ NSDAE_COUPLER_ NSDAE_MOTOR_ NSDAE_NAMED_
+  ! headers: constants NSDAE_SENSOR_
 
   ! A rigid body at the start.
   type, bind(C), public :: nsdae_rigid_body
@@ -100,6 +101,17 @@ module nsdae_f_bodies
     type(c_ptr) :: user = c_null_ptr, vary_user = c_null_ptr
   end type
 
+  ! A quantity that nsdae_sim_get_sensor reads; name: of characters that end with c_null_char, null:
+  ! none.
+  type, bind(C), public :: nsdae_sensor
+    type(c_ptr) :: name = c_null_ptr
+    integer(c_int) :: kind = NSDAE_SENSOR_COORDINATE
+    integer(c_int) :: body = 0
+    integer(c_int) :: joint = 0, coordinate = 0
+    integer(c_int) :: solid(2) = 0
+    real(c_double) :: point(3) = 0  ! of the body, in space at the start
+  end type
+
   ! A spring and damper between two points.
   type, bind(C), public :: nsdae_spring
     integer(c_int) :: body(2) = NSDAE_GROUND
@@ -179,7 +191,7 @@ module nsdae_f_bodies
   public :: nsdae_drive_fn, nsdae_load_fn
   public :: nsdae_bodies_create, nsdae_bodies_destroy, nsdae_bodies_add, nsdae_bodies_add_joint, &
             nsdae_bodies_add_limit, nsdae_bodies_add_rope, nsdae_bodies_add_coupler, &
-            nsdae_bodies_add_joint_spring, nsdae_bodies_add_motor, &
+            nsdae_bodies_add_joint_spring, nsdae_bodies_add_motor, nsdae_bodies_add_sensor, &
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
@@ -188,7 +200,7 @@ module nsdae_f_bodies
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
-    ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
+    ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor add_sensor
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
     ! headers: functions nsdae_bodies_ add_scene set_name material
@@ -227,7 +239,7 @@ contains
   ! Each adds one thing: its number, or a status < 0, which is remembered: later calls return it too,
   ! and so does nsdae_bodies_system, so that it is enough to look there.
   ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
-  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
+  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor add_sensor
 
   ! Adds a force callback on the point of a body, in space at the start.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)

@@ -28,7 +28,7 @@ module nsdae_f_sim
   ! Normal force of penalty.
   ! headers: constants NSDAE_PENALTY_
 
-  ! headers: constants NSDAE_OBSERVERS_MAX
+  ! headers: constants NSDAE_OBSERVERS_MAX NSDAE_VALUES_MAX
 
   ! Initialise with nsdae_sim_options_default; an uninitialised variable is an error.
   type, bind(C), public :: nsdae_sim_options
@@ -246,7 +246,7 @@ module nsdae_f_sim
             nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
             nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
             nsdae_sim_set_contact, nsdae_sim_set_frictional_joint, nsdae_sim_set_friction_bound, &
-            nsdae_sim_set_control, nsdae_sim_get_control
+            nsdae_sim_set_control, nsdae_sim_get_control, nsdae_sim_get_sensor
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -257,7 +257,7 @@ module nsdae_f_sim
     ! headers: functions nsdae_sim_ options_set options_table create destroy project init observe
     ! headers: functions nsdae_sim_ set_interrupt unobserve step run get_record get_stats run_to_event
     ! headers: functions nsdae_sim_ interpolate set_user set_options set_contact set_frictional_joint
-    ! headers: functions nsdae_sim_ set_friction_bound set_control get_control
+    ! headers: functions nsdae_sim_ set_friction_bound set_control get_control get_sensor
     ! headers: functions nsdae_sim_ state_size get_state set_state get_dims has_potential get_options
     ! headers: functions nsdae_sim_ get_failed_lcp get_friction error
     ! headers: functions nsdae_ method_name method_summary
@@ -489,6 +489,15 @@ contains
     is = 0
     status = c_get_control(at(sim), i, is)
     val = is(1)
+  end function
+
+  ! The values of sensor i at the present record, val(1:nsdae_system_sensor_size(system, i)).
+  integer(c_int) function nsdae_sim_get_sensor(sim, i, val) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    integer(c_int), intent(in) :: i
+    real(c_double), intent(out) :: val(NSDAE_VALUES_MAX)
+    val = 0
+    status = c_get_sensor(at(sim), i, val)
   end function
 
   ! Size in bytes of the state block, which depends on system and options. A block contains all data

@@ -152,7 +152,7 @@ module nsdae_f_system
             nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
             nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
             nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, &
-            nsdae_system_get_unit, nsdae_system_set_size
+            nsdae_system_get_unit, nsdae_system_set_size, nsdae_system_sensor_size
   public :: nsdae_mass_blocks_fn, nsdae_constraint_rows_fn, nsdae_contacts_fn, &
             nsdae_system_set_blocks, nsdae_system_get_blocks, nsdae_system_set_mass_blocks, &
             nsdae_system_set_constraint_rows, nsdae_system_set_contacts, nsdae_contact_add, &
@@ -164,7 +164,7 @@ module nsdae_f_system
 
   interface
     ! headers: functions nsdae_system_ create destroy set_user set_contact clear_error simulations set_name
-    ! headers: functions nsdae_system_ set_size get_name get_unit set_frictional_joint error get_dims
+    ! headers: functions nsdae_system_ set_size sensor_size get_name get_unit set_frictional_joint error get_dims
     ! headers: functions nsdae_system_ set_friction_bound
     ! headers: functions nsdae_system_ differences unseen check set_blocks get_blocks set_mass_blocks
     ! headers: functions nsdae_system_ set_constraint_rows set_joint_friction_rows set_contacts
@@ -311,6 +311,13 @@ contains
   ! A length that the error of number i (from 0) of a kind is measured by, NSDAE_NAME_CONTACT (of
   ! contacts by list: of block i) or NSDAE_NAME_CONSTRAINT; 0: unknown.
   ! headers: wrappers nsdae_system_ set_size
+
+  ! Number of values of sensor i; 0: there is none.
+  integer(c_int) function nsdae_system_sensor_size(system, i) result(number)
+    type(nsdae_system), intent(in) :: system
+    integer(c_int), intent(in) :: i
+    number = c_sensor_size(system%handle, i)
+  end function
 
   ! Name and unit; '' if not set.
   function nsdae_system_get_name(system, kind, i) result(text)

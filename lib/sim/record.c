@@ -60,6 +60,7 @@ void nsdae_point_layout(nsdae_point *p, nsdae_arena *arena)
   p->normal_force = NSDAE_ARENA_DOUBLES(arena, k);
   p->tangential_force = NSDAE_ARENA_DOUBLES(arena, k * d->nt);
   p->frictional_joint_force = NSDAE_ARENA_DOUBLES(arena, d->f);
+  p->angle = NSDAE_ARENA_DOUBLES(arena, p->result.end.system->maker.sensors.angles);
   nsdae_point_show_arrays(p);
 }
 
@@ -181,6 +182,17 @@ static int try_equations(nsdae_sim *sim, nsdae_result *r)
   return nsdae_step_free(&step, &r->end, r->end.M, r->end.F, s->v, s->impulse);
 }
 
+/* The turns of sensors after a step; before NULL: at the start. */
+static void follow_turns(const nsdae_point *before, nsdae_point *point, double length)
+{
+  const nsdae_terms *to = &point->result.end, *from = before ? &before->result.end : to;
+  const nsdae_maker *maker = &to->system->maker;
+  const nsdae_moved was = {from->q, from->v}, is = {to->q, to->v};
+  if (maker->sensors.angles > 0)
+    maker->sensors.follow(maker->of, &was, &is, length, before ? before->angle : NULL,
+                          point->angle);
+}
+
 int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
 {
   nsdae_terms *start = &point->result.end;
@@ -197,6 +209,7 @@ int nsdae_point_start(nsdae_sim *sim, nsdae_point *point)
   point->result.closed.count = 0; /* none did anything yet */
   point->record.contacts.count = fixed_contacts(point);
   fill_means(point, start, 0);
+  follow_turns(NULL, point, 0);
   stats->energy_start = point->record.kinetic + point->record.potential;
   stats->rank = sim->system->dims.m;
   stats->rank_retained = 1;
@@ -243,6 +256,7 @@ int nsdae_point_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_point *p
   status = nsdae_certificate_follow(sim, before, point);
   if (status < 0) return status;
   fill_means(point, &before->result.end, length);
+  follow_turns(before, point, length);
   status = nsdae_point_finite(point);
   if (status < 0) return status;
   add_counters(&a->stats, &r->counters);

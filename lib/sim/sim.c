@@ -333,6 +333,26 @@ NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_record, (const nsdae_sim *sim, nsdae_re
   return NSDAE_OK;
 }
 
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_sensor, (nsdae_sim * sim, int i, double *value), sim, i,
+               value)
+{
+  const nsdae_maker *maker = &sim->system->maker;
+  const char *where = "nsdae_sim_get_sensor";
+  if (!sim->observers.telling) nsdae_error_clear(&sim->error);
+  if (!sim->stage.started)
+    return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
+                           "the simulation has no state: call nsdae_sim_init first");
+  if (!value)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "value", "value is NULL");
+  if (i < 0 || i >= maker->sensors.count)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "i",
+                           "i = %d is outside its range: there are %d sensors", i,
+                           maker->sensors.count);
+  const nsdae_point *shown = nsdae_sim_shown(sim);
+  maker->sensors.sense(maker->of, i, &shown->record, shown->angle, value);
+  return NSDAE_OK;
+}
+
 NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_failed_lcp,
                (const nsdae_sim *sim, nsdae_lcp_problem *problem), sim, problem)
 {

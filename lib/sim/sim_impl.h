@@ -91,6 +91,7 @@ typedef struct nsdae_point {
   nsdae_record record; /* made of them */
   double *acceleration, *normal_force, *tangential_force,
       *frictional_joint_force; /* means of the step */
+  double *angle;               /* of sensors, followed from the start */
 } nsdae_point;
 
 void nsdae_point_layout(nsdae_point *point, nsdae_arena *arena);

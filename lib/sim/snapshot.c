@@ -7,7 +7,8 @@
  *   accounts  number of the step, grid, work of contacts and forces, certificate, statistics but
  *             for the clock
  *   state     t, q, v, what is evaluated there; multipliers, impulses and modes of the last step
- *             (contact list: of the closed contacts, with their ids, blocks and gaps)
+ *             (contact list: of the closed contacts, with their ids, blocks and gaps); angles of
+ *             sensors with their turns
  *   memory    what the method keeps: its numbers, its integers (tracked contacts: of the slots up
  *             to the last that is used, so that it does not depend on the room)
  *   units     groups of coordinates of constant length, their lengths (where nv < nq)
@@ -36,7 +37,7 @@ typedef struct head {
   int32_t dims[6], method;
   int32_t closed; /* contacts of the list */
   int32_t slots;  /* whose memory is there: those that are used */
-  int32_t controls;
+  int32_t controls, angles, none;
 } head;
 
 enum {
@@ -182,6 +183,7 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   visit_ints(c, r->impulses.mode, d->k);
   visit_ints(c, r->impulses.frictional_joint_mode, d->f);
   if (tracked || nsdae_terms_most(r->end.system) == NSDAE_ANY_NUMBER) visit_closed(c, r, *have);
+  visit_doubles(c, p->angle, r->end.system->maker.sensors.angles);
   visit(c, r->memory.real, r->memory.reals * sizeof(double));
   visit(c, r->memory.whole, r->memory.wholes * sizeof(int));
 }
@@ -270,7 +272,8 @@ static head make_head(const nsdae_sim *sim, size_t size, int slots)
             .method = sim->options.method,
             .closed = nsdae_sim_shown(sim)->result.closed.count,
             .slots = slots,
-            .controls = sim->system->maker.controls};
+            .controls = sim->system->maker.controls,
+            .angles = sim->system->maker.sensors.angles};
   memcpy(h.magic, MAGIC, sizeof h.magic);
   return h;
 }
@@ -376,11 +379,11 @@ static int check_dims(nsdae_sim *sim, const head *theirs, const head *ours)
       return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", names[i],
                              "%s is %d here and %d in the block: it is of another system", names[i],
                              ours->dims[i], theirs->dims[i]);
-  if (theirs->controls != ours->controls)
+  if (theirs->controls != ours->controls || theirs->angles != ours->angles)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", "controls",
-                           "the system has %d controls here and %d in the block: it is of another "
-                           "system",
-                           ours->controls, theirs->controls);
+                           "the system has %d controls and %d sensors that count turns here, and "
+                           "%d, %d in the block: it is of another system",
+                           ours->controls, ours->angles, theirs->controls, theirs->angles);
   if (theirs->method != ours->method) {
     const char *name = nsdae_method_name(theirs->method);
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_set_state", "method",
@@ -469,7 +472,8 @@ static int check_values(nsdae_sim *sim)
       are_finite(r->impulses.frictional_joint_impulse, d->f) &&
       !any_nan(certificate, sizeof certificate / sizeof *certificate) &&
       !any_nan(r->memory.real, r->memory.reals) &&
-      are_finite(sim->control.value, sim->system->maker.controls))
+      are_finite(sim->control.value, sim->system->maker.controls) &&
+      are_finite(p->angle, sim->system->maker.sensors.angles))
     return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_NONFINITE, "nsdae_sim_set_state", "block",
                          "the state has a number that is not finite");

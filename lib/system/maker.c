@@ -7,6 +7,12 @@ void nsdae_system_set_maker(nsdae_system *system, const nsdae_maker *maker)
   system->maker = *maker;
 }
 
+int nsdae_system_sensor_size(const nsdae_system *system, int i)
+{
+  const nsdae_maker *m = system ? &system->maker : NULL;
+  return m && i >= 0 && i < m->sensors.count ? m->sensors.size(m->of, i) : 0;
+}
+
 int nsdae_system_exact(const nsdae_system *system, int kind, int i)
 {
   const nsdae_maker *m = &system->maker;

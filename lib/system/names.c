@@ -8,13 +8,13 @@
 #include "callbacks.h"
 #include "errors.h"
 
-static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity", "constraint",
-                                                    "contact", "frictional joint"};
+static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity",         "constraint",
+                                                    "contact",    "frictional joint", "sensor"};
 
 int nsdae_system_count(const nsdae_system *system, int kind)
 {
   const nsdae_dims *d = &system->dims;
-  const int count[NSDAE_NAME_KINDS] = {d->nq, d->nv, d->m, d->k, d->f};
+  const int count[NSDAE_NAME_KINDS] = {d->nq, d->nv, d->m, d->k, d->f, system->maker.sensors.count};
   return kind >= 0 && kind < NSDAE_NAME_KINDS ? count[kind] : 0;
 }
 

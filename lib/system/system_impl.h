@@ -25,7 +25,7 @@ typedef struct nsdae_frictional_joint {
   int told;
 } nsdae_frictional_joint;
 
-enum { NSDAE_NAME_KINDS = NSDAE_NAME_FRICTIONAL_JOINT + 1 };
+enum { NSDAE_NAME_KINDS = NSDAE_NAME_SENSOR + 1 };
 
 typedef struct nsdae_label {
   char name[NSDAE_NAME_SIZE], unit[NSDAE_UNIT_SIZE];

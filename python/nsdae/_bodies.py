@@ -17,6 +17,8 @@ from ._trajectory import Shape
 GROUND = -1
 _BODY, _SOLID = 0, 1  # enum nsdae_named
 MOTORS = ("force", "speed", "position")
+SENSORS = ("coordinate", "rate", "reaction_force", "reaction_moment", "contact_force", "pair_force", "position",
+           "orientation", "velocity", "angular_velocity", "acceleration", "kinetic_energy", "potential_energy")
 JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherical", "cylindrical", "universal",
           "screw")
 _USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constraint_bias", "gap", "gap_normal", "gap_tangent",
@@ -419,6 +421,34 @@ class Bodies:
             Number of the spring.
         """
         return self._core.add_joint_spring(joint, coordinate, float(stiffness), float(damping), float(rest))
+
+    def add_sensor(self, kind: str, name: str = "", *, body: int = 0, joint: int = 0, coordinate: int = 0,
+                   solids: Sequence[int] = (0, 0), point: Any = 0) -> int:
+        """Adds a sensor, which `Sim.get_sensor` reads.
+
+        Parameters
+        ----------
+        kind : str
+            Of a coordinate of a joint: "coordinate" (turns are counted), "rate". Of a joint: "reaction_force",
+            "reaction_moment", on its second body. Of a body: "contact_force", "position", "orientation", "velocity",
+            "angular_velocity", "acceleration", "kinetic_energy", "potential_energy". Of two solids: "pair_force", of
+            the first on the second.
+        name : str
+            One with a name is also in `Trajectory.sensors` and in trajectory files.
+        body, joint, coordinate : int
+            What it is of.
+        solids : (int, int)
+            Numbers of two solids.
+        point : array_like
+            Point of the body, in space at the start [m].
+
+        Returns
+        -------
+        int
+            Number of the sensor.
+        """
+        return self._core.add_sensor(name, _one_of("kind", kind, SENSORS), body, joint, coordinate, tuple(solids),
+                                     _numbers("point", point, 3))
 
     def add_spring(self, body0: int, body1: int, *, point: Any, end: Any, stiffness: float = 0, damping: float = 0,
                    rest: float = 0) -> int:

@@ -281,6 +281,22 @@ def _put_values(file: Any, group: str, values: dict[str, Any]) -> None:
         file[group].create_dataset(name, data=value)
 
 
+def _put_sensors(file: Any, trajectory: Trajectory) -> None:
+    units = dict(trajectory.names.get("sensor", []))
+    for name, values in trajectory.sensors.items():
+        axis = f"component{values.shape[1]}" if values.ndim > 1 else ""
+        if axis and axis not in file:
+            _put(file, axis, _text(f"component{i}" for i in range(values.shape[1])), "", "components of a sensor", (axis,))
+        _put(file, f"sensor/{name}", values, units.get(name, ""), "sensor of the model", ("time", axis) if axis else ("time",))
+
+
+def _read_sensors(file: Any, n: int) -> tuple[dict[str, np.ndarray], list[tuple[str, str]]]:
+    """Values of the sensors; (name, unit) of each."""
+    group = file.get("sensor", {})
+    return ({name: _rows(file, f"sensor/{name}", n) for name in group},
+            [(name, str(_str(group[name].attrs.get("units", "")))) for name in group])
+
+
 def fill(trajectory: Trajectory, file: Any) -> None:
     """Writes everything to an empty file."""
     now = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
@@ -298,6 +314,7 @@ def fill(trajectory: Trajectory, file: Any) -> None:
         if values is not None and all(values.shape[1:]):
             _put(file, path, values, unit, description, scales)
     _put_certificate(file, trajectory, listed)
+    _put_sensors(file, trajectory)
     nt = trajectory.tangential_impulse.shape[-1]
     if listed:
         _put_blocks(file, trajectory.blocks)
@@ -452,9 +469,10 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"),
                ("frictional_joint", "frictional_joint_impulse"))}
+    sensors, sensor_names = _read_sensors(file, n)
     counts["contact"] = contacts["contacts"].shape[1] if contacts["blocks"] is None else 0
     return {**columns, **contacts, "certificate": _read_certificate(file, columns), "impacts": _read_events(file, "impact", IMPACT),
-            "changes": _read_events(file, "change", CHANGE), "names": _read_names(file, counts),
+            "changes": _read_events(file, "change", CHANGE), "names": {**_read_names(file, counts), "sensor": sensor_names}, "sensors": sensors,
             "options": _read_values(file, "options"), "parameters": _read_values(file, "parameters"),
             "model": _str(file.attrs.get("model", "")), "status": _str(file.attrs.get("status", "")),
             "shapes": _read_shapes(file, shape)}

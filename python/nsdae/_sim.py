@@ -301,6 +301,21 @@ class Sim:
         """
         return self._told(self._core.get_control, i)
 
+    def get_sensor(self, i: int) -> np.ndarray:
+        """Reads a sensor of `Bodies.add_sensor` at the present record.
+
+        Parameters
+        ----------
+        i : int
+            Number of the sensor.
+
+        Returns
+        -------
+        ndarray
+            Its values. Forces and accelerations are means over the step.
+        """
+        return self._told(self._core.get_sensor, i)
+
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Interpolates the state within the last step.
 
@@ -359,7 +374,7 @@ class Sim:
         known = dict(has_potential=self._core.has_potential(), options=self.options, model=model,
                      parameters=parameters or {}, shapes=shapes or [],
                      blocks=self.system.blocks if self.system._listed else None)
-        stats, names = self.stats, names_of(self.system)
+        stats, names = self.stats, {**names_of(self.system), "sensor": self._core.sensors()}
         unwritten: list[OSError] = []
 
         def now(status: str, stats: dict[str, Any]) -> Trajectory:

@@ -106,10 +106,13 @@ class Trajectory(ContactColumns):
         Residual of the contact problem, max abs(Phi), largest overlap [m].
     certificate : structured ndarray or None, shape (n,)
         ``Record.certificate`` of each record.
+    sensors : dict
+        Values of the named sensors of `Bodies.add_sensor`, shape (n,) or (n, components).
     impacts, changes : structured ndarray
         Impacts and mode transitions, see Notes.
     names : dict
-        ``{"coordinate": [(name, unit), ...], ...}``, also of "velocity", "constraint", "contact", "frictional_joint".
+        ``{"coordinate": [(name, unit), ...], ...}``, also of "velocity", "constraint", "contact", "frictional_joint",
+        "sensor".
     blocks : ndarray or None, shape (blocks, 2)
         nq and nv of each block, with a contact list.
     options, stats, parameters : dict
@@ -158,15 +161,19 @@ class Trajectory(ContactColumns):
     shapes: list[Shape] = field(default_factory=list)
     blocks: np.ndarray | None = None
     certificate: np.ndarray | None = None
+    sensors: dict[str, np.ndarray] = field(default_factory=dict)
 
     @classmethod
     def _of_run(cls, arrays: dict[str, Any], names: dict[str, list[tuple[str, str]]], *, has_potential: bool,
                 **told: Any) -> Trajectory:
         impacts, changes, contacts = events(arrays)
         columns = {name: values for name, values in arrays.items()
-                   if name not in (*EVENTS, "nt", "acceleration", "potential", "certificate")}
+                   if name not in (*EVENTS, "nt", "acceleration", "potential", "certificate", "sensors")}
+        named = [(name, unit) for name, unit in names["sensor"] if name]
+        sensors = {name: values for (name, _), values in zip(names["sensor"], arrays["sensors"]) if name}
+        names = {**names, "sensor": named}
         return cls(**columns, potential=arrays["potential"] if has_potential else None, impacts=impacts, changes=changes,
-                   contacts=contacts, certificate=certificates(arrays), names=names, **told)
+                   contacts=contacts, certificate=certificates(arrays), names=names, sensors=sensors, **told)
 
     @property
     def method(self) -> str:
@@ -193,13 +200,15 @@ class Trajectory(ContactColumns):
         return len(self.time)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Column of a coordinate or velocity by its name, shape (n,)."""
+        """Column of a coordinate or velocity by its name, shape (n,); or a sensor."""
         for kind, of in (("coordinate", self.q), ("velocity", self.v)):
             for i, (has, _) in enumerate(self.names[kind]):
                 if has == name:
                     return of[:, i]
-        known = [has for kind in ("coordinate", "velocity") for has, _ in self.names[kind]]
-        raise KeyError(f"no coordinate or velocity is called '{name}': they are {', '.join(known)}")
+        if name in self.sensors:
+            return self.sensors[name]
+        known = [has for kind in ("coordinate", "velocity") for has, _ in self.names[kind]] + list(self.sensors)
+        raise KeyError(f"no coordinate, velocity or sensor is called '{name}': they are {', '.join(known)}")
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"

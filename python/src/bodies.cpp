@@ -178,6 +178,21 @@ int bodies::add_motor(int joint, int coordinate, int kind, double target, double
   return demand(nsdae_bodies_add_motor(handle, &m));
 }
 
+int bodies::add_sensor(const std::string &name, int kind, int body, int joint, int coordinate,
+                       std::array<int, 2> solid, triple point)
+{
+  nsdae_sensor s = {};
+  s.name = name.c_str();
+  s.kind = kind;
+  s.body = body;
+  s.joint = joint;
+  s.coordinate = coordinate;
+  s.solid[0] = solid[0];
+  s.solid[1] = solid[1];
+  fill(s.point, point);
+  return demand(nsdae_bodies_add_sensor(handle, &s));
+}
+
 int bodies::add_joint_spring(int joint, int coordinate, double stiffness, double damping,
                              double rest)
 {
@@ -400,6 +415,7 @@ void bind_bodies(nb::module_ &m)
       .def("add_motor", &bodies::add_motor, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
            nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none(),
            nb::arg(), nb::arg())
+      .def("add_sensor", &bodies::add_sensor)
       .def("add_joint_spring", &bodies::add_joint_spring)
       .def("add_spring", &bodies::add_spring)
       .def("add_torsion", &bodies::add_torsion)

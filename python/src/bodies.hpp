@@ -39,6 +39,8 @@ public:
                 double kd, nb::object drive, std::uintptr_t address, std::uintptr_t user,
                 nb::object vary, std::uintptr_t vary_address, std::uintptr_t vary_user);
   int add_joint_spring(int joint, int coordinate, double stiffness, double damping, double rest);
+  int add_sensor(const std::string &name, int kind, int body, int joint, int coordinate,
+                 std::array<int, 2> solid, triple point);
   int add_spring(int body0, int body1, triple point, triple end, double stiffness, double damping,
                  double rest);
   int add_torsion(int body0, int body1, triple axis, double stiffness, double damping, double rest);

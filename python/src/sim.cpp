@@ -324,13 +324,43 @@ bool recorder::written()
   return result != nullptr;
 }
 
+// A record with its sensors.
+int recorder::add(const nsdae_record &record)
+{
+  const nsdae_system *system = nsdae_sim_get_system(from);
+  double value[NSDAE_VALUES_MAX];
+  int status = NSDAE_OK;
+  kept.add(record, dims);
+  for (int i = 0, size; (size = nsdae_system_sensor_size(system, i)) > 0; i++) {
+    if (static_cast<std::size_t>(i) == sensors.size()) sensors.emplace_back();
+    if (status == NSDAE_OK) status = nsdae_sim_get_sensor(from, i, value);
+    sensors[static_cast<std::size_t>(i)].insert(sensors[static_cast<std::size_t>(i)].end(), value,
+                                                value + size);
+  }
+  return status;
+}
+
+nb::dict recorder::arrays()
+{
+  const std::size_t n = kept.time.size();
+  nb::dict a = kept.arrays(dims);
+  nb::list all;
+  for (auto &values : sensors) {
+    const std::size_t size = n > 0 ? values.size() / n : 1;
+    all.append(size == 1 ? array_of(values, {n}) : array_of(values, {n, size}));
+  }
+  a["sensors"] = all;
+  return a;
+}
+
 int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self)
 {
   recorder *r = static_cast<recorder *>(self);
   try {
     r->kept.add_events(*record);
     r->last_kept = record->step % r->every == 0;
-    if (r->last_kept) r->kept.add(*record, r->dims);
+    const int status = r->last_kept ? r->add(*record) : NSDAE_OK;
+    if (status < 0) return status;
     if (r->last_kept && r->write && !r->written()) {
       snprintf(error->text, sizeof error->text, "the output was not written");
       return error->status = NSDAE_E_IO;
@@ -352,6 +382,7 @@ std::string sim::record_run(double t_end, int every, recorder &to, nb::object wr
   to.every = every;
   to.write = write.is_none() ? nullptr : write.ptr();
   to.pause = pause;
+  to.from = handle;
   checked(nsdae_sim_observe(handle, recorder::observe, &to));
   int status;
   try {
@@ -365,7 +396,7 @@ std::string sim::record_run(double t_end, int every, recorder &to, nb::object wr
   nsdae_sim_unobserve(handle, recorder::observe, &to);
   to.write = nullptr;
   nsdae_record now;
-  if (!to.last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) to.kept.add(now, dims);
+  if (!to.last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) to.add(now);
   check(status, &error);
   return error.status > 0 ? error.text : "";
 }
@@ -495,6 +526,26 @@ double sim::get_control(int i)
   return value;
 }
 
+nb::object sim::get_sensor(int i)
+{
+  use held(*this);
+  double value[NSDAE_VALUES_MAX];
+  checked(nsdae_sim_get_sensor(handle, i, value));
+  const int size = nsdae_system_sensor_size(nsdae_sim_get_system(handle), i);
+  return array_of(value, static_cast<std::size_t>(size));
+}
+
+// (name, unit) of each sensor.
+nb::list sim::sensors() const
+{
+  const nsdae_system *system = nsdae_sim_get_system(handle);
+  nb::list all;
+  for (int i = 0; nsdae_system_sensor_size(system, i) > 0; i++)
+    all.append(nb::make_tuple(nb::str(nsdae_system_get_name(system, NSDAE_NAME_SENSOR, i)),
+                              nb::str(nsdae_system_get_unit(system, NSDAE_NAME_SENSOR, i))));
+  return all;
+}
+
 nb::tuple sim::interpolate(double t)
 {
   use held(*this);
@@ -617,6 +668,8 @@ void bind_sim(nb::module_ &m)
       .def("set_friction_bound", &sim::set_friction_bound)
       .def("set_control", &sim::set_control)
       .def("get_control", &sim::get_control)
+      .def("get_sensor", &sim::get_sensor)
+      .def("sensors", &sim::sensors)
       .def("interpolate", &sim::interpolate)
       .def("failed_lcp", &sim::failed_lcp)
       .def("has_potential", &sim::has_potential)

@@ -71,6 +71,8 @@ struct columns {
 // Records of record_run; a separate object, so that a second thread does not share it.
 struct recorder {
   columns kept;
+  nsdae_sim *from = nullptr;
+  std::vector<std::vector<double>> sensors; // of each sensor the values of all records
   nsdae_dims dims = {};
   int every = 1;
   bool last_kept = true;
@@ -78,9 +80,10 @@ struct recorder {
   std::chrono::steady_clock::time_point due;
   double pause = 0; // least time between two writes [s]; a write takes at most a tenth of the run
   bool written();
+  int add(const nsdae_record &record);
   static int observe(const nsdae_record *record, nsdae_error *error, void *self);
-  nb::dict arrays() { return kept.arrays(dims); }
-  nb::dict so_far() const { return columns(kept).arrays(dims); }
+  nb::dict arrays();
+  nb::dict so_far() const { return recorder(*this).arrays(); }
 };
 
 // A simulation in Python. The library refuses concurrent calls. The same check is done here under
@@ -107,6 +110,8 @@ public:
   void set_friction_bound(int j, double bound);
   void set_control(int i, double value);
   double get_control(int i);
+  nb::object get_sensor(int i);
+  nb::list sensors() const;
   nb::tuple interpolate(double t);
   nb::object failed_lcp() const;
   bool has_potential() const;

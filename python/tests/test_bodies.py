@@ -137,6 +137,33 @@ def test_controls():
             sim.set_control(i, value)
 
 
+def test_sensors(tmp_path):
+    """A wheel of 40 rad/s over ten turns in space, its rim, and its weight; kept by solve and in a file."""
+    world = Bodies(3, gravity=(0, 0, -10))
+    joint = world.add_joint("revolute", GROUND, world.add(mass=2, inertia=(1, 1, 1), spin=(0, 0, 40)), axis=(0, 0, 1))
+    world.add_sensor("coordinate", "turned", joint=joint)
+    force = world.add_sensor("reaction_force", joint=joint)
+    world.add_sensor("velocity", "rim", point=(0.5, 0, 0))
+    run = nsdae.solve(world, 2, method="event", dt=0.1)
+    assert run["turned"] == pytest.approx(40 * run.time, abs=1e-6)
+    assert run["rim"][:, 1] == pytest.approx(20 * np.cos(40 * run.time), abs=1e-5)
+    assert list(run.sensors) == ["turned", "rim"]
+    assert run.names["sensor"] == [("turned", "rad"), ("rim", "m/s")]
+    run.save(tmp_path / "run.h5")
+    again = nsdae.load(tmp_path / "run.h5")
+    assert dict(again.names["sensor"]) == dict(run.names["sensor"])
+    for name, values in run.sensors.items():
+        np.testing.assert_array_equal(again[name], values)
+    sim = nsdae.Sim(world, method="event", dt=0.1)
+    sim.init(*world.start())
+    sim.run(1)
+    assert sim.get_sensor(force) == pytest.approx([0, 0, 20])
+    with pytest.raises(nsdae.ArgumentError, match="there are 3 sensors"):
+        sim.get_sensor(3)
+    with pytest.raises(ValueError, match="kind"):
+        world.add_sensor("colour")
+
+
 def test_a_load_of_python():
     """A constant thrust on the centre: x = F t^2 / (2 m)."""
     def thrust(t, position, velocity, force, torque):

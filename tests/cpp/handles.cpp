@@ -855,6 +855,11 @@ static void test_couplers()
     return 0;
   };
   EXPECT(world.motor(motor, still, most) == 1);
+  nsdae_sensor sensor = nsdae_sensor();
+  sensor.joint = sensor.body = 1;
+  EXPECT(world.sensor(sensor) == 0);
+  sensor.kind = NSDAE_SENSOR_VELOCITY;
+  EXPECT(world.sensor(sensor) == 1);
   nsdae::system made = world.system();
   nsdae::sim sim(made);
   sim.init(0, world.start().first, world.start().second);
@@ -864,6 +869,9 @@ static void test_couplers()
   sim.run(1);
   EXPECT(std::fabs(sim.record().q[3] - 0.2) < 1e-3);
   EXPECT(sim.control(0) == 12);
+  EXPECT(std::fabs(sim.sensor(0)[0] - sim.record().q[3]) < 1e-14);
+  EXPECT(sim.sensor(1).size() == 2 && sim.sensor(1)[0] == sim.record().v[3]);
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.sensor(2); }));
   sim.set_control(0, -12); /* against the gravity: motor 1 brakes */
   EXPECT(sim.control(0) == -12);
   sim.run(1.5);

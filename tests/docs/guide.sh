@@ -96,7 +96,7 @@ run() {
   fi
 }
 
-for chapter in guide/first-program ../README guide/bodies guide/joints guide/model guide/large guide/scenes guide/which-method guide/coming-from \
+for chapter in guide/first-program ../README guide/bodies guide/joints guide/sensors guide/model guide/large guide/scenes guide/which-method guide/coming-from \
   guide/states guide/trajectory guide/animation guide/paraview guide/errors guide/mistakes; do
   name=$(basename "$chapter")
   awk -f "$here/guide.awk" "$source/docs/$chapter.md" >"$work/$name.sh" || exit 1

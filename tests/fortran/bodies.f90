@@ -233,7 +233,9 @@ contains
     type(nsdae_coupler) :: coupler
     type(nsdae_joint_spring) :: damper
     type(nsdae_motor) :: motor
-    real(c_double) :: is
+    real(c_double) :: is, values(NSDAE_VALUES_MAX)
+    type(nsdae_sensor) :: sensor
+    character(kind=c_char), target :: name(5) = ['r', 'a', 'c', 'k', c_null_char]
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
@@ -267,9 +269,24 @@ contains
     motor%kind = NSDAE_MOTOR_SPEED
     motor%target = 0
     call is_int(nsdae_bodies_add_motor(bodies, motor), 1_c_int, 'dry friction')
+    sensor%joint = 1
+    sensor%name = c_loc(name)
+    call is_int(nsdae_bodies_add_sensor(bodies, sensor), 0_c_int, 'sensor')
+    sensor%kind = NSDAE_SENSOR_VELOCITY
+    sensor%name = c_null_ptr
+    sensor%body = 1
+    call is_int(nsdae_bodies_add_sensor(bodies, sensor), 1_c_int, 'sensor')
     call start(bodies, system, sim)
+    call is_int(nsdae_system_sensor_size(system, 1_c_int), 2_c_int, 'size')
+    call is_int(nsdae_system_sensor_size(system, 2_c_int), 0_c_int, 'no such sensor')
+    call is_true(nsdae_system_get_name(system, NSDAE_NAME_SENSOR, 0_c_int) == 'rack', 'name')
     call is_int(nsdae_sim_run(sim, 0.5d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_int(nsdae_sim_get_sensor(sim, 0_c_int, values), NSDAE_OK, 'sensor')
+    call is_true(abs(values(1) - record%q(4)) < 1d-14, 'coordinate')
+    call is_int(nsdae_sim_get_sensor(sim, 1_c_int, values), NSDAE_OK, 'sensor')
+    call is_true(values(1) == record%v(4) .and. values(2) == record%v(5), 'velocity')
+    call is_int(nsdae_sim_get_sensor(sim, 2_c_int, values), NSDAE_E_ARGUMENT, 'no such sensor')
     call is_true(abs(record%q(4) - 0.25d0) < 1d-2, 'half of 2 g / (2 + 1 / 0.25) t^2')
     call is_true(abs(record%q(4) - 0.5d0 * record%q(3)) < 1d-5, 'the rack follows')
     call is_int(nsdae_sim_run(sim, 2d0), NSDAE_OK, 'run')

@@ -52,6 +52,7 @@ program layout
   call rope_fields
   call joint_spring_fields
   call motor_fields
+  call sensor_fields
   call coupler_fields
   call torsion_fields
   call trajectory_info_fields
@@ -557,6 +558,17 @@ contains
     call same_place('nsdae_motor%vary', c_loc(x), c_loc(x%vary))
     call same_place('nsdae_motor%user', c_loc(x), c_loc(x%user))
     call same_place('nsdae_motor%vary_user', c_loc(x), c_loc(x%vary_user))
+  end subroutine
+
+  subroutine sensor_fields()
+    type(nsdae_sensor), target :: x
+    call same_size('nsdae_sensor', c_sizeof(x))
+    call same_place('nsdae_sensor%kind', c_loc(x), c_loc(x%kind))
+    call same_place('nsdae_sensor%body', c_loc(x), c_loc(x%body))
+    call same_place('nsdae_sensor%joint', c_loc(x), c_loc(x%joint))
+    call same_place('nsdae_sensor%coordinate', c_loc(x), c_loc(x%coordinate))
+    call same_place('nsdae_sensor%solid', c_loc(x), c_loc(x%solid))
+    call same_place('nsdae_sensor%point', c_loc(x), c_loc(x%point))
   end subroutine
 
   subroutine coupler_fields()

@@ -23,6 +23,9 @@ static const struct axis {
     [NSDAE_WIDTH_F] = {"/frictional_joint/frictional_joint", "frictional_joint",
                        "names of the frictional joints", NSDAE_NAME_FRICTIONAL_JOINT, NULL},
     [NSDAE_WIDTH_PAIR] = {"/side", "side", "sides of a contact", -1, NULL},
+    [NSDAE_WIDTH_TWO] = {"/component2", "component", "x, y of a sensor in the plane", -1, NULL},
+    [NSDAE_WIDTH_THREE] = {"/component3", "component", "x, y, z of a sensor in space", -1, NULL},
+    [NSDAE_WIDTH_FOUR] = {"/component4", "component", "w, x, y, z of a quaternion", -1, NULL},
 };
 
 /* Past this number, one that has no name is its number: a text each costs more than the data. */

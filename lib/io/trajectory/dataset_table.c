@@ -128,15 +128,25 @@ const nsdae_table nsdae_tables[NSDAE_TABLES] = {
     [NSDAE_CONTACTS] = {COLUMNS(contact_columns), "id", 0, 1, 1},
 };
 
+int nsdae_named_sensor(const nsdae_system *system, int i)
+{
+  int size = nsdae_system_sensor_size(system, i);
+  if (size == 0) return -1;
+  return *nsdae_system_get_name(system, NSDAE_NAME_SENSOR, i) ? size : 0;
+}
+
 nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim)
 {
   nsdae_dims d;
   int varies = nsdae_sim_get_system(sim)->call.contacts != NULL;
   nsdae_sim_get_dims(sim, &d);
-  return (nsdae_sizes){
-      .axis = {d.nq, d.nv, d.m, d.k, d.k > 0 || varies ? d.nt : 0, d.f, 2 * varies},
-      .potential = nsdae_sim_has_potential(sim),
-      .varies = varies};
+  int components[NSDAE_VALUES_MAX + 1] = {0};
+  for (int i = 0, size; (size = nsdae_named_sensor(nsdae_sim_get_system(sim), i)) >= 0; i++)
+    components[size] = size;
+  return (nsdae_sizes){.axis = {d.nq, d.nv, d.m, d.k, d.k > 0 || varies ? d.nt : 0, d.f, 2 * varies,
+                                components[2], components[3], components[4]},
+                       .potential = nsdae_sim_has_potential(sim),
+                       .varies = varies};
 }
 
 int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_sizes *sizes,

@@ -16,6 +16,9 @@ typedef enum nsdae_width {
   NSDAE_WIDTH_T, /* nt, if there are contacts of either kind */
   NSDAE_WIDTH_F,
   NSDAE_WIDTH_PAIR, /* 2, of a contact list */
+  NSDAE_WIDTH_TWO,  /* components of sensors, if there is one with as many */
+  NSDAE_WIDTH_THREE,
+  NSDAE_WIDTH_FOUR,
   NSDAE_AXES,
   NSDAE_WIDTH_ONE = NSDAE_AXES, /* plain values */
   NSDAE_WIDTH_POTENTIAL,
@@ -32,6 +35,9 @@ typedef struct nsdae_sizes {
 } nsdae_sizes;
 
 nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim);
+
+/* The number of values of sensor i if it has a name, else 0; -1: there is none. */
+int nsdae_named_sensor(const nsdae_system *system, int i);
 
 /* Types of values, in memory and in the file. */
 typedef enum nsdae_value { NSDAE_VALUE_REAL, NSDAE_VALUE_INT, NSDAE_VALUE_LONG } nsdae_value;

@@ -23,6 +23,7 @@ static void release(nsdae_trajectory *t)
 {
   for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_release(&t->rows.series[i]);
   nsdae_checkpoint_release(&t->checkpoint);
+  nsdae_sensor_columns_release(&t->sensors);
   free(t->path);
   free(t);
 }
@@ -50,8 +51,11 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   t->rows.step = -1;
   t->path = malloc(strlen(path) + 1);
   int status = nsdae_checkpoint_init(&t->checkpoint, sim);
+  if (status == NSDAE_OK) status = nsdae_sensor_columns_init(&t->sensors, sim);
   for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_init(&t->rows.series[i], &nsdae_tables[i], &sizes, info->compress);
+    status = nsdae_series_init(&t->rows.series[i],
+                               i == NSDAE_RECORDS ? &t->sensors.table : &nsdae_tables[i], &sizes,
+                               info->compress);
   if (!t->path || status < 0) {
     release(t);
     return NULL;

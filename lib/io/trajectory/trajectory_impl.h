@@ -7,6 +7,14 @@
 #include "checkpoint.h"
 #include "series.h"
 
+/* The data sets /sensor/NAME: columns of the table of records, of each sensor that has a name. */
+typedef struct nsdae_sensor_columns {
+  nsdae_table table; /* of records, with sensors behind the others */
+  nsdae_column *column;
+  char *path;     /* of the sensors, one after another */
+  nsdae_row *row; /* what the columns are taken from; values of sensors are behind it */
+} nsdae_sensor_columns;
+
 /* The rows of a file. */
 typedef struct nsdae_trajectory_rows {
   nsdae_series series[NSDAE_TABLES];
@@ -29,6 +37,7 @@ struct nsdae_trajectory {
   int bodies; /* were named in place of the system's */
   int resumed;
   nsdae_trajectory_rows rows;
+  nsdae_sensor_columns sensors;
   nsdae_checkpoint checkpoint;
   int failed; /* status of a write that failed: nothing is written any more */
 };
@@ -54,5 +63,14 @@ void nsdae_trajectory_write_state(nsdae_trajectory *t);
 void nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part);
 /* All rows that are written, as rows of the file. */
 void nsdae_trajectory_count_rows(nsdae_trajectory *t);
+
+/* ---- sensor_columns.c */
+
+/* NSDAE_OK or NSDAE_E_MEMORY. */
+int nsdae_sensor_columns_init(nsdae_sensor_columns *columns, const nsdae_sim *sim);
+void nsdae_sensor_columns_release(nsdae_sensor_columns *columns);
+
+/* The values of the sensors at the record that the simulation shows. */
+int nsdae_sensor_columns_read(nsdae_sensor_columns *columns, nsdae_sim *sim);
 
 #endif

@@ -79,10 +79,12 @@ static void append_rows(nsdae_trajectory *t, int table, const nsdae_row *row, in
 /* The contacts first: a record is never without them. */
 static void append_record(nsdae_trajectory *t, const nsdae_record *record)
 {
-  const nsdae_row row = {.record = *record,
-                         .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
-  append_rows(t, NSDAE_CONTACTS, &row, nsdae_contact_rows(record));
-  append_rows(t, NSDAE_RECORDS, &row, 1);
+  nsdae_row *row = t->sensors.row;
+  *row = (nsdae_row){.record = *record,
+                     .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
+  if (t->h5.status == NSDAE_OK) t->h5.status = nsdae_sensor_columns_read(&t->sensors, t->sim);
+  append_rows(t, NSDAE_CONTACTS, row, nsdae_contact_rows(record));
+  append_rows(t, NSDAE_RECORDS, row, 1);
 }
 
 /* ---- steps and impacts */

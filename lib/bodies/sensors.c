@@ -1,0 +1,375 @@
+/* Sensors: quantities of a record, in the axes of space. With the row g_i of constraint i, M v' = F
+ * - sum_i lambda_i g_i + ..., where lambda is the mean of the step:
+ *
+ *   reaction   f = -sum_i lambda_i g_i, of the rows of a joint, on its body 1; the moment is about
+ *              the joint's point
+ *   contact    f = sum_j (Lambda_j / h) u_j, of the directions u_j of contacts, h: the step
+ *   point      x = r + R s,   x' = v + w x R s,   x'' = v' + w' x R s + w x (w x R s), v' and w'
+ *              the means of the step
+ *   energy     T = m v^2 / 2 + w J w / 2,   U = -m g . r
+ *
+ * A rotation in space has the turns for which it is the nearest to alpha_0 + h (alpha'_0 +
+ * alpha'_1) / 2, from its value alpha_0 before the step. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <nsdae/sim.h>
+
+#include "broad_phase.h"
+
+static const char *const what = "sensor";
+
+enum { OF_COORDINATE, OF_JOINT, OF_BODY, OF_PAIR }; /* what it is of */
+enum { SCALAR, VECTOR, ROTATION_VECTOR, ROTATION }; /* 1; 2 or 3; 1 or 3; 1 or 4 values */
+
+static const struct {
+  int of, shape;
+  const char *unit; /* of a coordinate: what follows its unit */
+} kinds[] = {
+    [NSDAE_SENSOR_COORDINATE] = {OF_COORDINATE, SCALAR, ""},
+    [NSDAE_SENSOR_RATE] = {OF_COORDINATE, SCALAR, "/s"},
+    [NSDAE_SENSOR_REACTION_FORCE] = {OF_JOINT, VECTOR, "N"},
+    [NSDAE_SENSOR_REACTION_MOMENT] = {OF_JOINT, ROTATION_VECTOR, "N m"},
+    [NSDAE_SENSOR_CONTACT_FORCE] = {OF_BODY, VECTOR, "N"},
+    [NSDAE_SENSOR_PAIR_FORCE] = {OF_PAIR, VECTOR, "N"},
+    [NSDAE_SENSOR_POSITION] = {OF_BODY, VECTOR, "m"},
+    [NSDAE_SENSOR_ORIENTATION] = {OF_BODY, ROTATION, "1"},
+    [NSDAE_SENSOR_VELOCITY] = {OF_BODY, VECTOR, "m/s"},
+    [NSDAE_SENSOR_ANGULAR_VELOCITY] = {OF_BODY, ROTATION_VECTOR, "rad/s"},
+    [NSDAE_SENSOR_ACCELERATION] = {OF_BODY, VECTOR, "m/s^2"},
+    [NSDAE_SENSOR_KINETIC_ENERGY] = {OF_BODY, SCALAR, "J"},
+    [NSDAE_SENSOR_POTENTIAL_ENERGY] = {OF_BODY, SCALAR, "J"},
+};
+
+static const nsdae_bodies_sensor *sensor_at(const nsdae_bodies *b, int i)
+{
+  return (const nsdae_bodies_sensor *)b->sensor.at + i;
+}
+
+/* ---- adding */
+
+static int refuse_number(nsdae_bodies *b, int index, const char *argument, int value, int count)
+{
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, argument, index,
+                             "%s = %d is outside its range: there are %d, from 0", argument, value,
+                             count);
+}
+
+static int check_name(nsdae_bodies *b, int index, const char *name)
+{
+  size_t length = name ? strlen(name) : 0;
+  if (length >= NSDAE_NAME_SIZE)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "name", index,
+                               "name '%.48s' is too long: at most %d bytes", name,
+                               NSDAE_NAME_SIZE - 1);
+  for (size_t i = 0; i < length; i++)
+    if (name[i] == '/' || name[i] == 0x7f || (unsigned char)name[i] < ' ')
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "name", index,
+                                 "name '%.48s' has a / or a control character: leave it out", name);
+  for (int i = 0; i < index && length > 0; i++)
+    if (strcmp(sensor_at(b, i)->name, name) == 0)
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "name", index,
+                                 "name '%.48s' is that of sensor %d: give another one", name, i);
+  return NSDAE_OK;
+}
+
+static int check_parts(nsdae_bodies *b, int index, const nsdae_sensor *s)
+{
+  int of = kinds[s->kind].of;
+  if (of == OF_JOINT && (s->joint < 0 || s->joint >= b->joint.count))
+    return refuse_number(b, index, "joint", s->joint, b->joint.count);
+  if (of == OF_BODY && (s->body < 0 || s->body >= b->body.count))
+    return refuse_number(b, index, "body", s->body, b->body.count);
+  for (int i = 0; of == OF_PAIR && i < 2; i++)
+    if (s->solid[i] < 0 || s->solid[i] >= b->solid.count)
+      return refuse_number(b, index, "solid", s->solid[i], b->solid.count);
+  if (of == OF_PAIR && nsdae_solid_at(b, s->solid[0])->body == nsdae_solid_at(b, s->solid[1])->body)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d belong to the same body: they have no contact",
+                               s->solid[0], s->solid[1]);
+  return nsdae_bodies_check_vector(b, what, "point", index, s->point, 1);
+}
+
+int nsdae_bodies_add_sensor(nsdae_bodies *b, const nsdae_sensor *s)
+{
+  const nsdae_primitive *of = NULL;
+  int status = nsdae_bodies_open(b, s, what);
+  if (status < 0) return status;
+  int index = b->sensor.count, count = (int)(sizeof kinds / sizeof *kinds);
+  if (s->kind < 0 || s->kind >= count)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "kind", index,
+                               "kind = %d is not one of enum nsdae_sensor_kind", s->kind);
+  if (check_name(b, index, s->name) < 0 || check_parts(b, index, s) < 0) return b->error.status;
+  if (kinds[s->kind].of == OF_COORDINATE) {
+    of = nsdae_bodies_joint_coordinate(b, what, index, s->joint, s->coordinate, 0);
+    if (!of) return b->error.status;
+  }
+  int counts = s->kind == NSDAE_SENSOR_COORDINATE && nsdae_primitive_is_periodic(of), angle = -1;
+  for (int i = 0; i < index && counts; i++)
+    if (sensor_at(b, i)->angle > angle) angle = sensor_at(b, i)->angle;
+  nsdae_bodies_sensor *added = nsdae_list_add(b, &b->sensor, sizeof *added);
+  if (!added) return NSDAE_E_MEMORY;
+  added->of = *s;
+  added->of.name = NULL;
+  snprintf(added->name, sizeof added->name, "%s", s->name ? s->name : "");
+  if (of) added->value = *of;
+  added->angle = counts ? angle + 1 : -1;
+  if (kinds[s->kind].of == OF_BODY) nsdae_bodies_own_point(b, s->body, s->point, added->point);
+  return index;
+}
+
+/* ---- of the system */
+
+int nsdae_bodies_name_sensors(const nsdae_bodies *b, nsdae_system *system)
+{
+  int status = NSDAE_OK;
+  for (int i = 0; i < b->sensor.count && status == NSDAE_OK; i++) {
+    const nsdae_bodies_sensor *s = sensor_at(b, i);
+    int coordinate = kinds[s->of.kind].of == OF_COORDINATE;
+    int planar = s->of.kind == NSDAE_SENSOR_ORIENTATION && b->dimension == 2;
+    char unit[NSDAE_UNIT_SIZE];
+    snprintf(unit, sizeof unit, "%s%s", coordinate ? nsdae_primitive_unit(&s->value) : "",
+             planar ? "rad" : kinds[s->of.kind].unit);
+    if (*s->name) status = nsdae_system_set_name(system, NSDAE_NAME_SENSOR, i, s->name, unit);
+  }
+  return status;
+}
+
+static int size_of(const void *of, int i)
+{
+  const nsdae_bodies *b = of;
+  const int planar[] = {1, 2, 1, 1}, spatial[] = {1, 3, 3, 4};
+  return (b->dimension == 2 ? planar : spatial)[kinds[sensor_at(b, i)->of.kind].shape];
+}
+
+static void coordinate_of(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const double *q,
+                          const double *v, double value[2])
+{
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value is;
+  nsdae_bodies_coordinate(b, &s->value, q, v, &at, &is);
+  value[0] = is.phi.x;
+  value[1] = is.phi.d;
+}
+
+/* before NULL: at the start. */
+static void follow(const void *of, const nsdae_moved *from, const nsdae_moved *to, double h,
+                   const double *before, double *angle)
+{
+  const nsdae_bodies *b = of;
+  double is[2], was[2];
+  for (int i = 0; i < b->sensor.count; i++) {
+    const nsdae_bodies_sensor *s = sensor_at(b, i);
+    if (s->angle < 0) continue;
+    coordinate_of(b, s, to->q, to->v, is);
+    angle[s->angle] = is[0];
+    if (!before) continue;
+    coordinate_of(b, s, from->q, from->v, was);
+    double expected = before[s->angle] + h * (was[1] + is[1]) / 2;
+    angle[s->angle] += 2 * nsdae_pi * round((expected - is[0]) / (2 * nsdae_pi));
+  }
+}
+
+/* ---- reactions */
+
+static void reaction(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const nsdae_record *r,
+                     double *value)
+{
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value is;
+  double force[3] = {0}, moment[3] = {0}, turned[3], arm[3] = {0};
+  for (int i = 0, first = 1; i < b->constraint.count; i++) {
+    const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
+    if (c->joint != s->of.joint) continue;
+    nsdae_bodies_coordinate(b, &c->value, r->q, r->v, &at, &is);
+    int side = c->value.body[1] == nsdae_joint_at(b, c->joint)->body[1];
+    for (int j = 0; j < 3; j++) {
+      force[j] -= r->multiplier[i] * is.row.linear[side][j];
+      moment[j] -= r->multiplier[i] * is.row.angular[side][j];
+    }
+    if (first) nsdae_turn(at.pose[1].R, c->value.point[1], arm); /* its point, from the centre */
+    first = 0;
+  }
+  nsdae_cross3(arm, force, turned);
+  for (int j = 0; j < 3; j++) moment[j] -= turned[j];
+  memcpy(value, s->of.kind == NSDAE_SENSOR_REACTION_FORCE ? force : moment, sizeof force);
+}
+
+/* ---- contacts */
+
+int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *number)
+{
+  if (id < 0 || (id >= b->feature.count && !nsdae_bodies_has_list(b))) return 0;
+  if (id < b->feature.count) {
+    const nsdae_feature *f = nsdae_feature_at(b, (int)id);
+    memcpy(solid, f->solid, sizeof f->solid);
+    *number = f->number;
+    return 1;
+  }
+  long features = nsdae_broad_features(b), pair = (id - b->feature.count) / features;
+  long solids = b->solid.count;
+  if (pair >= solids * solids) return 0; /* a limit */
+  solid[0] = (int)(pair / solids);
+  solid[1] = (int)(pair % solids);
+  *number = (id - b->feature.count) % features;
+  return 1;
+}
+
+/* A contact of two solids whose force on solid `on` is added. */
+typedef struct pressed {
+  const nsdae_bodies *b;
+  nsdae_meeting met;
+  int on;
+  long number;
+  double impulse[3], *sum;
+} pressed;
+
+static int add_force(void *to, const nsdae_feature *f)
+{
+  const pressed *p = to;
+  nsdae_closest closest;
+  nsdae_contact c;
+  if (f->number != p->number) return 0;
+  if (!nsdae_feature_closest(f, &p->met, &closest)) return -1; /* it opened */
+  const nsdae_couple two = nsdae_feature_couple(f, &p->met);
+  const nsdae_still still = nsdae_closest_still(&closest, &two);
+  int d = p->b->dimension, side = two.solid[0]->body == NSDAE_GROUND;
+  nsdae_bodies_contact_rows(d, &two, &still, d, &c);
+  double sign = two.solid[side] == nsdae_solid_at(p->b, p->on) ? 1 : -1;
+  for (int j = 0; j < d; j++)
+    for (int i = 0; i < d; i++) p->sum[i] += sign * p->impulse[j] * c.direction[side][j][i];
+  return -1;
+}
+
+static void add_contact(pressed *p, const int solid[2], const nsdae_record *r)
+{
+  const nsdae_solid_of *solids = p->b->solid.at;
+  int turned = nsdae_pair_is_turned(&solids[solid[0]], &solids[solid[1]]);
+  const nsdae_solid_of *s[2] = {&solids[solid[turned]], &solids[solid[!turned]]};
+  const nsdae_pose pose[2] = {nsdae_bodies_pose(p->b, s[0]->body, r->q, NULL),
+                              nsdae_bodies_pose(p->b, s[1]->body, r->q, NULL)};
+  const nsdae_couple two = {{s[0], s[1]}, {&pose[0], &pose[1]}};
+  nsdae_meet(&two, INFINITY, &p->met);
+  nsdae_pair_features(solids, solid[0], solid[1], &p->met, add_force, p);
+}
+
+/* Of a pair the solid 1; of a body its solid. -1: it is of neither. */
+static int pressed_solid(const nsdae_bodies *b, const nsdae_sensor *s, const int solid[2])
+{
+  if (s->kind == NSDAE_SENSOR_PAIR_FORCE) {
+    int same = solid[0] == s->solid[0] && solid[1] == s->solid[1];
+    int other = solid[0] == s->solid[1] && solid[1] == s->solid[0];
+    return same || other ? s->solid[1] : -1;
+  }
+  for (int i = 0; i < 2; i++)
+    if (nsdae_solid_at(b, solid[i])->body == s->body) return solid[i];
+  return -1;
+}
+
+static void contact_force(const nsdae_bodies *b, const nsdae_sensor *s, const nsdae_record *r,
+                          double *value)
+{
+  const nsdae_contact_set *c = &r->contacts;
+  pressed p = {.b = b, .sum = value};
+  int solid[2], nt = nsdae_bodies_nt(b);
+  for (int i = 0; i < c->count && r->duration > 0; i++) {
+    if (c->normal_impulse[i] == 0 || !nsdae_bodies_pair_of(b, c->id[i], solid, &p.number)) continue;
+    p.on = pressed_solid(b, s, solid);
+    if (p.on < 0) continue;
+    p.impulse[0] = c->normal_impulse[i] / r->duration;
+    for (int j = 0; j < nt; j++) p.impulse[1 + j] = c->tangential_impulse[i * nt + j] / r->duration;
+    add_contact(&p, solid, r);
+  }
+}
+
+/* ---- bodies */
+
+static void acceleration(const nsdae_bodies *b, const nsdae_bodies_sensor *s,
+                         const nsdae_pose *pose, const double *rate, double *value)
+{
+  nsdae_jet3 point = nsdae_pose_point(pose, s->point);
+  double arm[3], spun[3], spin[3] = {0, 0, rate[2]};
+  if (b->dimension == 3) nsdae_turn(pose->R, rate + 3, spin);
+  nsdae_turn(pose->R, s->point, arm);
+  nsdae_cross3(spin, arm, spun);
+  for (int i = 0; i < b->dimension; i++) value[i] = rate[i] + spun[i] + point.at[i].dd;
+}
+
+static double energy(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const double *q,
+                     const double *v)
+{
+  const nsdae_rigid_body *body = nsdae_body_at(b, s->of.body);
+  int d = b->dimension, kinetic = s->of.kind == NSDAE_SENSOR_KINETIC_ENERGY;
+  double sum = 0;
+  for (int i = 0; i < d; i++)
+    sum += body->mass * (kinetic ? v[i] * v[i] / 2 : -b->force.gravity[i] * q[i]);
+  for (int i = d == 2 ? 2 : 0; i < 3 && kinetic; i++)
+    sum += body->inertia[i] * v[d == 2 ? 2 : 3 + i] * v[d == 2 ? 2 : 3 + i] / 2;
+  return sum;
+}
+
+static void of_body(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const nsdae_record *r,
+                    double *value)
+{
+  int body = s->of.body, planar = b->dimension == 2;
+  const double *q = r->q + nsdae_body_nq(b) * body;
+  size_t first = (size_t)(nsdae_body_nv(b) * body);
+  const nsdae_pose pose = nsdae_bodies_pose(b, body, r->q, r->v);
+  nsdae_jet3 point = nsdae_pose_point(&pose, s->point);
+  switch (s->of.kind) {
+  case NSDAE_SENSOR_POSITION:
+    for (int i = 0; i < b->dimension; i++) value[i] = point.at[i].x;
+    break;
+  case NSDAE_SENSOR_VELOCITY:
+    for (int i = 0; i < b->dimension; i++) value[i] = point.at[i].d;
+    break;
+  case NSDAE_SENSOR_ORIENTATION:
+    memcpy(value, planar ? q + 2 : q + 3, (planar ? 1 : 4) * sizeof *value);
+    break;
+  case NSDAE_SENSOR_ANGULAR_VELOCITY:
+    memcpy(value, planar ? pose.w + 2 : pose.w, (planar ? 1 : 3) * sizeof *value);
+    break;
+  case NSDAE_SENSOR_ACCELERATION:
+    acceleration(b, s, &pose, r->acceleration + first, value);
+    break;
+  default:
+    value[0] = energy(b, s, q, r->v + first);
+  }
+}
+
+/* ---- reading */
+
+static void sense(const void *of, int i, const nsdae_record *r, const double *angle, double *value)
+{
+  const nsdae_bodies *b = of;
+  const nsdae_bodies_sensor *s = sensor_at(b, i);
+  double is[4] = {0};
+  switch (s->of.kind) {
+  case NSDAE_SENSOR_COORDINATE:
+  case NSDAE_SENSOR_RATE:
+    coordinate_of(b, s, r->q, r->v, is);
+    if (s->angle >= 0) is[0] = angle[s->angle];
+    if (s->of.kind == NSDAE_SENSOR_RATE) is[0] = is[1];
+    break;
+  case NSDAE_SENSOR_REACTION_FORCE:
+  case NSDAE_SENSOR_REACTION_MOMENT:
+    reaction(b, s, r, is);
+    if (s->of.kind == NSDAE_SENSOR_REACTION_MOMENT && b->dimension == 2) is[0] = is[2];
+    break;
+  case NSDAE_SENSOR_CONTACT_FORCE:
+  case NSDAE_SENSOR_PAIR_FORCE:
+    contact_force(b, &s->of, r, is);
+    break;
+  default:
+    of_body(b, s, r, is);
+  }
+  memcpy(value, is, (size_t)size_of(of, i) * sizeof *value);
+}
+
+void nsdae_bodies_sense(const nsdae_bodies *b, nsdae_maker *maker)
+{
+  maker->sensors = (nsdae_maker_sensors){
+      .count = b->sensor.count, .size = size_of, .follow = follow, .sense = sense};
+  for (int i = 0; i < b->sensor.count; i++) maker->sensors.angles += sensor_at(b, i)->angle >= 0;
+}
