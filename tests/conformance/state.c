@@ -5,11 +5,14 @@
 
 #include <stdlib.h>
 
+#include "backlash.h"
 #include "bouncing_ball.h"
 #include "clearance_hinge.h"
 #include "crank_slider.h"
 #include "disks.h"
 #include "falling_rod.h"
+#include "geneva.h"
+#include "gripper.h"
 #include "incline.h"
 #include "newtons_cradle.h"
 #include "pendulum.h"
@@ -17,12 +20,12 @@
 #include "rolling_ball.h"
 #include "woodpecker.h"
 
-enum { STEPS = 60, TAKEN = 20, NQ = 8, SYSTEMS = 6, OBSERVERS = 3 };
+enum { STEPS = 60, TAKEN = 20, NQ = 12, SYSTEMS = 6, OBSERVERS = 3 };
 
 static const driver_model *const models[] = {
-    &bouncing_ball_model, &clearance_hinge_model, &crank_slider_model,
-    &falling_rod_model,   &incline_model,         &newtons_cradle_model,
-    &pendulum_model,      &rolling_ball_model,    &woodpecker_model};
+    &backlash_model,        &geneva_model,       &gripper_model,      &bouncing_ball_model,
+    &clearance_hinge_model, &crank_slider_model, &falling_rod_model,  &incline_model,
+    &newtons_cradle_model,  &pendulum_model,     &rolling_ball_model, &woodpecker_model};
 enum { MODELS = sizeof models / sizeof *models };
 
 /* A system to run, an example or a random one. */
