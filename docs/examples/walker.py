@@ -4,8 +4,9 @@ from math import cos, pi, sin
 import nsdae
 from nsdae import GROUND, Bodies, Solid
 
-TRUNK, THIGH = Solid("box", length=(0.5, 0.2, 0.1)), Solid("capsule", radius=0.03, length=0.2)
-SHIN, FOOT = Solid("capsule", radius=0.025, length=0.2), Solid("sphere", radius=0.025, position=(0, 0, -0.1))
+TRUNK = Solid("box", length=(0.5, 0.2, 0.1), exclude=-1)  # exclude: for mass and pictures alone
+THIGH, SHIN = (Solid("capsule", radius=r, length=0.2, exclude=-1) for r in (0.03, 0.025))
+FOOT = Solid("sphere", radius=0.025, position=(0, 0, -0.1))
 DT, HEIGHT, LINK = 1e-3, 0.5, 0.24  # step [s], height of the hips and length of a link at the start [m]
 
 

@@ -69,15 +69,18 @@ static void add_shapes(backlash *p)
   double r[2] = {size * p->teeth[0], size * p->teeth[1]}, w = r[1] / 12, R = 0.8 * r[1];
   double stop = p->play / 2 + asin(2 * w / R);
   for (int i = 0; i < 2; i++)
-    nsdae_bodies_add_solid(p->world, i, &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = r[i]});
+    nsdae_bodies_add_solid(
+        p->world, i, &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = r[i], .exclude = -1});
   for (int side = -1; side <= 1; side += 2)
     nsdae_bodies_add_solid(p->world, GEAR,
                            &(nsdae_solid){.shape = NSDAE_SHAPE_DISC,
                                           .radius = w,
+                                          .exclude = -1,
                                           .position = {R * sin(stop) * side, R * cos(stop)}});
   nsdae_bodies_add_solid(p->world, LOAD,
                          &(nsdae_solid){.shape = NSDAE_SHAPE_SEGMENT,
                                         .radius = w,
+                                        .exclude = -1,
                                         .length = {r[1]},
                                         .position = {0, r[1] / 2},
                                         .angle = pi / 2});

@@ -44,8 +44,11 @@ static int add_rectangle(nsdae_bodies *world, double mass, double x, double y, d
   int body = nsdae_bodies_add(
       world, &(nsdae_rigid_body){
                  .mass = mass, .inertia = {0, 0, mass * (a * a + b * b) / 3}, .position = {x, y}});
-  return nsdae_bodies_add_solid(
-      world, body, &(nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 4, .point = corner});
+  return nsdae_bodies_add_solid(world, body,
+                                &(nsdae_solid){.shape = NSDAE_SHAPE_POLYGON,
+                                               .points = 4,
+                                               .point = corner,
+                                               .exclude = body == HAND ? -1 : 0});
 }
 
 /* The finger on a side of the box, -1 or 1. */
