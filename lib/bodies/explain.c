@@ -14,7 +14,8 @@ enum { WORDS = 112 }; /* of two bodies, or of a solid: two numbers, two names an
 static const char *quoted(const nsdae_bodies *b, int kind, int i, char text[NSDAE_WORD + 3])
 {
   const char *name = nsdae_bodies_name_of(b, kind, i);
-  snprintf(text, NSDAE_WORD + 3, name ? " \"%s\"" : "", name);
+  text[0] = 0;
+  if (name) snprintf(text, NSDAE_WORD + 3, " \"%s\"", name);
   return text;
 }
 

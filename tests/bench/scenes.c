@@ -280,7 +280,7 @@ static double mean(int count, const double *time, double *worst)
 static void print_peer(const char *solver, const mechanism *m, void *peer, const double *time,
                        double ours)
 {
-  own at = {NULL};
+  own at = {.system = NULL};
   nsdae_record r;
   double worst, average = mean(m->steps, time, &worst);
   printf("  MuJoCo %-6s mean %7.3f ms, worst %6.1f ms", solver, 1e3 * average, 1e3 * worst);
