@@ -314,7 +314,7 @@ static int compare(const char *name, const mechanism *m, int solvers)
   static const char *const solver[] = {"Newton", "CG"};
   static double time[3][MOST_STEPS];
   void *peer[2] = {NULL, NULL};
-  own o = {NULL};
+  own o = {.system = NULL};
   int status = own_begin(&o, m), fails[2] = {0, 0};
   double ours = NAN, worst;
   for (int k = 0; k < 2; k++)
