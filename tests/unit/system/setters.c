@@ -307,7 +307,8 @@ static void test_names_refused(void **state)
       {NSDAE_NAME_CONTACT, -1, "x", "m", "i"},
       {NSDAE_NAME_CONSTRAINT, 0, "x", "m", "i"}, /* there are none */
       {-1, 0, "x", "m", "kind"},
-      {5, 0, "x", "m", "kind"},
+      {NSDAE_NAME_SENSOR, 0, "x", "m", "i"}, /* nor these */
+      {NSDAE_NAME_SENSOR + 1, 0, "x", "m", "kind"},
       {NSDAE_NAME_CONTACT, 0, NULL, "m", "name"},
       {NSDAE_NAME_CONTACT, 0, "", "m", "name"},
       {NSDAE_NAME_CONTACT, 0, "a\nb", "m", "name"},
