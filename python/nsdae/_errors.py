@@ -93,7 +93,8 @@ _NAMES = [(re.compile(pattern), name) for pattern, name in (
     (r"nsdae_block_add", "BlockList.add"),
     (r"nsdae_solid_inertia", "Solid.inertia"),
     (r"nsdae_(sim|system|bodies)_(\w+)", lambda m: f"{m[1].capitalize()}.{m[2]}"),
-    (r"enum nsdae_(name|joint|motor|sensor)_kind", "the kinds"),
+    (r"nsdae_bodies\b", "nsdae.Bodies"),
+    (r"enum nsdae_((name|joint|motor|sensor)_kind|named)", "the kinds"),
     (r"NSDAE_FRICTION_GLOBAL or NSDAE_FRICTION_LOCAL", "that of nsdae.friction or nsdae.friction_local"),
     (r"\bdims\.(?=\w)", ""),
 )]
