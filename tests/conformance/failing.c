@@ -166,8 +166,8 @@ static void attack_call(bench *b, nsdae_sim *sim, unsigned char *now)
              nsdae_method_name(b->options.method), failing_name(f->term), f->at, f->code);
   if (failed) return;
   if (f->code < 0)
-    fail_msg("%s %s: %s at %ld with %d was not seen", b->name,
-             nsdae_method_name(b->options.method), failing_name(f->term), f->at, f->code);
+    fail_msg("%s %s: %s at %ld with %d was not seen", b->name, nsdae_method_name(b->options.method),
+             failing_name(f->term), f->at, f->code);
   assert_true(b->options.method >= NSDAE_METHOD_PENALTY);
   expect_near(b, sim);
 }
