@@ -101,17 +101,22 @@ static int is_joined(const nsdae_bodies *b, int body0, int body1)
   return 0;
 }
 
-/* Whether any solid may touch this one. A solid that excludes all is for pictures alone. */
-static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS])
+/* Whether any solid may touch this one. A solid that excludes all is for pictures alone. The search
+ * begins at *last, the partner of a solid before: a floor is that of many. */
+static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS],
+                       int *last)
 {
   const nsdae_solid_of *s = nsdae_solid_at(b, i);
   if (s->exclude == -1) return 1;
-  for (int j = 0; j < b->solid.count; j++) {
+  for (int k = 0; k < b->solid.count; k++) {
+    int j = (*last + k) % b->solid.count;
     const nsdae_solid_of *other = nsdae_solid_at(b, j);
     if (s->body != other->body && touches[s->material][other->material] &&
         !((s->group & other->exclude) | (other->group & s->exclude)) &&
-        !is_joined(b, s->body, other->body))
+        !is_joined(b, s->body, other->body)) {
+      *last = j;
       return 1;
+    }
   }
   for (int j = 0; j < b->feature.count; j++)
     if (nsdae_feature_at(b, j)->solid[0] == i || nsdae_feature_at(b, j)->solid[1] == i) return 1;
@@ -119,24 +124,25 @@ static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS
 }
 
 /* Whether no solid of the body of solid i may touch anything. */
-static int is_alone(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS])
+static int is_alone(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS],
+                    int *last)
 {
   int body = nsdae_solid_at(b, i)->body;
-  if (body == NSDAE_GROUND || has_partner(b, i, touches)) return 0;
+  if (body == NSDAE_GROUND || has_partner(b, i, touches, last)) return 0;
   for (int j = 0; j < b->solid.count; j++)
-    if (nsdae_solid_at(b, j)->body == body && has_partner(b, j, touches)) return 0;
+    if (nsdae_solid_at(b, j)->body == body && has_partner(b, j, touches, last)) return 0;
   return 1;
 }
 
 /* The first body of whose solids none may touch anything. */
 static int note_contacts(nsdae_bodies *b)
 {
-  int touches[NSDAE_MATERIALS][NSDAE_MATERIALS] = {{0}}, first = 0;
+  int touches[NSDAE_MATERIALS][NSDAE_MATERIALS] = {{0}}, first = 0, last = 0;
   for (int i = 0; i < b->pair.count; i++) {
     const int *material = ((const nsdae_bodies_pair *)b->pair.at + i)->material;
     touches[material[0]][material[1]] = touches[material[1]][material[0]] = 1;
   }
-  while (first < b->solid.count && !is_alone(b, first, touches)) first++;
+  while (first < b->solid.count && !is_alone(b, first, touches, &last)) first++;
   if (first == b->solid.count || b->own.contacts) return NSDAE_OK;
   int alone = nsdae_solid_at(b, first)->body;
   nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",

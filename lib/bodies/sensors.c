@@ -6,7 +6,7 @@
  *   contact    f = sum_j (Lambda_j / h) u_j, of the directions u_j of contacts, h: the step
  *   point      x = r + R s,   x' = v + w x R s,   x'' = v' + w' x R s + w x (w x R s), v' and w'
  *              the means of the step
- *   energy     T = m v^2 / 2 + w J w / 2,   U = -m g . r
+ *   energy     T = m v^2 / 2 + w . J w / 2,   U = -m g . r
  *
  * A rotation in space has the turns for which it is the nearest to alpha_0 + h (alpha'_0 +
  * alpha'_1) / 2, from its value alpha_0 before the step. */
@@ -301,12 +301,13 @@ static double energy(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const 
 {
   const nsdae_rigid_body *body = nsdae_body_at(b, s->of.body);
   int d = b->dimension, kinetic = s->of.kind == NSDAE_SENSOR_KINETIC_ENERGY;
-  double sum = 0;
+  double sum = 0, L[3];
   for (int i = 0; i < d; i++)
     sum += body->mass * (kinetic ? v[i] * v[i] / 2 : -b->force.gravity[i] * q[i]);
-  for (int i = d == 2 ? 2 : 0; i < 3 && kinetic; i++)
-    sum += body->inertia[i] * v[d == 2 ? 2 : 3 + i] * v[d == 2 ? 2 : 3 + i] / 2;
-  return sum;
+  if (!kinetic) return sum;
+  if (d == 2) return sum + body->inertia[2] * v[2] * v[2] / 2;
+  nsdae_body_momentum(body, v + 3, L);
+  return sum + (v[3] * L[0] + v[4] * L[1] + v[5] * L[2]) / 2;
 }
 
 static void of_body(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const nsdae_record *r,

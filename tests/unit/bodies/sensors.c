@@ -300,12 +300,15 @@ static void test_points(void **state)
     }
 }
 
-/* An asymmetric body that spins freely: T is constant, and the sum of the bodies that of all. */
+/* A body that spins freely about axes that are not principal: T is constant, and the sum of the
+ * bodies that of all. */
 static void test_energies(void **state)
 {
   (void)state;
   nsdae_bodies *b = create(3, 0, 0, -g);
-  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 2, .inertia = {1, 2, 2.5}, .spin = {1, 2, 3}});
+  nsdae_bodies_add(
+      b, &(nsdae_rigid_body){
+             .mass = 2, .inertia = {1, 2, 2.5}, .product = {0.1, -0.2, 0.3}, .spin = {1, 2, 3}});
   nsdae_bodies_add(b, &(nsdae_rigid_body){
                           .mass = 3, .inertia = {1, 1, 1}, .velocity = {0, 0, 5}, .position = {1}});
   for (int k = 0; k < 4; k++)
@@ -319,7 +322,8 @@ static void test_energies(void **state)
   nsdae_sim_get_record(m.sim, &r);
   double value[4];
   for (int k = 0; k < 4; k++) value[k] = *read(&m, k);
-  assert_near(value[0], (1 + 2 * 4 + 2.5 * 9) / 2 + g * g * t * t, 1e-8);
+  assert_near(value[0], (1 + 2 * 4 + 2.5 * 9) / 2 + 0.1 * 2 - 0.2 * 3 + 0.3 * 6 + g * g * t * t,
+              1e-8);
   assert_near(value[1], -2 * g * g * t * t / 2, 1e-9);
   assert_near(value[2] + value[3], 3 * 25 / 2.0, 1e-8);
   assert_near(value[0] + value[2], r.kinetic, 1e-11);
