@@ -1,4 +1,5 @@
 /* The solver as it is called: arguments, memory, islands, certificate, names. */
+#include <float.h>
 #include <math.h>
 #include <nsdae/friction.h>
 #include <stdlib.h>
@@ -178,15 +179,15 @@ static int certify(const nsdae_fc_global *w, double tol, double *r, double *low,
 /* ---- bilateral rows */
 
 /* The contacts alone, if their problem is small, to a tolerance that gives that of the whole: the
- * two residuals differ by the diagonals of W and the largest velocities. options.refine: from the
- * velocities of the whole, which have its rounding alone. Returns a status, 1: not solved; r is
- * then the better guess. */
+ * two residuals differ by the diagonals of W and the largest velocities. options.refine: if more
+ * than the rounding of sums of m terms is left, once more from the velocities of the whole. Returns
+ * a status, 1: not solved; r is then the better guess. */
 static int solve_condensed(nsdae_friction_solver *s, const nsdae_friction_options *options,
                            double *r, double *u, nsdae_friction_info *info)
 {
   nsdae_friction_options own = *options;
   nsdae_friction_info part;
-  own.refine = 0;
+  const double rounding = s->global.view.m * DBL_EPSILON;
   int done = nsdae_fc_condense(&s->condensed, &s->global);
   if (done <= 0) return done < 0 ? done : 1;
   if (!s->contacts && nsdae_friction_create(&s->contacts) < 0) return NSDAE_E_MEMORY;
@@ -202,10 +203,10 @@ static int solve_condensed(nsdae_friction_solver *s, const nsdae_friction_option
     nsdae_fc_condensed_multipliers(&s->condensed, r);
     memcpy(s->global.r, r, (size_t)s->global.view.m * sizeof *r);
     status = certify(&s->global, options->tol, r, NULL, u, info);
-    if (status == NSDAE_OK && own.refine == options->refine) return status;
+    if (status == NSDAE_OK && (options->refine == 0 || attempt > 0 || info->residual <= rounding))
+      return status;
     if (status != NSDAE_OK) own.tol *= fmin(0.5, 0.5 * options->tol / info->residual);
     if (!(own.tol > 1e-14)) return 1;
-    own.refine = options->refine;
     nsdae_fc_condensed_correct(&s->condensed, r, u);
   }
   return 1;
