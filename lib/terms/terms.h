@@ -164,12 +164,31 @@ static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const d
   return nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.w, i, v);
 }
 
-/* bound + mu |lambda| of frictional joint j; lambda [m]. */
+/* radius |lambda| of the friction circle of joint j. */
+static inline double nsdae_terms_circle(const nsdae_system *s, int j, const double *lambda)
+{
+  const nsdae_frictional_joint *joint = &s->frictional_joint[j];
+  return joint->rows > 0 ? joint->radius * nsdae_norm(joint->rows, lambda + joint->first) : 0;
+}
+
+/* Friction circles by substitution, b = own + radius |lambda(b)|: bound := own + radius |lambda|,
+ * own NULL: 0. Returns 1 if no bound has changed by more than `part` of itself, or by rounding of
+ * forces of this size; 0 if lambda is due again. It contracts by radius |d lambda / d F_S|. */
+int nsdae_terms_substitute(const nsdae_system *system, const double *own, const double *lambda,
+                           double part, double size, double *bound);
+
+/* The rounds of substitution: contraction by 0.6 to 1e-13. Then the record of what has not
+ * converged at the terms' point: NSDAE_E_CONVERGENCE. */
+enum { NSDAE_CIRCLE_ROUNDS = 60 };
+#define NSDAE_CIRCLE_PART 1e-13
+int nsdae_terms_no_circle(const nsdae_terms *terms);
+
+/* bound + mu |lambda| + radius |lambda| of frictional joint j; lambda [m]. */
 static inline double nsdae_terms_friction_limit(const nsdae_terms *T, int j, const double *lambda)
 {
   const nsdae_frictional_joint *joint = &T->system->frictional_joint[j];
   double load = joint->mu > 0 ? joint->mu * fabs(lambda[joint->constraint]) : 0;
-  return T->frictional_joint.bound[j] + load;
+  return T->frictional_joint.bound[j] + load + nsdae_terms_circle(T->system, j, lambda);
 }
 
 static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)
