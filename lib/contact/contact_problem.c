@@ -250,12 +250,6 @@ void nsdae_problem_bound(nsdae_problem *p, double share, const nsdae_terms *T, d
         share * T->frictional_joint.bound[j] + others * other->frictional_joint.bound[j];
 }
 
-int nsdae_problem_circles(nsdae_problem *p, const double *lambda, double size)
-{
-  return nsdae_terms_substitute(p->system, p->joint_own, lambda, p->contacts->lcp.options.tol, size,
-                                p->joint_bound);
-}
-
 static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
 {
   char called[NSDAE_CALLED_SIZE];

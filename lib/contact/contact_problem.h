@@ -77,10 +77,6 @@ void nsdae_problem_mark_hit(nsdae_problem *problem, const nsdae_terms *terms);
 void nsdae_problem_bound(nsdae_problem *problem, double share, const nsdae_terms *terms,
                          double others, const nsdae_terms *other);
 
-/* The bounds with the friction circles of the impulses lambda [m], to contact_tol, with impulses up
- * to `size` as rounding: see nsdae_terms_substitute. */
-int nsdae_problem_circles(nsdae_problem *problem, const double *lambda, double size);
-
 /* v and lambda, which comes as -Phi_t, of r; size: how large the terms of v were. Without contacts
  * it is as if none were closed. NSDAE_E_MASS, NSDAE_E_RANK and those of the contacts, with the
  * record. */

@@ -171,17 +171,26 @@ static inline double nsdae_terms_circle(const nsdae_system *s, int j, const doub
   return joint->rows > 0 ? joint->radius * nsdae_norm(joint->rows, lambda + joint->first) : 0;
 }
 
-/* Friction circles by substitution, b = own + radius |lambda(b)|: bound := own + radius |lambda|,
- * own NULL: 0. Returns 1 if no bound has changed by more than `part` of itself, or by rounding of
- * forces of this size; 0 if lambda is due again. It contracts by radius |d lambda / d F_S|. */
-int nsdae_terms_substitute(const nsdae_system *system, const double *own, const double *lambda,
-                           double part, double size, double *bound);
+/* Friction circles by substitution: lambda of the bounds b, then b = own + radius |lambda|, until
+ * no bound changes by more than `part` of itself, or by rounding of forces of this size. It
+ * contracts by radius |d lambda / d F_S|.
+ *
+ *   do status = solve(bound, lambda); while (nsdae_circles_again(&circles, lambda, &status)); */
+typedef struct nsdae_circles {
+  const nsdae_terms *terms;
+  const double *own; /* f, or NULL: 0 */
+  double part, size;
+  double *bound; /* f */
+  int rounds;
+} nsdae_circles;
 
-/* The rounds of substitution: contraction by 0.6 to 1e-13. Then the record of what has not
- * converged at the terms' point: NSDAE_E_CONVERGENCE. */
-enum { NSDAE_CIRCLE_ROUNDS = 60 };
 #define NSDAE_CIRCLE_PART 1e-13
-int nsdae_terms_no_circle(const nsdae_terms *terms);
+
+/* bound := own. */
+nsdae_circles nsdae_circles_begin(const nsdae_terms *terms, const double *own, double part,
+                                  double size, double *bound);
+/* Whether lambda is due again. NSDAE_E_CONVERGENCE with the record after too many rounds. */
+int nsdae_circles_again(nsdae_circles *circles, const double *lambda, int *status);
 
 /* bound + mu |lambda| + radius |lambda| of frictional joint j; lambda [m]. */
 static inline double nsdae_terms_friction_limit(const nsdae_terms *T, int j, const double *lambda)

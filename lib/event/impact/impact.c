@@ -96,15 +96,12 @@ static int solve_bounded(nsdae_event_impacts *p)
 static int solve(nsdae_event_impacts *p)
 {
   const nsdae_terms *T = p->acceleration->phase->setting->here;
-  double size = nsdae_largest(T->system->dims.nv, p->momentum);
-  int status, rounds = 0, settled;
-  memset(p->bound, 0, (size_t)T->system->dims.f * sizeof *p->bound);
-  do {
-    status = solve_bounded(p);
-    settled = status < 0 || nsdae_terms_substitute(T->system, NULL, p->multiplier,
-                                                   NSDAE_CIRCLE_PART, size, p->bound);
-  } while (!settled && ++rounds < NSDAE_CIRCLE_ROUNDS);
-  return settled ? status : nsdae_terms_no_circle(T);
+  nsdae_circles circles = nsdae_circles_begin(
+      T, NULL, NSDAE_CIRCLE_PART, nsdae_largest(T->system->dims.nv, p->momentum), p->bound);
+  int status;
+  do status = solve_bounded(p);
+  while (nsdae_circles_again(&circles, p->multiplier, &status));
+  return status;
 }
 
 /* The contacts' velocities before, zero where the integrator's errors could be all of it; and where

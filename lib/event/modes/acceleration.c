@@ -119,17 +119,13 @@ static int solve_bounded(nsdae_event_acceleration *p)
 static int solve(nsdae_event_acceleration *p)
 {
   const nsdae_terms *T = p->phase->setting->here;
-  const double *own = T->frictional_joint.bound;
-  double size = nsdae_largest(T->system->dims.nv, T->F);
-  int status, rounds = 0, settled;
+  nsdae_circles circles = nsdae_circles_begin(T, T->frictional_joint.bound, NSDAE_CIRCLE_PART,
+                                              nsdae_largest(T->system->dims.nv, T->F), p->bound);
+  int status;
   p->problem.slides.bound = p->bound;
-  memcpy(p->bound, own, (size_t)T->system->dims.f * sizeof *own);
-  do {
-    status = solve_bounded(p);
-    settled = status < 0 ||
-              nsdae_terms_substitute(T->system, own, p->lambda, NSDAE_CIRCLE_PART, size, p->bound);
-  } while (!settled && ++rounds < NSDAE_CIRCLE_ROUNDS);
-  return settled ? status : nsdae_terms_no_circle(T);
+  do status = solve_bounded(p);
+  while (nsdae_circles_again(&circles, p->lambda, &status));
+  return status;
 }
 
 /* Where the polygons' problem was not solved, the cones' may be. */

@@ -214,19 +214,16 @@ static int solve_factored(nsdae_event_phase *p)
 static int solve(nsdae_event_phase *p)
 {
   const nsdae_terms *T = p->setting->here;
-  int m = T->system->dims.m, redundant = *p->modes.redundant, rounds = 0, settled;
+  int m = T->system->dims.m, redundant = *p->modes.redundant;
   int status = nsdae_kkt_factor_coupled(p->setting->kkt, T->M, NULL, &T->by.jacobian,
                                         redundant ? p->modes.basis : NULL, m - redundant);
   if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->border, NULL, INFINITY);
   if (status < 0) return status;
-  double size = nsdae_largest(T->system->dims.nv, T->F);
-  memset(p->circle, 0, (size_t)T->system->dims.f * sizeof *p->circle);
-  do {
-    status = solve_factored(p);
-    settled = status < 0 ||
-              nsdae_terms_substitute(T->system, NULL, p->l, NSDAE_CIRCLE_PART, size, p->circle);
-  } while (!settled && ++rounds < NSDAE_CIRCLE_ROUNDS);
-  return settled ? status : nsdae_terms_no_circle(T);
+  nsdae_circles circles = nsdae_circles_begin(T, NULL, NSDAE_CIRCLE_PART,
+                                              nsdae_largest(T->system->dims.nv, T->F), p->circle);
+  do status = solve_factored(p);
+  while (nsdae_circles_again(&circles, p->l, &status));
+  return status;
 }
 
 int nsdae_event_need(const nsdae_event_phase *p)
