@@ -88,7 +88,7 @@ NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, doub
 
 /* Kinds of joints; see nsdae_joint. */
 enum nsdae_joint_kind {
-  NSDAE_JOINT_REVOLUTE,    /* common point; spatial: common axis */
+  NSDAE_JOINT_REVOLUTE,    /* common point; spatial: common axis; may have friction */
   NSDAE_JOINT_PRISMATIC,   /* translation along axis, no rotation */
   NSDAE_JOINT_WELD,        /* no relative motion */
   NSDAE_JOINT_DISTANCE,    /* constant distance between point (body 0) and end (body 1) */
@@ -117,7 +117,13 @@ typedef int (*nsdae_drive_fn)(double t, double drive[3], void *user);
  * The other kinds have none. Turns of a rotation are counted in planar models; in space it is an
  * angle in (-pi, pi].
  *
- * drive prescribes coordinate 0 as f (SLOT: mu = 0), or:
+ * Friction by the load:
+ *
+ * - SLOT: a force of at most mu |N|, N the normal force (nsdae_system_set_frictional_joint)
+ * - REVOLUTE: a torque of at most mu radius |F|, F the force on the pin
+ *  (nsdae_system_set_friction_circle)
+ *
+ * drive prescribes coordinate 0 as f (mu = 0), or:
  *
  * - DISTANCE: the distance [m]
  * - GEAR: angle of body 1 in addition to the gear's [rad] */
@@ -132,7 +138,8 @@ typedef struct nsdae_joint {
   double ratio;          /* GEAR: not 0; SCREW: pitch, displacement per turn, not 0 [m] */
   nsdae_drive_fn drive;  /* NULL: free; other kinds cannot be driven */
   void *user;            /* last argument of drive */
-  double mu;             /* SLOT: coefficient of friction, >= 0; else 0 */
+  double mu;             /* SLOT, REVOLUTE: coefficient of friction, >= 0; else 0 */
+  double radius;         /* REVOLUTE: of its pin, > 0 if mu > 0; else 0 [m] */
   int collide_connected; /* not 0: its bodies touch by nsdae_bodies_set_pair */
 } nsdae_joint;
 
@@ -179,7 +186,7 @@ enum nsdae_motor_kind {
  *
  * SPEED is a frictional joint of the system with the bound limit, exact within it. With the target
  * 0 it is dry friction of the joint or a brake. vary gives a bound that changes: a clutch.
- * Frictional joints are numbered from 0 in the order of the calls: slots with mu > 0 and motors
+ * Frictional joints are numbered from 0 in the order of the calls: joints with mu > 0 and motors
  * SPEED.
  *
  * Motors are numbered from 0 in the order of the calls: the target of motor i without a drive is

@@ -518,6 +518,12 @@ public:
   {
     return took(nsdae_system_set_friction_bound(c(), j, bound));
   }
+  /* nsdae_system_set_friction_circle: friction radius |lambda| of frictional joint j, lambda of
+   * rows constraints from this one on, all from 0. */
+  system &friction_circle(int j, int constraint, int rows, double radius)
+  {
+    return took(nsdae_system_set_friction_circle(c(), j, constraint, rows, radius));
+  }
   /* nsdae_system_set_name: kind is an enum nsdae_name_kind, i is from 0. */
   system &name(int kind, int i, const std::string &name, const std::string &unit = std::string())
   {

@@ -189,12 +189,18 @@ NSDAE_API int nsdae_system_set_contact(nsdae_system *system, int i, double mu, d
  * - nsdae_system_set_friction_bound: b = bound >= 0 [N, or N m if v_S is a rate of angle], without
  *  a constraint: dry friction of a joint, a brake, a clutch. With w_S = -target it is a motor that
  *  holds this target speed with a force of at most b.
+ * - nsdae_system_set_friction_circle: a pin of radius r with the coefficient of friction m adds
+ *  radius |lambda| to b, radius = m r >= 0 [m]. lambda are the multipliers of 1 to 3 rows from the
+ *  number constraint on: the force on the pin, if these Phi are lengths at right angles. It is
+ *  found by substitution; if this does not converge, a step returns NSDAE_E_CONVERGENCE.
  *
- * A joint may have both; one with mu = 0 and no bound is frictionless. With one of the callbacks,
+ * A joint may have all; one with mu = 0 and no bound is frictionless. With one of the callbacks,
  * set every frictional joint: otherwise nsdae_sim_create returns NSDAE_E_STATE. */
 NSDAE_API int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constraint,
                                                 double mu);
 NSDAE_API int nsdae_system_set_friction_bound(nsdae_system *system, int j, double bound);
+NSDAE_API int nsdae_system_set_friction_circle(nsdae_system *system, int j, int constraint,
+                                               int rows, double radius);
 
 /* ---- large systems: v in blocks, block-sparse Jacobian, contact list
  *

@@ -59,11 +59,11 @@ typedef struct nsdae_bodies_limit {
 
 enum { NSDAE_ROPE = -1 };
 
-/* A slot with friction, or a motor with v_S = s' - target(t). */
+/* A slot or a pin with friction, or a motor with v_S = s' - target(t). */
 typedef struct nsdae_bodies_frictional_joint {
-  int constraint, joint, motor; /* of the slot; the motor's number, or -1 */
+  int constraint, joint, motor; /* of the slot, the first of the pin; the motor's number, or -1 */
   nsdae_primitive along;
-  double mu, bound;
+  double mu, bound, circle;   /* circle: mu r of a pin */
   nsdae_drive_fn drive, vary; /* target and bound of a motor, or NULL */
   void *user, *vary_user;
 } nsdae_bodies_frictional_joint;

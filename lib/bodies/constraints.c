@@ -207,5 +207,12 @@ int nsdae_bodies_set_constraints(const nsdae_bodies *b, nsdae_system *system)
     status = own->dims.f > 0
                  ? nsdae_system_set_frictional_joint_tangent(system, frictional_joint_tangent)
                  : nsdae_system_set_joint_friction_rows(system, joint_friction_rows);
-  return status < 0 ? status : nsdae_bodies_set_motors(b, system);
+  if (status == NSDAE_OK) status = nsdae_bodies_set_motors(b, system);
+  for (int j = 0; j < b->frictional_joint.count && status == NSDAE_OK; j++) {
+    const nsdae_bodies_frictional_joint *pin = nsdae_frictional_joint_at(b, j);
+    if (pin->circle > 0)
+      status =
+          nsdae_system_set_friction_circle(system, j, pin->constraint, b->dimension, pin->circle);
+  }
+  return status;
 }

@@ -195,14 +195,15 @@ static void add_joint(const assembly *s)
   int first = b->constraint.count;
   add_rows(s, kinds[j->kind].rows);
   if (joint.coordinates > 0 && j->drive) set_drive(s, add_row(s, joint.coordinate[0]));
-  if (j->mu > 0) { /* a slot: the velocity of sliding is the rate of its coordinate */
+  if (j->mu > 0) { /* a slot or a pin: the velocity of sliding is the rate of its coordinate */
     nsdae_bodies_frictional_joint *f = nsdae_list_add(b, &b->frictional_joint, sizeof *f);
     if (f)
       *f = (nsdae_bodies_frictional_joint){.constraint = first,
                                            .joint = b->joint.count,
                                            .motor = -1,
                                            .along = joint.coordinate[0],
-                                           .mu = j->mu};
+                                           .mu = j->kind == NSDAE_JOINT_SLOT ? j->mu : 0,
+                                           .circle = j->mu * j->radius};
   }
   nsdae_bodies_joint *added = nsdae_list_add(b, &b->joint, sizeof *added);
   if (added) *added = joint;
@@ -252,14 +253,21 @@ static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
   if (j->drive && !is_driven(j->kind))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "drive", index,
                                "a %s joint cannot be driven", name);
-  if (j->mu != 0 && j->kind != NSDAE_JOINT_SLOT)
+  int pin = j->kind == NSDAE_JOINT_REVOLUTE;
+  if (j->mu != 0 && j->kind != NSDAE_JOINT_SLOT && !pin)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "mu", index,
+                               "mu = %g, but a %s joint supports no friction by its load: it must "
+                               "be 0 (slots and revolute joints support it)",
+                               j->mu, name);
+  if (!(pin && j->mu > 0 ? j->radius > 0 && isfinite(j->radius) : pin || j->radius == 0))
     return nsdae_bodies_refuse(
-        b, NSDAE_E_ARGUMENT, "joint", "mu", index,
-        "mu = %g, but a %s joint supports no friction: it must be 0 (a slot supports it)", j->mu,
-        name);
+        b, NSDAE_E_ARGUMENT, "joint", "radius", index,
+        pin ? "radius = %g of a pin with friction must be above 0, and finite"
+            : "radius = %g is of revolute joints: it must be 0",
+        j->radius);
   if (j->mu > 0 && j->drive)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "mu", index,
-                               "mu = %g of a slot with a drive: it must be 0", j->mu);
+                               "mu = %g of a joint with a drive: it must be 0", j->mu);
   return NSDAE_OK;
 }
 

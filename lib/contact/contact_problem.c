@@ -43,7 +43,7 @@ void nsdae_problem_layout(nsdae_problem *p, nsdae_arena *arena)
 {
   const nsdae_system *s = p->system;
   p->hit = NSDAE_ARENA_INTS(arena, s->blocks.count);
-  p->joint_bound = NSDAE_ARENA_DOUBLES(arena, s->dims.f);
+  nsdae_arena_doubles(arena, s->dims.f, (double **[]){&p->joint_bound, &p->joint_own, NULL});
   nsdae_island_dispatch_layout(&p->dispatch, s, arena);
 }
 
@@ -246,7 +246,7 @@ void nsdae_problem_bound(nsdae_problem *p, double share, const nsdae_terms *T, d
                          const nsdae_terms *other)
 {
   for (int j = 0; j < p->system->dims.f; j++)
-    p->joint_bound[j] =
+    p->joint_bound[j] = p->joint_own[j] =
         share * T->frictional_joint.bound[j] + others * other->frictional_joint.bound[j];
 }
 

@@ -33,6 +33,7 @@ typedef struct nsdae_problem {
   nsdae_contact_warm warm;
   int *hit;            /* islands with an impact */
   double *joint_bound; /* f: largest impulse of a frictional joint without a load */
+  double *joint_own;   /* f: that without its friction circle */
   nsdae_island_dispatch dispatch;
 } nsdae_problem;
 

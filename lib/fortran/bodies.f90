@@ -58,7 +58,8 @@ module nsdae_f_bodies
     real(c_double) :: ratio = 0     ! GEAR; SCREW: pitch
     type(c_funptr) :: drive = c_null_funptr  ! a nsdae_drive_fn; null: free
     type(c_ptr) :: user = c_null_ptr
-    real(c_double) :: mu = 0        ! SLOT
+    real(c_double) :: mu = 0        ! SLOT, REVOLUTE
+    real(c_double) :: radius = 0    ! REVOLUTE: of its pin
     integer(c_int) :: collide_connected = 0  ! not 0: its bodies touch by nsdae_bodies_set_pair
   end type
 

@@ -148,7 +148,7 @@ module nsdae_f_system
   ! callbacks.list: end
   public :: nsdae_system_create, nsdae_system_destroy, nsdae_system_set_user, &
             nsdae_system_set_contact, nsdae_system_set_frictional_joint, nsdae_system_error, &
-            nsdae_system_set_friction_bound, &
+            nsdae_system_set_friction_bound, nsdae_system_set_friction_circle, &
             nsdae_system_get_dims, nsdae_system_differences, nsdae_system_check, &
             nsdae_system_handle, nsdae_system_clear_error, nsdae_system_simulations, &
             nsdae_system_unseen, nsdae_system_set_name, nsdae_system_get_name, &
@@ -165,7 +165,7 @@ module nsdae_f_system
   interface
     ! headers: functions nsdae_system_ create destroy set_user set_contact clear_error simulations set_name
     ! headers: functions nsdae_system_ set_size sensor_size get_name get_unit set_frictional_joint error get_dims
-    ! headers: functions nsdae_system_ set_friction_bound
+    ! headers: functions nsdae_system_ set_friction_bound set_friction_circle
     ! headers: functions nsdae_system_ differences unseen check set_blocks get_blocks set_mass_blocks
     ! headers: functions nsdae_system_ set_constraint_rows set_joint_friction_rows set_contacts
     ! headers: functions nsdae_system_ set_force_damping_blocks set_force_stiffness_blocks
@@ -282,7 +282,7 @@ contains
   ! headers: wrappers nsdae_system_ set_contact
 
   ! Slide 0 <= j < f: the bilateral constraint of that number, 0 .. m-1, with friction mu >= 0.
-  ! headers: wrappers nsdae_system_ set_frictional_joint set_friction_bound
+  ! headers: wrappers nsdae_system_ set_frictional_joint set_friction_bound set_friction_circle
 
   ! Sets name and unit of object i (from 0) of a kind, e.g. (system, NSDAE_NAME_COORDINATE, 2,
   ! 'theta', 'rad'). NSDAE_E_ARGUMENT: no such kind or number, name empty or text too long.

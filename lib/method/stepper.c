@@ -190,8 +190,15 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
                       const double *r, double *v)
 {
   nsdae_stepper *s = step->tools;
-  for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
-  int status = solve(step, terms, M, r, 1, v, s->impulse);
+  nsdae_problem *p = &s->problem;
+  double size = nsdae_largest(s->system->dims.nv, r);
+  nsdae_circles circles =
+      nsdae_circles_begin(terms, p->joint_own, s->options->contact_tol, size, p->joint_bound);
+  int status;
+  do {
+    for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
+    status = solve(step, terms, M, r, 1, v, s->impulse);
+  } while (nsdae_circles_again(&circles, s->impulse, &status));
   if (status == NSDAE_OK && step->result->closed.count > 0)
     step->result->carried = nsdae_problem_carried(&s->problem, terms);
   return status;

@@ -39,20 +39,29 @@ static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
   }
 }
 
+/* Multiplier i with the friction on the frictional joints. */
+static double multiplier(const nsdae_penalty_equations *p, int i)
+{
+  const nsdae_penalty_forces *at = &p->at;
+  const nsdae_dims *d = &p->stepper->system->dims;
+  double sum = at->lambda[i];
+  for (int l = 0; l < d->f; l++)
+    sum += at->D[(size_t)l * (size_t)d->m + (size_t)i] * at->frictional_joint[l];
+  return sum;
+}
+
 /* One round of substitution for the friction on the frictional joints; how far it moved. */
 static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
   const nsdae_penalty_forces *at = &p->at;
   double moved = 0, regular = p->stepper->options->friction_velocity;
-  size_t m = (size_t)s->dims.m;
   for (int j = 0; j < s->dims.f; j++) {
-    size_t row = (size_t)s->frictional_joint[j].constraint;
-    double mu = s->frictional_joint[j].mu, normal = mu > 0 ? at->lambda[row] : 0;
-    double v = nsdae_terms_slide_rate(T, j, T->v);
-    for (int l = 0; l < s->dims.f && mu > 0; l++)
-      normal += at->D[(size_t)l * m + row] * at->frictional_joint[l];
-    double limit = T->frictional_joint.bound[j] + mu * fabs(normal);
+    const nsdae_frictional_joint *joint = &s->frictional_joint[j];
+    double v = nsdae_terms_slide_rate(T, j, T->v), limit = T->frictional_joint.bound[j], on[3];
+    if (joint->mu > 0) limit += joint->mu * fabs(multiplier(p, joint->constraint));
+    for (int i = 0; i < joint->rows; i++) on[i] = multiplier(p, joint->first + i);
+    if (joint->rows > 0) limit += joint->radius * nsdae_norm(joint->rows, on);
     double force = v * nsdae_penalty_friction(1, limit, v, regular);
     moved = fmax(moved, fabs(force - at->frictional_joint[j]) / (1 + fabs(force)));
     at->v_s[j] = v;

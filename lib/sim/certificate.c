@@ -261,6 +261,9 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
     *w = before->work;
     w->forces = w->inertia = w->driven = w->power = 0;
     w->sum += gain - r->work;
+    /* a joint at rest has velocities up to atol */
+    for (int j = 0; j < sim->system->dims.f; j++)
+      w->rounding += sim->options.atol * fabs(r->impulses.frictional_joint_impulse[j]);
     w->gained = nsdae_larger(w->gained, -point->record.dissipated);
   } else {
     status = work_of_step(&sim->stepper.problem, sim->aside != NULL, before, point);

@@ -252,7 +252,32 @@ int nsdae_system_set_frictional_joint(nsdae_system *system, int j, int constrain
   int status = nsdae_system_open(system, "frictional_joint");
   if (status < 0) return status;
   nsdae_frictional_joint *joint = &system->frictional_joint[j];
-  *joint = (nsdae_frictional_joint){constraint, mu, joint->bound, joint->bounded, 1};
+  joint->constraint = constraint;
+  joint->mu = mu;
+  joint->told = 1;
+  return NSDAE_OK;
+}
+
+int nsdae_system_set_friction_circle(nsdae_system *system, int j, int constraint, int rows,
+                                     double radius)
+{
+  const char *what = "friction_circle";
+  if (!system) return NSDAE_E_ARGUMENT;
+  if (j < 0 || j >= system->dims.f) return bad_index(system, what, "j", j, system->dims.f);
+  if (rows < 1 || rows > 3)
+    return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, what, "rows",
+                               "rows = %d is outside its range: it must be 1 .. 3", rows);
+  if (constraint < 0 || constraint > system->dims.m - rows)
+    return bad_index(system, what, "constraint", constraint, system->dims.m - rows + 1);
+  if (!(radius >= 0) || isinf(radius))
+    return bad_coefficient(system, what, "radius", radius, "at least 0, finite");
+  int status = nsdae_system_open(system, what);
+  if (status < 0) return status;
+  nsdae_frictional_joint *joint = &system->frictional_joint[j];
+  joint->first = constraint;
+  joint->rows = radius > 0 ? rows : 0;
+  joint->radius = radius;
+  joint->told = 1;
   return NSDAE_OK;
 }
 

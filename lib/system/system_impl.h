@@ -17,12 +17,15 @@ typedef struct nsdae_coefficients {
   int told; /* set by somebody, if only to zero */
 } nsdae_coefficients;
 
-/* |F_S| <= bound + mu |lambda|, lambda of its constraint. */
+/* |F_S| <= bound + mu |lambda| + radius |lambda_first, ...|, lambda of its constraint, and of the
+ * constraints of its friction circle. */
 typedef struct nsdae_frictional_joint {
   int constraint; /* of mu > 0 */
   double mu, bound;
   int bounded; /* its bound was set, if only to zero */
   int told;
+  int first, rows; /* of the friction circle; rows = 0: none */
+  double radius;
 } nsdae_frictional_joint;
 
 enum { NSDAE_NAME_KINDS = NSDAE_NAME_SENSOR + 1 };
@@ -177,7 +180,7 @@ static inline int nsdae_system_has_joint_friction(const nsdae_system *system)
 static inline int nsdae_system_joint_rubs(const nsdae_system *system, int j)
 {
   const nsdae_frictional_joint *joint = &system->frictional_joint[j];
-  return joint->mu > 0 || joint->bounded || system->call.joint_friction_bound;
+  return joint->mu > 0 || joint->rows > 0 || joint->bounded || system->call.joint_friction_bound;
 }
 
 /* Whether Phi_q is given, by rows or dense. */

@@ -383,6 +383,38 @@ static int bound(nsdae_terms *T)
   return nsdae_error_at(T->error, NSDAE_E_CALLBACK, negative, t);
 }
 
+/* Contraction by 0.6 to 1e-13. */
+enum { CIRCLE_ROUNDS = 60 };
+
+nsdae_circles nsdae_circles_begin(const nsdae_terms *T, const double *own, double part, double size,
+                                  double *bound)
+{
+  for (int j = 0; j < T->system->dims.f; j++) bound[j] = own ? own[j] : 0;
+  return (nsdae_circles){T, own, part, size, bound, 0};
+}
+
+int nsdae_circles_again(nsdae_circles *c, const double *lambda, int *status)
+{
+  const nsdae_terms *T = c->terms;
+  const nsdae_system *s = T->system;
+  int moves = -1;
+  for (int j = 0; j < s->dims.f && *status >= 0; j++) {
+    double circle = nsdae_terms_circle(s, j, lambda), to = circle + (c->own ? c->own[j] : 0);
+    double none = c->part * to + 1e3 * DBL_EPSILON * s->frictional_joint[j].radius * c->size;
+    if (!(fabs(to - c->bound[j]) <= none)) moves = j;
+    c->bound[j] = to;
+  }
+  if (moves < 0 || c->rounds++ < CIRCLE_ROUNDS) return moves >= 0;
+  nsdae_error_set(
+      T->error, NSDAE_E_CONVERGENCE, "nsdae_terms", "radius",
+      "the friction circle of radius %g did not converge in %d rounds: friction changes "
+      "the force on the pin as much as the force changes friction: make mu r smaller",
+      s->frictional_joint[moves].radius, CIRCLE_ROUNDS);
+  nsdae_system_name_item(s, NSDAE_NAME_FRICTIONAL_JOINT, moves, T->error);
+  *status = nsdae_error_at(T->error, NSDAE_E_CONVERGENCE, moves, nsdae_terms_time(T));
+  return 0;
+}
+
 static int acceleration(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;

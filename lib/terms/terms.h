@@ -164,12 +164,40 @@ static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const d
   return nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.w, i, v);
 }
 
-/* bound + mu |lambda| of frictional joint j; lambda [m]. */
+/* radius |lambda| of the friction circle of joint j. */
+static inline double nsdae_terms_circle(const nsdae_system *s, int j, const double *lambda)
+{
+  const nsdae_frictional_joint *joint = &s->frictional_joint[j];
+  return joint->rows > 0 ? joint->radius * nsdae_norm(joint->rows, lambda + joint->first) : 0;
+}
+
+/* Friction circles by substitution: lambda of the bounds b, then b = own + radius |lambda|, until
+ * no bound changes by more than `part` of itself, or by rounding of forces of this size. It
+ * contracts by radius |d lambda / d F_S|.
+ *
+ *   do status = solve(bound, lambda); while (nsdae_circles_again(&circles, lambda, &status)); */
+typedef struct nsdae_circles {
+  const nsdae_terms *terms;
+  const double *own; /* f, or NULL: 0 */
+  double part, size;
+  double *bound; /* f */
+  int rounds;
+} nsdae_circles;
+
+#define NSDAE_CIRCLE_PART 1e-13
+
+/* bound := own. */
+nsdae_circles nsdae_circles_begin(const nsdae_terms *terms, const double *own, double part,
+                                  double size, double *bound);
+/* Whether lambda is due again. NSDAE_E_CONVERGENCE with the record after too many rounds. */
+int nsdae_circles_again(nsdae_circles *circles, const double *lambda, int *status);
+
+/* bound + mu |lambda| + radius |lambda| of frictional joint j; lambda [m]. */
 static inline double nsdae_terms_friction_limit(const nsdae_terms *T, int j, const double *lambda)
 {
   const nsdae_frictional_joint *joint = &T->system->frictional_joint[j];
   double load = joint->mu > 0 ? joint->mu * fabs(lambda[joint->constraint]) : 0;
-  return T->frictional_joint.bound[j] + load;
+  return T->frictional_joint.bound[j] + load + nsdae_terms_circle(T->system, j, lambda);
 }
 
 static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, const double *v)

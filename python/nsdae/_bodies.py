@@ -251,8 +251,8 @@ class Bodies:
         return self._core.material(material) if isinstance(material, str) else int(material)
 
     def add_joint(self, kind: str, body0: int, body1: int, *, point: Any = (), end: Any = (), axis: Any = (),
-                  cross: Any = (), ratio: float = 0, mu: float = 0, collide_connected: bool = False,
-                  drive: Callable[..., Any] | None = None, user: Any = None) -> int:
+                  cross: Any = (), ratio: float = 0, mu: float = 0, radius: float = 0,
+                  collide_connected: bool = False, drive: Callable[..., Any] | None = None, user: Any = None) -> int:
         """Adds a joint between two bodies.
 
         Parameters
@@ -271,7 +271,9 @@ class Bodies:
         ratio : float
             Joint "gear": theta of body1 per theta of body0. Joint "screw": pitch, displacement per turn [m].
         mu : float
-            Joint "slot": coefficient of friction (a frictional joint).
+            Joints "slot" and "revolute": coefficient of friction by the load (a frictional joint).
+        radius : float
+            Joint "revolute" with mu: radius of its pin [m].
         collide_connected : bool
             The two bodies touch by `set_pair`. The default is that they do not.
         drive : callable, optional
@@ -288,7 +290,7 @@ class Bodies:
         function, pointer = self._callback("drive", drive, user)
         return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, self._vector("point", point),
                                     self._vector("end", end), self._vector("axis", axis), self._vector("cross", cross),
-                                    float(ratio), float(mu), bool(collide_connected), function, *pointer)
+                                    float(ratio), float(mu), float(radius), bool(collide_connected), function, *pointer)
 
     def _callback(self, name: str, function: Any, user: Any) -> tuple[Any, tuple[int, int]]:
         if function is None:

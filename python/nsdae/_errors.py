@@ -84,7 +84,7 @@ _NAMES = [(re.compile(pattern), name) for pattern, name in (
     (r"nsdae_sim_(get_failed_lcp)", "Error.problem"),
     (r"nsdae_sim_options_default", "nsdae.Sim"),
     (r"nsdae_system_create", "nsdae.System"),
-    (r"nsdae_system_set_(contact|frictional_joint|friction_bound|name)\b", r"System.set_\1"),
+    (r"nsdae_system_set_(contact|frictional_joint|friction_bound|friction_circle|name)\b", r"System.set_\1"),
     (r"nsdae_system_set_blocks", "nsdae.System(blocks=...)"),
     (r"nsdae_system_set_(\w+)", r"System.set(\1=...)"),
     (r"nsdae_bodies_create", "nsdae.Bodies"),

@@ -235,6 +235,20 @@ class System:
         """
         self._core.set_friction_bound(j, float(bound))
 
+    def set_friction_circle(self, j: int, constraint: int, rows: int, radius: float) -> None:
+        """Adds friction by the load of a pin to a frictional joint: radius abs(lambda).
+
+        Parameters
+        ----------
+        j : int
+            Frictional joint; its slip velocity is a rate of angle.
+        constraint, rows : int
+            First and number of the constraints of the pin, 1 to 3 lengths at right angles.
+        radius : float
+            Coefficient of friction times the radius of the pin [m].
+        """
+        self._core.set_friction_circle(j, constraint, rows, float(radius))
+
     def set_name(self, kind: str, i: int, name: str, unit: str = "") -> None:
         """Names a coordinate, velocity, constraint, contact or frictional joint.
 

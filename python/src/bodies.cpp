@@ -110,7 +110,7 @@ void bodies::set_drive(nb::object function, std::uintptr_t address, std::uintptr
 }
 
 int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, triple axis,
-                      triple cross, double ratio, double mu, bool collide_connected,
+                      triple cross, double ratio, double mu, double radius, bool collide_connected,
                       nb::object drive, std::uintptr_t address, std::uintptr_t user)
 {
   nsdae_joint j = {};
@@ -119,6 +119,7 @@ int bodies::add_joint(int kind, int body0, int body1, triple point, triple end, 
   j.body[1] = body1;
   j.ratio = ratio;
   j.mu = mu;
+  j.radius = radius;
   j.collide_connected = collide_connected ? 1 : 0;
   fill(j.point, point);
   fill(j.end, end);
@@ -407,8 +408,8 @@ void bind_bodies(nb::module_ &m)
       .def(nb::init<int>())
       .def("add", &bodies::add)
       .def("add_joint", &bodies::add_joint, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(),
-           nb::arg())
+           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
+           nb::arg(), nb::arg())
       .def("add_limit", &bodies::add_limit)
       .def("add_rope", &bodies::add_rope)
       .def("add_coupler", &bodies::add_coupler)

@@ -29,7 +29,7 @@ public:
   int add(double mass, triple inertia, triple product, triple position, double angle,
           quadruple quaternion, triple velocity, triple spin);
   int add_joint(int kind, int body0, int body1, triple point, triple end, triple axis, triple cross,
-                double ratio, double mu, bool collide_connected, nb::object drive,
+                double ratio, double mu, double radius, bool collide_connected, nb::object drive,
                 std::uintptr_t address, std::uintptr_t user);
   int add_limit(int joint, int coordinate, double low, double high, double e_n);
   int add_rope(int body0, int body1, triple point, triple end, double length, double e_n);

@@ -271,6 +271,11 @@ void system::set_friction_bound(int j, double bound)
   demand(nsdae_system_set_friction_bound(handle, j, bound));
 }
 
+void system::set_friction_circle(int j, int constraint, int rows, double radius)
+{
+  demand(nsdae_system_set_friction_circle(handle, j, constraint, rows, radius));
+}
+
 // Before the callbacks: their arrays are of these sizes.
 void system::set_blocks(whole_numbers nq, whole_numbers nv)
 {
@@ -365,6 +370,7 @@ void bind_system(nb::module_ &m)
       .def("set_contact", &system::set_contact)
       .def("set_frictional_joint", &system::set_frictional_joint)
       .def("set_friction_bound", &system::set_friction_bound)
+      .def("set_friction_circle", &system::set_friction_circle)
       .def("set_blocks", &system::set_blocks)
       .def("blocks",
            [](const system &s) {

@@ -57,6 +57,7 @@ public:
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_frictional_joint(int j, int constraint, double mu);
   void set_friction_bound(int j, double bound);
+  void set_friction_circle(int j, int constraint, int rows, double radius);
   void set_blocks(whole_numbers nq, whole_numbers nv);
   void set_size(int kind, int i, double size);
   void set_name(int kind, int i, const std::string &name, const std::string &unit);

@@ -95,6 +95,9 @@ def test_motors():
     world = Bodies(2)
     world.add_motor(wheel(world, 2), "speed", limit=4)
     assert turn(world) == pytest.approx(0.25, abs=1e-9)
+    world = Bodies(2, gravity=(0, -10))  # the weight on a pin: 0.5 theta'' = -0.2 * 0.05 * 10
+    world.add_joint("revolute", GROUND, world.add(mass=1, inertia=0.5, spin=2), mu=0.2, radius=0.05)
+    assert turn(world) == pytest.approx(2 - 0.1, abs=1e-9)
     world = Bodies(2)
 
     def ramp(t, f):

@@ -325,7 +325,7 @@ void test_slide()
   });
   slot.constraint([](double, const double *q, double *phi) { phi[0] = q[1]; });
   slot.frictional_joint_tangent([](double, const double *, double *W, int, double *) { W[0] = 1; });
-  slot.frictional_joint(0, 0, 0.2).friction_bound(0, 0);
+  slot.frictional_joint(0, 0, 0.2).friction_bound(0, 0).friction_circle(0, 0, 1, 0);
   nsdae::sim sim(slot, nsdae::options().set("method", "moreau").set("dt", 0.01));
   sim.init(0, {0, 0}, {0, 0});
   sim.run(0.1);

@@ -162,6 +162,8 @@ contains
     call is_int(nsdae_system_set_friction_bound(s, 0, 0d0), NSDAE_OK, 'bound')
     call is_int(nsdae_system_set_friction_bound(s, 0, -1d0), NSDAE_E_ARGUMENT, 'bound < 0')
     call is_int(nsdae_system_set_friction_bound(s, 1, 1d0), NSDAE_E_ARGUMENT, 'no such joint')
+    call is_int(nsdae_system_set_friction_circle(s, 0, 0, 2, 0d0), NSDAE_OK, 'circle')
+    call is_int(nsdae_system_set_friction_circle(s, 0, 1, 2, 0d0), NSDAE_E_ARGUMENT, 'circle: rows')
     call nsdae_system_destroy(s)
     call is_int(nsdae_system_set_frictional_joint(s, 0, 0, 0d0), NSDAE_E_ARGUMENT, 'no system')
   end subroutine

@@ -155,7 +155,7 @@ static const entry entries[] = {
     SIZE(nsdae_joint)
     AT(nsdae_joint, body) AT(nsdae_joint, point) AT(nsdae_joint, end) AT(nsdae_joint, axis)
     AT(nsdae_joint, cross) AT(nsdae_joint, ratio) AT(nsdae_joint, drive) AT(nsdae_joint, user)
-    AT(nsdae_joint, mu) AT(nsdae_joint, collide_connected)
+    AT(nsdae_joint, mu) AT(nsdae_joint, radius) AT(nsdae_joint, collide_connected)
     SIZE(nsdae_spring)
     AT(nsdae_spring, point) AT(nsdae_spring, end) AT(nsdae_spring, stiffness)
     AT(nsdae_spring, damping) AT(nsdae_spring, rest)

@@ -505,6 +505,7 @@ contains
     call same_place('nsdae_joint%drive', c_loc(x), c_loc(x%drive))
     call same_place('nsdae_joint%user', c_loc(x), c_loc(x%user))
     call same_place('nsdae_joint%mu', c_loc(x), c_loc(x%mu))
+    call same_place('nsdae_joint%radius', c_loc(x), c_loc(x%radius))
     call same_place('nsdae_joint%collide_connected', c_loc(x), c_loc(x%collide_connected))
   end subroutine
 

@@ -692,6 +692,10 @@ static void test_refusals(void **state)
     assert_int_equal(nsdae_system_set_friction_bound(s, 0, bad[i]), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_friction_bound(s, 1, 1), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_system_set_friction_bound(NULL, 0, 1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_friction_circle(s, 0, 0, 1, 1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_friction_circle(s, 0, 0, 0, 1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_friction_circle(s, 1, 0, 1, 1), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_system_set_friction_circle(NULL, 0, 0, 1, 1), NSDAE_E_ARGUMENT);
   nsdae_system_destroy(&s);
   nsdae_sim *sim = begin(&block, NSDAE_METHOD_IMPLICIT, 0.1, &q, &v);
   for (int i = 0; i < 3; i++)

@@ -28,6 +28,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   nsdae_arena_doubles(arena, d->m, (double **[]){&p->multiplier, &p->reaction, NULL});
   nsdae_arena_doubles(arena, d->k, (double **[]){&p->velocity, &p->blur, &p->coming, NULL});
   nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
+  p->bound = NSDAE_ARENA_DOUBLES(arena, d->f);
 }
 
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
@@ -38,8 +39,10 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
                      nsdae_law_edges_to_start(s->options->polygon));
   /* a bounded force has no impulse in an instant: joints without a load take no part */
   int loaded = 0;
-  for (int j = 0; j < s->system->dims.f; j++) loaded |= s->system->frictional_joint[j].mu > 0;
+  for (int j = 0; j < s->system->dims.f; j++)
+    loaded |= s->system->frictional_joint[j].mu > 0 || s->system->frictional_joint[j].rows > 0;
   if (!loaded) p->problem.slides.count = 0;
+  p->problem.slides.bound = p->bound;
 }
 
 int nsdae_event_touches(const nsdae_event_setting *s, int i)
@@ -72,7 +75,7 @@ static int solve_polygons(nsdae_event_impacts *p)
 
 /* v+ of the momentum before: the cones from the polygons' solution or, where there is none or one
  * of no use, anew. */
-static int solve(nsdae_event_impacts *p)
+static int solve_bounded(nsdae_event_impacts *p)
 {
   const double *d = p->acceleration->phase->modes.direction;
   int status = solve_polygons(p);
@@ -87,6 +90,17 @@ static int solve(nsdae_event_impacts *p)
   }
   if (pressed && (status = solve_polygons(p)) == NSDAE_OK)
     nsdae_projected_gauss_seidel(&p->problem, d, p->force, p->xi, p->v, p->multiplier);
+  return status;
+}
+
+static int solve(nsdae_event_impacts *p)
+{
+  const nsdae_terms *T = p->acceleration->phase->setting->here;
+  nsdae_circles circles = nsdae_circles_begin(
+      T, NULL, NSDAE_CIRCLE_PART, nsdae_largest(T->system->dims.nv, p->momentum), p->bound);
+  int status;
+  do status = solve_bounded(p);
+  while (nsdae_circles_again(&circles, p->multiplier, &status));
   return status;
 }
 

@@ -24,6 +24,7 @@ typedef struct nsdae_event_impacts {
   double *elastic, *reaction;       /* nv, m: v+ and the bilateral impulses with e_N */
   double *velocity, *coming;        /* k: normal, of the contacts before; as the problem has it */
   double *force, *xi;               /* columns: for cones */
+  double *bound;                    /* f: of the friction circles */
   double *blur; /* k: multiple of the threshold below which an impact is plastic */
   int together; /* what parts already is to go on parting */
   int endless;  /* impacts of one instant that nothing ends */

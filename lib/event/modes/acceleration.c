@@ -17,6 +17,7 @@ void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *a
   nsdae_arena_doubles(arena, d->nv, (double **[]){&p->a, &p->size, NULL});
   p->lambda = NSDAE_ARENA_DOUBLES(arena, d->m);
   nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
+  p->bound = NSDAE_ARENA_DOUBLES(arena, d->f);
   int **of_contact[] = {&p->is.touching, &p->is.candidate, &p->is.released, &p->is.breakaway,
                         &p->is.stopped,  &p->is.moving,    &p->is.closed};
   int **of_slide[] = {&p->is.slide_breakaway, &p->is.slide_stopped, &p->is.slide_turned};
@@ -94,7 +95,7 @@ void nsdae_event_set_laws(nsdae_event_acceleration *p, int impacted, double size
   for (int j = 0; j < s->dims.f; j++) p->sense[j] = slide_sense(p, j, impacted, size);
 }
 
-static int solve(nsdae_event_acceleration *p)
+static int solve_bounded(nsdae_event_acceleration *p)
 {
   nsdae_event_setting *s = p->phase->setting;
   nsdae_terms T = *s->here;
@@ -102,7 +103,6 @@ static int solve(nsdae_event_acceleration *p)
   T.w_N = T.omega.N;
   T.w_T = T.omega.T;
   T.frictional_joint.w = T.frictional_joint.omega;
-  p->problem.slides.bound = T.frictional_joint.bound;
   nsdae_contacts_close_marked(&p->problem, p->is.candidate, &p->solution);
   memcpy(p->a, T.F, (size_t)n * sizeof *p->a);
   memcpy(p->size, T.F, (size_t)n * sizeof *p->size);
@@ -114,6 +114,18 @@ static int solve(nsdae_event_acceleration *p)
     status = nsdae_terms_finite(s->here, "acceleration", NSDAE_NAME_VELOCITY, p->a);
   return status < 0 ? status
                     : nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->lambda);
+}
+
+static int solve(nsdae_event_acceleration *p)
+{
+  const nsdae_terms *T = p->phase->setting->here;
+  nsdae_circles circles = nsdae_circles_begin(T, T->frictional_joint.bound, NSDAE_CIRCLE_PART,
+                                              nsdae_largest(T->system->dims.nv, T->F), p->bound);
+  int status;
+  p->problem.slides.bound = p->bound;
+  do status = solve_bounded(p);
+  while (nsdae_circles_again(&circles, p->lambda, &status));
+  return status;
 }
 
 /* Where the polygons' problem was not solved, the cones' may be. */

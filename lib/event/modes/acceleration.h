@@ -61,6 +61,7 @@ typedef struct nsdae_event_acceleration {
   int *sense;                /* f: slides with a known direction in it */
   double *a, *lambda, *size; /* nv, m, nv: of the solution; how large the terms of a are */
   double *force, *xi;        /* columns: for cones */
+  double *bound;             /* f: with the friction circles */
   int by_cones;              /* the solution is theirs */
   nsdae_hyperstatic sharing; /* of its forces */
   double looser;             /* of the sharing */

@@ -55,6 +55,7 @@ int nsdae_event_residual(double t, const double *y, const double *ydot, double c
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   nsdae_newton_kkt_residual(T, o->baumgarte_alpha, o->baumgarte_beta, y, ydot, r);
   memcpy(r + at->normal, y + at->normal, (size_t)(at->n - at->normal) * sizeof *r);
+  for (int j = 0; j < s->dims.f; j++) p->circle[j] = nsdae_terms_circle(s, j, y + at->lambda);
   for (int a = 0; a < b->count; a++) {
     const nsdae_event_row *row = &b->row[a];
     nsdae_rows_add(&s->blocks, row->rows, row->index, -y[at->normal + row->force], r + at->v);

@@ -12,6 +12,7 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   long forces = d->k * (1 + d->nt) + d->f;
   p->x = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->l = NSDAE_ARENA_DOUBLES(arena, d->m);
+  p->circle = NSDAE_ARENA_DOUBLES(arena, d->f);
   p->rows.row = nsdae_arena_take(arena, forces, sizeof *p->rows.row);
   p->rows.place = NSDAE_ARENA_INTS(arena, forces);
   p->rows.f = NSDAE_ARENA_DOUBLES(arena, forces);
@@ -125,7 +126,7 @@ double nsdae_event_joint_friction(const nsdae_event_phase *p, int j)
 
 double nsdae_event_dry_friction(const nsdae_event_phase *p, int j)
 {
-  return -p->setting->here->frictional_joint.bound[j] * p->modes.slide_part[j];
+  return -(p->setting->here->frictional_joint.bound[j] + p->circle[j]) * p->modes.slide_part[j];
 }
 
 /* ---- the border */
@@ -188,20 +189,15 @@ int nsdae_event_factor_border(const nsdae_event_phase *p, nsdae_border *b, const
   return nsdae_border_factor(b, p->setting->here);
 }
 
-/* x, l, f := v', lambda, F of the equations (6) and the rows. Redundant constraints in the
- * combinations of the phase's start. */
-static int solve(nsdae_event_phase *p)
+/* x, l, f := v', lambda, F of the equations (6) and the rows, with the friction circles as they
+ * are. */
+static int solve_factored(nsdae_event_phase *p)
 {
   const nsdae_terms *T = p->setting->here;
   const nsdae_sim_options *o = p->setting->options;
   double alpha2 = 2 * o->baumgarte_alpha, beta2 = o->baumgarte_beta * o->baumgarte_beta;
-  int m = T->system->dims.m, redundant = *p->modes.redundant;
-  int status = nsdae_kkt_factor_coupled(p->setting->kkt, T->M, NULL, &T->by.jacobian,
-                                        redundant ? p->modes.basis : NULL, m - redundant);
-  if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->border, NULL, INFINITY);
-  if (status < 0) return status;
   memcpy(p->x, T->F, (size_t)T->system->dims.nv * sizeof *p->x);
-  for (int i = 0; i < m; i++)
+  for (int i = 0; i < T->system->dims.m; i++)
     p->l[i] = -T->constraint.omega[i] - alpha2 * nsdae_terms_constraint_rate(T, i, T->v) -
               beta2 * T->constraint.phi[i];
   for (int a = 0; a < p->rows.count; a++) {
@@ -211,6 +207,23 @@ static int solve(nsdae_event_phase *p)
                                                        : 0;
   }
   return nsdae_border_solve(&p->border, T, p->x, p->l, p->rows.f);
+}
+
+/* The same with the friction circles of l. Redundant constraints in the combinations of the phase's
+ * start. */
+static int solve(nsdae_event_phase *p)
+{
+  const nsdae_terms *T = p->setting->here;
+  int m = T->system->dims.m, redundant = *p->modes.redundant;
+  int status = nsdae_kkt_factor_coupled(p->setting->kkt, T->M, NULL, &T->by.jacobian,
+                                        redundant ? p->modes.basis : NULL, m - redundant);
+  if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->border, NULL, INFINITY);
+  if (status < 0) return status;
+  nsdae_circles circles = nsdae_circles_begin(T, NULL, NSDAE_CIRCLE_PART,
+                                              nsdae_largest(T->system->dims.nv, T->F), p->circle);
+  do status = solve_factored(p);
+  while (nsdae_circles_again(&circles, p->l, &status));
+  return status;
 }
 
 int nsdae_event_need(const nsdae_event_phase *p)

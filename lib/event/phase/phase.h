@@ -77,6 +77,7 @@ typedef struct nsdae_event_phase {
   nsdae_event_modes modes;
   unsigned terms; /* what the equations of the modes need */
   double *x, *l;  /* nv, m: v', lambda */
+  double *circle; /* f: friction of the friction circles */
   nsdae_event_rows rows;
   nsdae_border border;     /* of the rows, with the setting's kkt */
   nsdae_newton_kkt newton; /* of IDA's steps: see newton.c */

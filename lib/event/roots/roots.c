@@ -95,7 +95,8 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   double normal = joint->mu > 0 ? m->normal_sense[i] * y[at->lambda + joint->constraint] : 0;
   if (root->kind == NSDAE_ROOT_SIGN) return normal;
   if (m->frictional_joint[i] == NSDAE_MODE_STICK)
-    return T->frictional_joint.bound[i] + joint->mu * normal - fabs(y[at->frictional_joint + i]);
+    return T->frictional_joint.bound[i] + joint->mu * normal +
+           nsdae_terms_circle(s, i, y + at->lambda) - fabs(y[at->frictional_joint + i]);
   return m->slide_sense[i] * nsdae_terms_slide_rate(T, i, T->v);
 }
 

@@ -119,7 +119,10 @@ static void test_joints(void **state)
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_GEAR, .body = {0, 1}}, "ratio");
   refuse_joint(3, (nsdae_joint){.kind = NSDAE_JOINT_SCREW, .body = {0, 1}, .axis = {1}}, "ratio");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_DISTANCE, .body = {0, 1}}, "end");
-  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .mu = 0.1}, "mu");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .mu = 0.1}, "radius");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, 1}, .mu = -0.1}, "mu");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {0, 1}, .mu = 0.1}, "mu");
+  refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {0, 1}, .radius = 0.1}, "radius");
   refuse_joint(
       2, (nsdae_joint){.kind = NSDAE_JOINT_SLOT, .body = {0, 1}, .axis = {1, 0}, .mu = -0.1}, "mu");
   refuse_joint(2, (nsdae_joint){.kind = NSDAE_JOINT_WELD, .body = {0, 1}, .point = {0, 0, 1}},
