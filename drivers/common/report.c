@@ -196,9 +196,9 @@ void report_end(report *r, const nsdae_sim *sim)
   if (stats.fallback_steps > 0)
     printf("%ld steps were taken by implicit: too many events, or events without progress\n",
            stats.fallback_steps);
-  if (stats.given_steps > 0)
+  if (stats.inexact_steps > 0)
     printf("%ld steps left a contact problem above contact_tol, see contact_give\n",
-           stats.given_steps);
+           stats.inexact_steps);
   if (stats.frozen_steps > 0)
     printf("%ld steps of implicit froze their contacts after 20 iterations\n", stats.frozen_steps);
   say_warnings(sim, &stats);

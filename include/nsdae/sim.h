@@ -269,8 +269,8 @@ typedef struct nsdae_stats {
   long impacts;                                 /* as recorded */
   long events, accumulations;                   /* method event: events; closed accumulations */
   long fallback_steps;                          /* method event: dt taken by implicit instead */
-  long given_steps;  /* steps that went on with a residual above contact_tol, see contact_give */
-  long frozen_steps; /* implicit: steps whose contacts were frozen, as their iteration stagnated */
+  long inexact_steps; /* steps that went on with a residual above contact_tol, see contact_give */
+  long frozen_steps;  /* implicit: steps whose contacts were frozen, as their iteration stagnated */
   long accumulations_early; /* method event: accumulations closed before accumulation_time,
                                because the velocity is below rtol and atol or chattering lasted
                                thousands of impacts */

@@ -162,7 +162,7 @@ module nsdae_f_sim
     integer(c_long) :: impacts
     integer(c_long) :: events, accumulations  ! method event: events; closed accumulations
     integer(c_long) :: fallback_steps    ! method event: dt taken by implicit instead
-    integer(c_long) :: given_steps       ! went on with a residual above contact_tol
+    integer(c_long) :: inexact_steps     ! went on with a residual above contact_tol
     integer(c_long) :: frozen_steps      ! implicit: contacts frozen in the step
     integer(c_long) :: accumulations_early  ! closed before accumulation_time
     real(c_double) :: rank_retained, rank_discarded  ! sines: smallest of retained, largest of discarded rows

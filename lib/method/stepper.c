@@ -110,7 +110,7 @@ int nsdae_step_end(const nsdae_step *step)
   result->work = nsdae_problem_work(&s->problem);
   /* islands are solved by their own scale, a step is judged by that of all */
   result->worst_residual = nsdae_problem_residual(&s->problem);
-  result->counters.given = !(result->worst_residual <= tol);
+  result->counters.inexact = !(result->worst_residual <= tol);
   if (result->worst_residual <= most) return NSDAE_OK;
   nsdae_error_set(s->error, NSDAE_E_LCP, "nsdae_contacts", "contact_tol",
                   "at t = %.17g the contact problem was solved to %.3g, above %.3g; a smaller dt "

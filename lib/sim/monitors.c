@@ -220,7 +220,7 @@ static int judge_law(const nsdae_sim *sim, nsdae_point *point)
 static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
   const nsdae_terms *end = &point->result.end;
-  if (!point->result.counters.given || !(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
+  if (!point->result.counters.inexact || !(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
   nsdae_error_set(end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
                   "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g: "
                   "make contact_tol larger or dt smaller, or set contact_give = 1 to stop there",
@@ -234,7 +234,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   const nsdae_record *r = &point->record;
   int new = ~point->accounts.stats.warnings;
   const double *moved = point->result.counters.moved ? sim->slop.moved : NULL;
-  if (point->result.counters.given) point->accounts.stats.warnings |= NSDAE_MONITORS_CONTACT;
+  if (point->result.counters.inexact) point->accounts.stats.warnings |= NSDAE_MONITORS_CONTACT;
   measure_lengths(w, &before->result.end, &point->result, moved);
   excess all[3] = {find_gain(w, before, point)};
   int status = judge_fallback(sim, before, point), found = 1;

@@ -115,7 +115,7 @@ static void add_counters(nsdae_stats *stats, const nsdae_counters *c)
   stats->rank_discarded = nsdae_larger(stats->rank_discarded, c->rank_discarded);
   stats->fallback_steps += c->fallbacks;
   stats->frozen_steps += c->frozen;
-  stats->given_steps += c->given;
+  stats->inexact_steps += c->inexact;
   stats->mass_evals += c->evals.mass;
   stats->force_evals += c->evals.force;
   stats->jacobian_evals += c->evals.jacobian;

@@ -91,7 +91,7 @@ static void visit_stats(cursor *c, nsdae_stats *s)
                           &s->jacobian_evals, &s->impacts,
                           &s->events,         &s->accumulations,
                           &s->fallback_steps, &s->accumulations_early,
-                          &s->frozen_steps,   &s->given_steps};
+                          &s->frozen_steps,   &s->inexact_steps};
   double *const worst[] = {&s->worst_residual, &s->worst_drift,    &s->worst_penetration,
                            &s->energy_start,   &s->energy_balance, &s->rank_retained,
                            &s->rank_discarded};

@@ -7,9 +7,9 @@
  * One pass, of first order; v_1 does not satisfy Phi_q(q_1) v_1 + Phi_t = 0. */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
-#include "newmark.h"
+#include "errors.h"
 #include "stepper.h"
 #include "vector.h"
 
@@ -17,14 +17,10 @@ enum {
   CONTACT_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T |
                   NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE |
                   NSDAE_TERM_BOUND,
+  SMOOTH_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
+                 NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA,
   END_TERMS = NSDAE_TERM_JACOBIAN | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE
 };
-
-typedef struct printed {
-  nsdae_stepper *stepper;
-  nsdae_newmark newmark;
-  nsdae_arena arena;
-} printed;
 
 /* Beside the contacts' warm start: a and lambda of the end of a smooth step, and whether they are
  * there. */
@@ -35,63 +31,100 @@ static void lay(const nsdae_stepper *s, nsdae_memory_part *part)
   nsdae_memory_wholes(part, 1);
 }
 
-static void layout(void *object, nsdae_arena *arena)
-{
-  nsdae_newmark_layout(&((printed *)object)->newmark, arena);
-}
-
-static int create(nsdae_stepper *s, void **own)
-{
-  printed *p = calloc(1, sizeof *p);
-  *own = p;
-  if (!p) return nsdae_stepper_made(s, NSDAE_E_MEMORY, "implicit-printed");
-  p->stepper = s;
-  p->newmark = (nsdae_newmark){.system = s->system, .error = s->error, .options = s->options};
-  return nsdae_stepper_made(s, nsdae_arena_build(&p->arena, layout, p), "implicit-printed");
-}
-
-static void destroy(void *own)
-{
-  printed *p = own;
-  if (!p) return;
-  nsdae_arena_release(&p->arena);
-  free(p);
-}
-
 static void jump(void *own, nsdae_memory *memory)
 {
   (void)own;
   memory->whole[memory->wholes - 1] = 0;
 }
 
-/* M a + Phi_q^T lambda = r, Phi_q a = c, with c in lambda. */
-static int solve_smooth(void *of, nsdae_terms *terms, const double *r, double *a, double *lambda)
+/* ---- Newmark's rule
+ *
+ * gamma = 1/2, beta = 1/4 on the index-1 form with Baumgarte's stabilisation, Eq. (6):
+ *
+ *   [ M      Phi_q^T ] [ a      ]   [ F                                                    ]
+ *   [ Phi_q  0       ] [ lambda ] = [ -omega - 2 alpha (Phi_q v + Phi_t) - beta^2 Phi      ]
+ *   q1 = q0 + h v0 + h^2/4 (a0 + a1),   v1 = v0 + h/2 (a0 + a1)
+ *
+ * of second order, solved for a1 by fixed-point iteration. If dq/dt = H(q) v, q1 takes the mean
+ * of H v at both ends. */
+
+/* a and lambda at the terms' point. The stabilisation is stiff: with s = alpha h + beta^2 h^2/4,
+ * the share of a in 2 alpha Phi' + beta^2 Phi, the right-hand side R of Phi_q a = R is replaced
+ * by (R + s Phi_q a_last) / (1 + s). It has the same solution, and alpha and beta no longer
+ * bound h. a holds a_last on entry where s > 0. */
+static int acceleration(const nsdae_step *step, nsdae_terms *T, double s, double *a, double *lambda)
 {
-  const nsdae_step *step = of;
-  int status = nsdae_step_factor(step, terms, 0);
-  return status < 0 ? status : nsdae_step_free(step, terms, terms->M, r, a, lambda);
+  const nsdae_system *system = T->system;
+  const nsdae_blocks *blocks = &system->blocks;
+  const nsdae_sim_options *o = step->tools->options;
+  double alpha = o->baumgarte_alpha, beta = o->baumgarte_beta;
+  int status = nsdae_terms_need(T, SMOOTH_TERMS);
+  for (int i = 0; i < system->dims.m && status == NSDAE_OK; i++) {
+    double rate = nsdae_terms_constraint_rate(T, i, T->v);
+    double last = nsdae_rows_dot(blocks, &T->by.jacobian, i, a);
+    double target = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
+    lambda[i] = s > 0 ? (target + s * last) / (1 + s) : target;
+  }
+  if (status == NSDAE_OK) status = nsdae_step_factor(step, T, 0);
+  return status < 0 ? status : nsdae_step_free(step, T, T->M, T->F, a, lambda);
 }
 
-static int smooth_step(printed *p, const nsdae_step *step)
+/* Iterates on a1 from a0; the terms of the last iterate are those of the end. */
+static int iterate(const nsdae_step *step, const double *a0, double *a1, double *lambda1)
 {
-  nsdae_result *result = step->result;
-  nsdae_memory *memory = &result->memory;
-  /* The settings, which may change between runs; a_0 and lambda_0 are in the memory. */
-  nsdae_newmark *N = &p->newmark;
-  const nsdae_stepper *s = p->stepper;
-  N->tol = s->iteration_tol;
-  N->a0 = memory->real;
-  N->lambda0 = N->a0 + s->system->dims.nv;
-  N->have_start = memory->whole[memory->wholes - 1];
-  p->newmark.solve = solve_smooth;
-  p->newmark.of = (void *)step;
-  int status = nsdae_newmark_step(&p->newmark, step->start, step->end, step->t_end, step->h,
-                                  result->multiplier);
-  memory->whole[memory->wholes - 1] = p->newmark.have_start;
-  result->counters.iterations += p->newmark.iterations;
-  result->smooth = 1;
-  return status;
+  nsdae_stepper *s = step->tools;
+  const nsdae_terms *start = step->start;
+  nsdae_terms *end = step->end;
+  const nsdae_dims *dims = &s->system->dims;
+  const nsdae_sim_options *o = s->options;
+  double alpha = o->baumgarte_alpha, beta = o->baumgarte_beta, h = step->h;
+  double share = alpha * h + beta * beta * h * h / 4, moved = INFINITY;
+  for (int i = 0; i < o->iteration_max; i++) {
+    step->result->counters.iterations++;
+    /* q1 and v1 of a0 and a1. With dq/dt = H v the positions take the mean of both ends, that of q1
+     * at a point near it; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
+    for (int j = 0; j < dims->nv; j++) s->v[j] = start->v[j] + h / 2 * (a0[j] + a1[j]);
+    int status = nsdae_kinematics_at(i == 0 ? start : end, s->v, s->qdot[1]);
+    for (int j = 0; j < dims->nq; j++)
+      s->q[j] = start->q[j] + h / 2 * (s->qdot[0][j] + s->qdot[1][j]);
+    if (status < 0) return status;
+    if (i > 0)
+      moved = nsdae_relative_change(dims->nq, s->q, end->q) +
+              nsdae_relative_change(dims->nv, s->v, end->v);
+    if (moved <= s->iteration_tol) return NSDAE_OK;
+    nsdae_terms_at(end, step->t_end, s->q, s->v);
+    status = acceleration(step, end, share, a1, lambda1);
+    if (status < 0) return status;
+  }
+  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
+                  "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
+                  "wanted %.3g): make dt smaller",
+                  nsdae_terms_time(start), o->iteration_max, moved, s->iteration_tol);
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(start));
 }
+
+static int smooth_step(const nsdae_step *step)
+{
+  nsdae_stepper *s = step->tools;
+  nsdae_memory *memory = &step->result->memory;
+  const nsdae_dims *dims = &s->system->dims;
+  double *a0 = memory->real, *lambda0 = a0 + dims->nv, *a1 = s->v_other, *lambda1 = s->impulse;
+  int *have_start = &memory->whole[memory->wholes - 1];
+  step->result->smooth = 1;
+  int status = nsdae_kinematics_at(step->start, step->start->v, s->qdot[0]);
+  if (status == NSDAE_OK && !*have_start) status = acceleration(step, step->start, 0, a0, lambda0);
+  if (status < 0) return status;
+  memcpy(a1, a0, (size_t)dims->nv * sizeof *a1);
+  status = iterate(step, a0, a1, lambda1);
+  if (status < 0) return status;
+  for (int i = 0; i < dims->m; i++) step->result->multiplier[i] = (lambda0[i] + lambda1[i]) / 2;
+  memcpy(a0, a1, (size_t)dims->nv * sizeof *a0);
+  memcpy(lambda0, lambda1, (size_t)dims->m * sizeof *lambda0);
+  *have_start = 1;
+  return NSDAE_OK;
+}
+
+/* ---- a step with contacts */
 
 /* Lambda and x at the start, v~ into s->v. */
 static int solve_at_start(const nsdae_step *step)
@@ -149,19 +182,17 @@ static int contact_step(const nsdae_step *step)
 
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
-  printed *p = own;
-  const nsdae_step step = nsdae_step_begin(p->stepper, state, t_end, result);
+  nsdae_stepper *s = own;
+  const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = nsdae_terms_need(step.start, NSDAE_TERM_GAP);
   if (status == NSDAE_OK) status = nsdae_step_close(&step, step.start);
   if (status < 0) return status;
-  return nsdae_problem_any(&p->stepper->problem) ? contact_step(&step) : smooth_step(p, &step);
+  return nsdae_problem_any(&s->problem) ? contact_step(&step) : smooth_step(&step);
 }
 
 const nsdae_stepping nsdae_stepping_printed = {
     .name = "implicit-printed",
     .summary = "the source paper's one-pass scheme, letter for letter: first order",
-    .create = create,
-    .destroy = destroy,
     .lay = lay,
     .jump = jump,
     .advance = advance,

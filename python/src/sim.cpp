@@ -436,7 +436,7 @@ nb::dict sim::stats() const
   NSDAE_PYTHON_STAT(events)
   NSDAE_PYTHON_STAT(accumulations)
   NSDAE_PYTHON_STAT(fallback_steps)
-  NSDAE_PYTHON_STAT(given_steps)
+  NSDAE_PYTHON_STAT(inexact_steps)
   NSDAE_PYTHON_STAT(frozen_steps)
   NSDAE_PYTHON_STAT(accumulations_early)
   NSDAE_PYTHON_STAT(rank_retained)

@@ -70,9 +70,9 @@ def test_contact_give_and_contact_work():
     assert stopped.value.status == nsdae.Status.E_LCP
     with pytest.warns(nsdae.RunWarning):
         run = nsdae.solve(world, 0.2, **options, contact_work=1, contact_give=1e6)
-    assert run.stats["given_steps"] == np.count_nonzero(run.lcp_residual > 1e-4) > 0
+    assert run.stats["inexact_steps"] == np.count_nonzero(run.lcp_residual > 1e-4) > 0
     run = nsdae.solve(world, 0.2, **options, contact_work=0, contact_give=1)
-    assert run.stats["given_steps"] == 0 and run.lcp_residual.max() <= 1e-4
+    assert run.stats["inexact_steps"] == 0 and run.lcp_residual.max() <= 1e-4
     for name, value in (("contact_give", 0.5), ("contact_work", -1)):
         with pytest.raises(nsdae.ArgumentError, match=name):
             nsdae.Sim(world, **{name: value})

@@ -122,7 +122,7 @@ static const entry entries[] = {
     AT(nsdae_stats, smooth_steps) AT(nsdae_stats, contact_steps) AT(nsdae_stats, lcps)
     AT(nsdae_stats, lcp_pivots) AT(nsdae_stats, iterations) AT(nsdae_stats, mass_evals)
     AT(nsdae_stats, force_evals) AT(nsdae_stats, jacobian_evals) AT(nsdae_stats, impacts)
-    AT(nsdae_stats, events) AT(nsdae_stats, accumulations) AT(nsdae_stats, fallback_steps) AT(nsdae_stats, given_steps) AT(nsdae_stats, frozen_steps)
+    AT(nsdae_stats, events) AT(nsdae_stats, accumulations) AT(nsdae_stats, fallback_steps) AT(nsdae_stats, inexact_steps) AT(nsdae_stats, frozen_steps)
     AT(nsdae_stats, accumulations_early)
     AT(nsdae_stats, rank_retained) AT(nsdae_stats, rank_discarded)
     AT(nsdae_stats, rank) AT(nsdae_stats, rank_most)

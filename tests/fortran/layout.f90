@@ -384,7 +384,7 @@ contains
     call same_place('nsdae_stats%events', c_loc(x), c_loc(x%events))
     call same_place('nsdae_stats%accumulations', c_loc(x), c_loc(x%accumulations))
     call same_place('nsdae_stats%fallback_steps', c_loc(x), c_loc(x%fallback_steps))
-    call same_place('nsdae_stats%given_steps', c_loc(x), c_loc(x%given_steps))
+    call same_place('nsdae_stats%inexact_steps', c_loc(x), c_loc(x%inexact_steps))
     call same_place('nsdae_stats%frozen_steps', c_loc(x), c_loc(x%frozen_steps))
     call same_place('nsdae_stats%accumulations_early', c_loc(x), c_loc(x%accumulations_early))
     call same_place('nsdae_stats%rank_retained', c_loc(x), c_loc(x%rank_retained))
