@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import io
+import os
 from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
@@ -99,6 +100,92 @@ def write(trajectory: Trajectory, path: str) -> None:
     with h5py.File(whole, "w") as file:
         fill(trajectory, file)
     tool.put(path, whole.getbuffer())
+
+
+class _Image(io.BytesIO):
+    """A file in memory that lists where it was written."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.written: list[tuple[int, int]] = []
+
+    def write(self, content: Any) -> int:
+        self.written.append((self.tell(), memoryview(content).nbytes))
+        return super().write(content)
+
+
+class Growing:
+    """A file that grows during a run and is whole at any time.
+
+    HDF5 writes to memory, as in `write`. Two files on the disk take the bytes that changed, in turn, and exchange their names.
+    """
+
+    def __init__(self, path: str):
+        self.path, self.part, self.spare = path, f"{path}.part", f"{path}.spare"
+        self.image = _Image()
+        self.file: Any = None
+        # each file: its number on the disk, and the places of bytes that it does not have
+        self.shown: tuple[int, list[tuple[int, int]]] | None = None
+        self.other: tuple[int, list[tuple[int, int]]] | None = None
+
+    def append(self, trajectory: Trajectory) -> None:
+        """Writes the next records of the run."""
+        import h5py
+        if self.file is None:
+            self.file = h5py.File(self.image, "w")
+            fill(trajectory, self.file)
+        else:
+            self._extend(trajectory)
+        self.file.flush()
+        for of in (self.shown, self.other):
+            if of:
+                of[1].extend(self.image.written)
+        self.image.written.clear()
+        number = self._update()
+        self.shown, self.other = (number, []), self.shown if self._exchange() else None
+
+    def close(self) -> None:
+        """Removes the second file."""
+        if self.file is not None:
+            self.file.close()
+        with contextlib.suppress(OSError):
+            os.remove(self.part)
+
+    def _extend(self, trajectory: Trajectory) -> None:
+        with in_memory() as part:
+            fill(trajectory, part)
+            before = len(self.file["contacts/id"]) if trajectory.blocks is not None else 0
+
+            def add(path: str, rows: Any) -> None:
+                if getattr(rows, "maxshape", ())[:1] == (None,) and len(rows) > 0:
+                    to = self.file[path]
+                    to.resize(len(to) + len(rows), axis=0)
+                    to[-len(rows):] = rows[...] + before if path == "contacts/first" else rows[...]
+
+            part.visititems(add)
+
+    def _update(self) -> int:
+        """Brings the file `part` up to date; a file of someone else is replaced."""
+        known = self.other is not None and os.path.exists(self.part) and os.stat(self.part).st_ino == self.other[0]
+        with open(self.part, "r+b" if known else "wb") as file, self.image.getbuffer() as whole:
+            for at, size in self.other[1] if self.other and known else [(0, len(whole))]:
+                file.seek(at)
+                file.write(whole[at:at + size])
+            file.truncate(len(whole))
+            return os.fstat(file.fileno()).st_ino
+
+    def _exchange(self) -> bool:
+        """False if the file under the name is lost, or cannot have two names."""
+        with contextlib.suppress(FileNotFoundError):
+            os.remove(self.spare)
+        try:
+            os.link(self.path, self.spare)
+        except OSError:
+            os.replace(self.part, self.path)
+            return False
+        os.replace(self.part, self.path)
+        os.replace(self.spare, self.part)
+        return True
 
 
 def _text(values: Any) -> Any:

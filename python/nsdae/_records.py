@@ -169,3 +169,13 @@ def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return arrays[name].view(of)[..., 0]
 
     return rows("impacts", IMPACT), rows("changes", CHANGE), rows("contacts", contact_row(arrays["nt"]))
+
+
+def joined(parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Arrays of a run from those of its parts in time."""
+    def join(values: Any) -> Any:
+        if isinstance(values[0], list):
+            return [np.concatenate(of) for of in zip(*values)]
+        return np.concatenate(values) if isinstance(values[0], np.ndarray) else values[0]
+
+    return parts[0] if len(parts) == 1 else {name: join([part[name] for part in parts]) for name in parts[0]}

@@ -11,7 +11,8 @@ import numpy as np
 from . import _core
 from ._bodies import Bodies
 from ._errors import Error, RunWarning, Status, in_python
-from ._records import LcpProblem, Record, certificates
+from ._file import Growing
+from ._records import LcpProblem, Record, certificates, joined
 from ._system import System, vector
 from ._trajectory import Shape, Trajectory, names_of
 
@@ -34,7 +35,7 @@ def _texts(options: dict[str, Any]) -> dict[str, Any]:
     return {key: text(key, value) for key, value in options.items()}
 
 
-_PAUSE = 1.0  # least time between two writes of an output [s]
+_PAUSE = 1.0  # time between two writes of an output [s]
 
 
 class Sim:
@@ -376,32 +377,40 @@ class Sim:
                      blocks=self.system.blocks if self.system._listed else None)
         stats, names = self.stats, {**names_of(self.system), "sensor": self._core.sensors()}
         unwritten: list[OSError] = []
+        parts: list[dict[str, Any]] = []
+        growing = None if output is None else Growing(os.fspath(output))
 
-        def now(status: str, stats: dict[str, Any]) -> Trajectory:
-            arrays = recorder.so_far() if status == "running" else recorder.arrays()
-            run = Trajectory._of_run(arrays, names, stats=stats, status=status, **known)
-            if output is not None and not unwritten:
-                run.save(output)
-            return run
+        def made(arrays: dict[str, Any], status: str, stats: dict[str, Any]) -> Trajectory:
+            return Trajectory._of_run(arrays, names, stats=stats, status=status, **known)
 
         def write() -> None:
+            parts.append(recorder.arrays())
             try:
-                now("running", stats)
+                growing.append(made(parts[-1], "running", stats))
             except OSError as error:
                 unwritten.append(error)
                 raise
 
+        def whole(status: str) -> Trajectory:
+            run = made(joined([*parts, recorder.arrays()]), status, self.stats)
+            if growing is not None and not unwritten:
+                run.save(growing.path)
+            return run
+
         try:
-            if said := self._core.record_run(float(t_end), every, recorder, None if output is None else write, _PAUSE):
+            if said := self._core.record_run(float(t_end), every, recorder, write if growing else None, _PAUSE):
                 warnings.warn(in_python(said), RunWarning, stacklevel=stacklevel)
         except Error as error:
             self._complete(error)
             if error.record is not None:
-                error.trajectory = now("failed", self.stats)
+                error.trajectory = whole("failed")
             if unwritten:
                 raise unwritten[0] from None
             raise
-        return now("complete", self.stats)
+        finally:
+            if growing is not None:
+                growing.close()
+        return whole("complete")
 
     def __repr__(self) -> str:
         return f"nsdae.Sim({self.system!r}, method={self.options['method']!r}, dt={self.options['dt']!r})"
@@ -435,8 +444,8 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     shapes : list of Shape, optional
         Bodies for animations.
     output : path-like, optional
-        An HDF5 file, as of `Trajectory.save`. It is written at the first record, and then again after a second or ten
-        times as long as the last write took. A killed run leaves the file of its last write.
+        An HDF5 file, as of `Trajectory.save`. It is written at the first record and then every second: a killed run
+        leaves the records up to its last second, and the work file ``output.part``.
     **options
         Options of the library: method ("implicit", "moreau", "event", "penalty"), dt, rtol, ...
 

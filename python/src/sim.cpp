@@ -307,20 +307,17 @@ int sim::run(double t_end, bool to_event)
   return checked(status);
 }
 
-// Writes if it is due: again after ten times as long as this took. False: an exception is pending.
+// Writes if it is due. False: an exception is pending.
 bool recorder::written()
 {
   using clock = std::chrono::steady_clock;
-  const clock::time_point begin = clock::now();
-  if (begin < due) return true;
+  if (clock::now() < due) return true;
   nb::gil_scoped_acquire gil;
   PyObject *result = PyObject_CallNoArgs(write);
   if (!result) remember_exception();
   Py_XDECREF(result);
-  const clock::time_point end = clock::now();
-  const clock::duration least =
-      std::chrono::duration_cast<clock::duration>(std::chrono::duration<double>(pause));
-  due = end + std::max(10 * (end - begin), least);
+  due = clock::now() +
+        std::chrono::duration_cast<clock::duration>(std::chrono::duration<double>(pause));
   return result != nullptr;
 }
 
@@ -345,8 +342,10 @@ nb::dict recorder::arrays()
   const std::size_t n = kept.time.size();
   nb::dict a = kept.arrays(dims);
   nb::list all;
-  for (auto &values : sensors) {
-    const std::size_t size = n > 0 ? values.size() / n : 1;
+  for (std::size_t i = 0; i < sensors.size(); i++) {
+    std::vector<double> &values = sensors[i];
+    const auto size = static_cast<std::size_t>(
+        nsdae_system_sensor_size(nsdae_sim_get_system(from), static_cast<int>(i)));
     all.append(size == 1 ? array_of(values, {n}) : array_of(values, {n, size}));
   }
   a["sensors"] = all;
@@ -647,10 +646,7 @@ void bind_sim(nb::module_ &m)
   m.attr("CHANGE_SIZE") = sizeof(change_row);
   m.attr("CERTIFICATE_SIZE") = sizeof(nsdae_certificate);
   m.attr("CONTACT_ROW_SIZE") = sizeof(contact_row);
-  nb::class_<recorder>(m, "Recorder")
-      .def(nb::init<>())
-      .def("arrays", &recorder::arrays)
-      .def("so_far", &recorder::so_far);
+  nb::class_<recorder>(m, "Recorder").def(nb::init<>()).def("arrays", &recorder::arrays);
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))
       .def(nb::init<nb::object, nb::dict>())
       .def("init", &sim::init)

@@ -76,14 +76,13 @@ struct recorder {
   nsdae_dims dims = {};
   int every = 1;
   bool last_kept = true;
-  PyObject *write = nullptr; // a function of Python that writes the records so far, or NULL
+  PyObject *write = nullptr; // a function of Python that writes the records, or NULL
   std::chrono::steady_clock::time_point due;
-  double pause = 0; // least time between two writes [s]; a write takes at most a tenth of the run
+  double pause = 0; // between two writes [s]
   bool written();
   int add(const nsdae_record &record);
   static int observe(const nsdae_record *record, nsdae_error *error, void *self);
-  nb::dict arrays();
-  nb::dict so_far() const { return recorder(*this).arrays(); }
+  nb::dict arrays(); // of the records since the last call
 };
 
 // A simulation in Python. The library refuses concurrent calls. The same check is done here under
