@@ -17,49 +17,40 @@ static const double narrow = 1e-5, rounding = 1e-9;
 
 /* ---- of a box and a capsule */
 
-static const int box_first[] = {0, 4, 8, 12, 16, 20, 24};
-static const int box_ring[] = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4,
-                               2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
-static const int box_edge[][4] = {{0, 1, 2, 4}, {2, 3, 4, 3}, {4, 5, 5, 2}, {6, 7, 3, 5},
-                                  {0, 2, 4, 0}, {4, 6, 0, 5}, {1, 3, 1, 4}, {5, 7, 5, 1},
-                                  {0, 4, 0, 2}, {1, 5, 2, 1}, {2, 6, 3, 0}, {3, 7, 1, 3}};
-static const int capsule_edge[][4] = {{0, 1, -1, -1}};
+static int box_first[] = {0, 4, 8, 12, 16, 20, 24};
+static int box_ring[] = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
+static int box_edge[][4] = {{0, 1, 2, 4}, {2, 3, 4, 3}, {4, 5, 5, 2}, {6, 7, 3, 5},
+                            {0, 2, 4, 0}, {4, 6, 0, 5}, {1, 3, 1, 4}, {5, 7, 5, 1},
+                            {0, 4, 0, 2}, {1, 5, 2, 1}, {2, 6, 3, 0}, {3, 7, 1, 3}};
+static int capsule_edge[][4] = {{0, 1, -1, -1}};
 
 const nsdae_hull nsdae_box_hull = {8, 6, 12, NULL, box_first, box_ring, box_edge};
 const nsdae_hull nsdae_capsule_hull = {.corners = 2, .edges = 1, .edge = capsule_edge};
 
 /* ---- edges of the rings of faces */
 
-/* A side of a face, from its lower corner to the other. */
-typedef struct side {
-  int low, high, face, forward; /* anticlockwise about the face it is from low to high */
-} side;
-
-static int side_order(const void *a, const void *b)
+/* The face that has corner `to` after `from` in its ring; -1: none. */
+static int face_along(const nsdae_hull *h, int from, int to)
 {
-  const side *s = a, *t = b;
-  return s->low != t->low ? s->low - t->low : s->high - t->high;
+  for (int f = 0; f < h->faces; f++)
+    for (int i = h->first[f], last = h->first[f + 1] - 1; i <= last; i++)
+      if (h->ring[i] == from && h->ring[i < last ? i + 1 : h->first[f]] == to) return f;
+  return -1;
 }
 
 /* Two faces share each edge, which they run along in opposite directions. 0: they do not. */
-static int pair_sides(const nsdae_hull *h, side *s, int (*edge)[4])
+static int find_edges(const nsdae_hull *h, int (*edge)[4])
 {
   int count = 0;
   for (int f = 0; f < h->faces; f++)
-    for (int i = h->first[f]; i < h->first[f + 1]; i++) {
-      int from = h->ring[i], to = h->ring[i + 1 < h->first[f + 1] ? i + 1 : h->first[f]];
-      s[count++] = (side){from < to ? from : to, from < to ? to : from, f, from < to};
+    for (int i = h->first[f], last = h->first[f + 1] - 1; i <= last; i++) {
+      int from = h->ring[i], to = h->ring[i < last ? i + 1 : h->first[f]];
+      if (from > to) continue;
+      const int made[4] = {from, to, f, face_along(h, to, from)};
+      if (made[3] < 0 || count == h->edges) return 0;
+      memcpy(edge[count++], made, sizeof made);
     }
-  if (count != 2 * h->edges) return 0;
-  qsort(s, (size_t)count, sizeof *s, side_order);
-  for (int e = 0; e < h->edges; e++) {
-    const side *a = s + 2 * e, *b = a + 1;
-    if (side_order(a, b) != 0 || a->forward == b->forward) return 0;
-    const int made[4] = {a->low, a->high, a->forward ? a->face : b->face,
-                         a->forward ? b->face : a->face};
-    memcpy(edge[e], made, sizeof made);
-  }
-  return 1;
+  return count == h->edges;
 }
 
 /* ---- checks */
@@ -112,37 +103,26 @@ static int check_convex(const nsdae_hull *h, nsdae_error *error)
                          width, narrow * size, narrow);
 }
 
-int nsdae_hull_of_faces(int corners, const double *corner, int faces, const int *first,
-                        const int *ring, const nsdae_hull **made, nsdae_error *error)
+nsdae_hull *nsdae_hull_new(int corners, int faces, int sides)
 {
-  size_t points = (size_t)corners, sides = (size_t)first[faces], edges = sides / 2;
-  size_t ints = (size_t)faces + 1 + sides + 4 * edges;
-  nsdae_hull *h = malloc(sizeof *h + 3 * points * sizeof(double) + ints * sizeof(int));
-  side *work = malloc(sides * sizeof *work);
-  if (!h || !work) {
-    free(h);
-    free(work);
-    return nsdae_error_memory(error, where);
-  }
-  double *own_corner = (double *)(void *)(h + 1);
-  int *own_first = (int *)(void *)(own_corner + 3 * points), *own_ring = own_first + faces + 1;
-  int(*edge)[4] = (int(*)[4])(void *)(own_ring + sides);
-  memcpy(own_corner, corner, 3 * points * sizeof *corner);
-  memcpy(own_first, first, ((size_t)faces + 1) * sizeof *first);
-  memcpy(own_ring, ring, sides * sizeof *ring);
-  *h = (nsdae_hull){corners, faces, (int)edges, own_corner, own_first, own_ring, NULL};
-  int closed = pair_sides(h, work, edge) && corners - h->edges + faces == 2;
-  h->edge = (const int(*)[4])(void *)edge;
-  free(work);
-  int status = closed ? check_convex(h, error)
-                      : nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                                        "the faces of the polyhedron are not closed: leave out "
-                                        "points that nearly coincide");
-  if (status < 0)
-    free(h);
-  else
-    *made = h;
-  return status;
+  size_t numbers = 3 * (size_t)corners, edges = (size_t)sides / 2;
+  size_t ints = (size_t)faces + 1 + (size_t)sides + 4 * edges;
+  nsdae_hull *h = calloc(1, sizeof *h + numbers * sizeof(double) + ints * sizeof(int));
+  if (!h) return NULL;
+  double *corner = (double *)(void *)(h + 1);
+  int *first = (int *)(void *)(corner + numbers), *ring = first + faces + 1;
+  *h = (nsdae_hull){
+      corners, faces, (int)edges, corner, first, ring, (int(*)[4])(void *)(ring + sides)};
+  return h;
+}
+
+int nsdae_hull_close(nsdae_hull *h, nsdae_error *error)
+{
+  if (find_edges(h, h->edge) && h->corners - h->edges + h->faces == 2)
+    return check_convex(h, error);
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
+                         "the faces of the polyhedron are not closed: leave out points that nearly "
+                         "coincide");
 }
 
 void nsdae_hull_release(const nsdae_hull *hull)

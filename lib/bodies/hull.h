@@ -11,10 +11,10 @@ enum { NSDAE_CORNERS_MAX = 1024 }; /* a pair of edges has a number below 3 * 102
 
 typedef struct nsdae_hull {
   int corners, faces, edges;
-  const double *corner; /* corners x 3; NULL of a box and a capsule */
-  const int *first;     /* faces + 1: where the corners of face f begin in ring */
-  const int *ring;      /* corners of each face, anticlockwise seen from outside */
-  const int (*edge)[4];
+  double *corner; /* corners x 3; NULL of a box and a capsule */
+  int *first;     /* faces + 1: where the corners of face f begin in ring */
+  int *ring;      /* corners of each face, anticlockwise seen from outside */
+  int (*edge)[4];
 } nsdae_hull;
 
 /* Of a box (corner i at the side bit j of i along axis j) and of the segment of a capsule. */
@@ -33,9 +33,9 @@ int nsdae_hull_normal(const nsdae_hull *hull, const double *corner, int face, do
  * their number, 2 corners - 4. */
 int nsdae_hull_triangles(const nsdae_hull *hull, const double *corner, double *triangle);
 
-/* From faces alone: the ring of each face as for nsdae_hull. corners x 3 and ring are copied.
- * NSDAE_E_ARGUMENT: they bound no polyhedron. */
-int nsdae_hull_of_faces(int corners, const double *corner, int faces, const int *first,
-                        const int *ring, const nsdae_hull **hull, nsdae_error *error);
+/* One to be filled: corners, first and ring. NULL: no memory. Then its edges are found and it is
+ * checked: NSDAE_E_ARGUMENT if it is no convex polyhedron. */
+nsdae_hull *nsdae_hull_new(int corners, int faces, int sides);
+int nsdae_hull_close(nsdae_hull *hull, nsdae_error *error);
 
 #endif

@@ -157,39 +157,6 @@ static int check_shape(const nsdae_solid *s, double density, const char *where, 
                          s->shape);
 }
 
-int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, double inertia[3],
-                        nsdae_error *error)
-{
-  const char *where = "nsdae_solid_inertia";
-  moments m;
-  double product[3], *c = m.centre;
-  nsdae_error_clear(error);
-  if (!s || !mass || !inertia)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
-                           "solid, mass or inertia is NULL");
-  int status = check_shape(s, density, where, error);
-  if (status == NSDAE_OK) status = find_moments(s, density, &m, error);
-  if (status < 0) return status;
-  double size = 0, trace = m.second[0] + m.second[4] + m.second[8];
-  for (int i = 0; i < s->points * (s->shape == NSDAE_SHAPE_POLYGON ? 2 : 3) && s->point; i++)
-    size = fmax(size, fabs(s->point[i]));
-  tensor_of(m.second, inertia, product);
-  if (fabs(c[0]) + fabs(c[1]) + fabs(c[2]) > 1e-9 * size)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                           "the centroid of the %s is (%g, %g, %g), not (0, 0, 0): move its "
-                           "points, or use nsdae_body_from_solids",
-                           nsdae_solid_name(s->shape), c[0], c[1], c[2]);
-  int planar = is_planar(s);
-  if (!planar && fabs(product[0]) + fabs(product[1]) + fabs(product[2]) > 1e-9 * trace)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
-                           "the products of inertia (%g, %g, %g) are not 0: use "
-                           "nsdae_body_from_solids",
-                           product[0], product[1], product[2]);
-  if (planar) inertia[0] = inertia[1] = 0;
-  *mass = m.mass;
-  return NSDAE_OK;
-}
-
 /* ---- a body of several solids */
 
 /* The rotation of a frame. */
@@ -219,10 +186,9 @@ static void place_moments(int dimension, const nsdae_solid *s, moments *m)
   shift(m, m->centre, 1);
 }
 
-int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density, nsdae_rigid_body *body,
-                           nsdae_error *error)
+static int find_body(int n, nsdae_solid *solid, const double *density, nsdae_rigid_body *body,
+                     const char *where, nsdae_error *error)
 {
-  const char *where = "nsdae_body_from_solids";
   moments sum = {.mass = 0}, m;
   double R[9], moved[3];
   nsdae_error_clear(error);
@@ -260,6 +226,40 @@ int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density, nsd
   for (int j = 0; j < 3; j++) body->position[j] += moved[j];
   for (int i = 0; i < n; i++)
     for (int j = 0; j < 3; j++) solid[i].position[j] -= sum.centre[j];
+  return NSDAE_OK;
+}
+
+int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density, nsdae_rigid_body *body,
+                           nsdae_error *error)
+{
+  return find_body(n, solid, density, body, "nsdae_body_from_solids", error);
+}
+
+int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, double inertia[3],
+                        nsdae_error *error)
+{
+  const char *where = "nsdae_solid_inertia";
+  nsdae_error_clear(error);
+  if (!s || !mass || !inertia)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
+                           "solid, mass or inertia is NULL");
+  nsdae_solid own = *s;
+  nsdae_rigid_body body = {.mass = 0};
+  own.angle = 0;
+  memset(own.position, 0, sizeof own.position);
+  memset(own.quaternion, 0, sizeof own.quaternion);
+  int status = find_body(1, &own, &density, &body, where, error);
+  if (status < 0) return status;
+  const double *c = body.position, *J = body.inertia, *P = body.product;
+  double size = sqrt((J[0] + J[1] + J[2]) / body.mass), trace = J[0] + J[1] + J[2];
+  if (fabs(c[0]) + fabs(c[1]) + fabs(c[2]) > 1e-9 * size ||
+      fabs(P[0]) + fabs(P[1]) + fabs(P[2]) > 1e-9 * trace)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
+                           "the centroid of the %s is (%g, %g, %g), products of inertia (%g, %g, "
+                           "%g): use nsdae_body_from_solids unless all are 0",
+                           nsdae_solid_name(s->shape), c[0], c[1], c[2], P[0], P[1], P[2]);
+  *mass = body.mass;
+  memcpy(inertia, J, sizeof body.inertia);
   return NSDAE_OK;
 }
 

@@ -139,16 +139,14 @@ static double separation(const placed_edge p[2], const double *n)
 static void separate_edges(nsdae_meeting *met)
 {
   const nsdae_solid_of *const *s = met->two.solid;
+  double n[3], along[2 * NSDAE_CORNERS_MAX]; /* of an edge of solid 0 and each normal of solid 1 */
   placed_edge p[2];
-  double n[3];
   for (int k = 0; k < s[0]->hull->edges; k++) {
     place_edge(met, 0, k, &p[0]);
+    for (int f = 0; f < faces_of(s[1]); f++) along[f] = nsdae_dot3(plane_of(s[1], f), p[0].e);
     for (int l = 0; l < s[1]->hull->edges; l++) {
       const int *edge = s[1]->hull->edge[l];
-      if (edge[2] >= 0 && nsdae_dot3(plane_of(s[1], edge[2]), p[0].e) *
-                                  nsdae_dot3(plane_of(s[1], edge[3]), p[0].e) >=
-                              0)
-        continue;
+      if (edge[2] >= 0 && along[edge[2]] * along[edge[3]] >= 0) continue;
       place_edge(met, 1, l, &p[1]);
       if (p[0].faces && nsdae_dot3(p[0].face[0], p[1].e) * nsdae_dot3(p[0].face[1], p[1].e) >= 0)
         continue;

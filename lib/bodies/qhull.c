@@ -9,72 +9,62 @@
 
 static const char where[] = "nsdae_solid";
 
-/* What Qhull has found, as arrays. */
-typedef struct reading {
-  int corners, faces;
-  int *number; /* of a vertex by its id, from 1; 0: none */
-  int *first, *ring;
-  double *corner;
-} reading;
-
-/* The facets with their vertices in order, which is clockwise seen from outside (Geomview's). */
-static void read_facets(qhT *qh, const double *point, const double *scaled, reading *r)
+/* The corners of the facets in order, which is clockwise seen from outside (Geomview's). number: of
+ * a vertex by its id, from 1. */
+static void read_facets(qhT *qh, const double *point, const double *scaled, int *number,
+                        nsdae_hull *h)
 {
   facetT *facet;
   vertexT *vertex, **vertexp;
-  r->corners = r->faces = r->first[0] = 0;
+  int corners = 0, faces = 0;
   FORALLfacets
   {
     setT *ring = qh_facet3vertex(qh, facet);
-    int at = r->first[r->faces] + qh_setsize(qh, ring);
-    r->first[r->faces + 1] = at;
+    int at = h->first[faces] + qh_setsize(qh, ring);
+    h->first[++faces] = at;
     FOREACHvertex_(ring)
     {
-      if (r->number[vertex->id] == 0) {
+      if (number[vertex->id] == 0) {
         const double *p = point + (vertex->point - scaled);
-        memcpy(r->corner + 3 * r->corners, p, 3 * sizeof *p);
-        r->number[vertex->id] = ++r->corners;
+        memcpy(h->corner + 3 * corners, p, 3 * sizeof *p);
+        number[vertex->id] = ++corners;
       }
-      r->ring[--at] = r->number[vertex->id] - 1;
+      h->ring[--at] = number[vertex->id] - 1;
     }
-    r->faces++;
     qh_settempfree(qh, &ring);
   }
+  h->corners = corners;
 }
 
 static int read_hull(qhT *qh, const double *point, const double *scaled, const nsdae_hull **hull,
                      nsdae_error *error)
 {
-  /* sides: of every facet at most all its ridges */
-  size_t vertices = (size_t)qh->num_vertices, facets = (size_t)qh->num_facets, sides = 0;
+  int sides = 0;
   facetT *facet;
-  if (vertices > NSDAE_CORNERS_MAX)
+  if (qh->num_vertices > NSDAE_CORNERS_MAX)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
                            "the hull of the points has %d corners, more than %d: give fewer points",
-                           (int)vertices, NSDAE_CORNERS_MAX);
-  FORALLfacets sides += (size_t)qh_setsize(qh, facet->vertices);
-  reading r = {.number = calloc((size_t)qh->vertex_id + 1, sizeof *r.number),
-               .first = calloc(facets + 1, sizeof *r.first),
-               .ring = calloc(sides + 1, sizeof *r.ring),
-               .corner = calloc(3 * vertices + 1, sizeof *r.corner)};
-  int status = NSDAE_E_MEMORY;
-  if (r.number && r.first && r.ring && r.corner) {
+                           qh->num_vertices, NSDAE_CORNERS_MAX);
+  FORALLfacets sides += qh_setsize(qh, facet->vertices);
+  int *number = calloc((size_t)qh->vertex_id + 1, sizeof *number);
+  nsdae_hull *h = number ? nsdae_hull_new(qh->num_vertices, qh->num_facets, sides) : NULL;
+  int status = h ? NSDAE_OK : nsdae_error_memory(error, where);
+  if (h) {
     int code = setjmp(qh->errexit); /* Qhull leaves its functions by it */
     qh->NOerrexit = code != 0;
-    if (code == 0) read_facets(qh, point, scaled, &r);
+    if (code == 0) read_facets(qh, point, scaled, number, h);
     qh->NOerrexit = True;
     status = code ? nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "point",
                                     "Qhull finds no order of a face's corners (code %d): leave out "
                                     "points that nearly coincide",
                                     code)
-                  : nsdae_hull_of_faces(r.corners, r.corner, r.faces, r.first, r.ring, hull, error);
-  } else {
-    nsdae_error_memory(error, where);
+                  : nsdae_hull_close(h, error);
   }
-  free(r.number);
-  free(r.first);
-  free(r.ring);
-  free(r.corner);
+  free(number);
+  if (status < 0)
+    nsdae_hull_release(h);
+  else
+    *hull = h;
   return status;
 }
 

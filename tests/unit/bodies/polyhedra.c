@@ -281,9 +281,15 @@ static void test_box(void **state)
 {
   double corner[24];
   const nsdae_hull *h = &nsdae_box_hull, *made[2];
+  nsdae_hull *filled = nsdae_hull_new(8, 6, 24);
   (void)state;
   for (int i = 0; i < 24; i++) corner[i] = (i / 3 >> i % 3 & 1) ? 0.5 : -0.5;
-  assert_int_equal(nsdae_hull_of_faces(8, corner, 6, h->first, h->ring, &made[0], NULL), NSDAE_OK);
+  assert_non_null(filled);
+  memcpy(filled->corner, corner, sizeof corner);
+  memcpy(filled->first, h->first, 7 * sizeof *h->first);
+  memcpy(filled->ring, h->ring, 24 * sizeof *h->ring);
+  assert_int_equal(nsdae_hull_close(filled, NULL), NSDAE_OK);
+  made[0] = filled;
   assert_int_equal(nsdae_hull_create(8, corner, &made[1], NULL), NSDAE_OK);
   assert_int_equal(made[0]->edges, h->edges);
   assert_int_equal(made[1]->edges, h->edges);
