@@ -135,16 +135,12 @@ if(NSDAE_SUNDIALS)
   endforeach()
 endif()
 
-# Qhull: polyhedra from points. Its archive has a name of its own.
+# Qhull: polyhedra from points. Debian's archive cannot be part of a shared library (it is no
+# position-independent code): the shared one is taken always.
 set(NSDAE_QHULL_VERSION none)
 if(NSDAE_QHULL)
   find_path(NSDAE_QHULL_INCLUDE libqhull_r/qhull_ra.h)
-  if(NSDAE_STATIC_DEPENDENCIES)
-    set(names qhullstatic_r qhull_r)
-  else()
-    set(names qhull_r qhullstatic_r)
-  endif()
-  find_library(NSDAE_QHULL_LIBRARY NAMES ${names} NAMES_PER_DIR)
+  find_library(NSDAE_QHULL_LIBRARY qhull_r)
   if(NSDAE_QHULL_INCLUDE AND NSDAE_QHULL_LIBRARY)
     set(NSDAE_QHULL_VERSION found)
     add_library(nsdae_qhull INTERFACE)

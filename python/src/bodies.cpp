@@ -6,6 +6,7 @@
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "failure.hpp"
 #include "system.hpp"
