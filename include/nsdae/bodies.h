@@ -52,7 +52,7 @@ typedef struct nsdae_rigid_body {
 
 /* A solid: the shape of a body or of a part of it, for contacts and inertia. Its frame is the
  * body's frame unless position, angle or quaternion are given. All solids are convex, except a
- * hollow disc.
+ * hollow disc. A body that is not convex has several solids.
  *
  *   POINT
  *   DISC      planar: radius; hollow: the material is outside the circle
@@ -62,14 +62,18 @@ typedef struct nsdae_rigid_body {
  *   SPHERE    spatial: radius
  *   CAPSULE   spatial: radius; length[2] between the centres of its caps, along z of its frame
  *   BOX       spatial: edge lengths length[0..2]
- *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame */
+ *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame
+ *   POLYHEDRON   spatial: the convex hull of points in any order, with at most 1024 corners and a
+ *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
+ *                without Qhull */
 typedef struct nsdae_solid {
   int shape;            /* enum nsdae_shape, except PATH */
   double radius;        /* >= 0 [m] */
   double length[3];     /* [m] */
   int hollow;           /* a disc: not 0 for a hole */
-  int points;           /* POLYGON: number of corners, >= 3 */
-  const double *point;  /* POLYGON: points x 2, x and y of each corner; copied */
+  int points;           /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4 */
+  const double *point;  /* POLYGON: points x 2, x and y of each corner; POLYHEDRON: points x 3;
+                           copied */
   double position[3];   /* of its frame in the body's frame [m] */
   double angle;         /* planar: of its frame in the body's frame [rad] */
   double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */
@@ -81,10 +85,25 @@ typedef struct nsdae_solid {
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
  * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
- * CAPSULE, BOX. The corners of a POLYGON must be relative to its centroid. NSDAE_E_ARGUMENT: the
+ * CAPSULE, BOX, POLYHEDRON. The points of a POLYGON or POLYHEDRON must be relative to its centroid,
+ * and the axes of its frame principal axes; else use nsdae_body_from_solids. NSDAE_E_ARGUMENT: the
  * text names the invalid field. error may be NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
+
+/* A body of n >= 1 solids of uniform density[n] [kg/m^3, planar kg/m^2]. Sets mass,
+ * inertia and product of the body. The frame of the body becomes that of its centre of mass c, with
+ * the same axes: position of the body += R c, position of each solid -= c. So the solids stay where
+ * they are in space. Before the call position, angle and quaternion of the body place the frame in
+ * which the solids are given. Where solids overlap the mass counts for each. All are planar or all
+ * are spatial. Errors as above; index is the number of the solid. */
+NSDAE_API int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density,
+                                     nsdae_rigid_body *body, nsdae_error *error);
+
+/* The surface of a POLYHEDRON in its frame, for pictures: triangles x 3 corners x 3 coordinates,
+ * anticlockwise seen from outside. triangle has room for 9 (2 points - 4) numbers. Returns the
+ * number of triangles, or an error as above. */
+NSDAE_API int nsdae_solid_triangles(const nsdae_solid *solid, double *triangle, nsdae_error *error);
 
 /* Kinds of joints; see nsdae_joint. */
 enum nsdae_joint_kind {
@@ -385,8 +404,8 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  *  solids if they are of similar size.
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
  *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
- *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12, else 0).
- *  Limit i has the id L + i with L = K + S^2 C.
+ *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12,
+ * POLYHEDRON its own, else 0). Limit i has the id L + i with L = K + S^2 C.
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,

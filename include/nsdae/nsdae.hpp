@@ -721,6 +721,19 @@ public:
 
   /* nsdae_bodies_add. */
   int add(const nsdae_rigid_body &body) { return demand(nsdae_bodies_add(c(), &body)); }
+  /* A body of solids of one density: nsdae_body_from_solids, nsdae_bodies_add and
+   * nsdae_bodies_add_solid. */
+  int add(nsdae_rigid_body body, std::vector<nsdae_solid> solids, double density)
+  {
+    const std::vector<double> densities(solids.size(), density);
+    nsdae_error why;
+    int status = nsdae_body_from_solids(static_cast<int>(solids.size()), solids.data(),
+                                        densities.data(), &body, &why);
+    if (status < 0) throw error(why);
+    int number = add(body);
+    for (const nsdae_solid &s : solids) solid(number, s);
+    return number;
+  }
   /* nsdae_bodies_add_joint. */
   int joint(const nsdae_joint &joint) { return demand(nsdae_bodies_add_joint(c(), &joint)); }
   /* nsdae_bodies_add_joint with a drive: f(double t, double *drive [3]). */

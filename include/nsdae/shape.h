@@ -16,7 +16,8 @@ enum nsdae_shape {
   NSDAE_SHAPE_SPHERE,
   NSDAE_SHAPE_CAPSULE, /* all points within a radius of a segment along z of its frame */
   NSDAE_SHAPE_BOX,
-  NSDAE_SHAPE_PLANE /* half-space (spatial) or half-plane (planar): floor, wall */
+  NSDAE_SHAPE_PLANE,     /* half-space (spatial) or half-plane (planar): floor, wall */
+  NSDAE_SHAPE_POLYHEDRON /* convex, spatial */
 };
 
 /* Shape and pose of a body, for programs that draw trajectories (nsdae-animate, nsdae-vtk). These
@@ -43,8 +44,10 @@ typedef struct nsdae_body {
    * - box: edge lengths along x, y, z of its frame
    * - plane: outward normal, of any length */
   double size[3];
-  int points;                /* polygon: >= 3; path: >= 2; else 0 */
-  const double *point;       /* [3 points] x, y, z of each in the body's frame */
+  int points;                /* polygon: >= 3; path: >= 2; polyhedron: 3 for each triangle of its
+                                surface; else 0 */
+  const double *point;       /* [3 points] x, y, z of each in the body's frame; a triangle is
+                                anticlockwise seen from outside */
   const char *position[3];   /* x, y, z of the body's origin; default 0 */
   const char *angle;         /* angle of its frame about z [rad]; default 0 */
   const char *quaternion[4]; /* w, x, y, z: rotates its frame into space, of any length > 0; give

@@ -34,7 +34,10 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
 {
   if (!bodies || !*bodies) return;
   nsdae_bodies *b = *bodies;
-  for (int i = 0; i < b->solid.count; i++) free(nsdae_solid_at(b, i)->point);
+  for (int i = 0; i < b->solid.count; i++) {
+    free(nsdae_solid_at(b, i)->point);
+    nsdae_hull_release(nsdae_solid_at(b, i)->hull);
+  }
   nsdae_list *lists[] = {
       &b->body,         &b->constraint, &b->frictional_joint, &b->solid, &b->feature, &b->limit,
       &b->force.spring, &b->force.load, &b->force.target,     &b->pair,  &b->joint,   &b->name,

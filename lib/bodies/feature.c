@@ -5,23 +5,18 @@
 
 #include "separating_axis.h"
 
-int nsdae_solid_edges(const nsdae_solid_of *s)
-{
-  return s->shape == NSDAE_SHAPE_CAPSULE ? 1 : s->shape == NSDAE_SHAPE_BOX ? 12 : 0;
-}
-
 /* ---- a corner on a rod */
 
-/* Where a point x of the frame of one body is in the solid of another's frame. */
-static void place_in(const nsdae_couple *two, const double *x, double *place)
+/* Where a point x of the frame of one body is in the other body's frame, and in its solid's. */
+static void place_in(const nsdae_couple *two, const double *x, double *own, double *place)
 {
   const nsdae_solid_of *s = two->solid[0];
-  double at[3], own[3];
+  double at[3];
   nsdae_pose_put(two->pose[1], x, at);
   for (int i = 0; i < 3; i++) at[i] -= two->pose[0]->r[i];
   nsdae_turn_back(two->pose[0]->R, at, own);
-  for (int i = 0; i < 3; i++) own[i] -= s->origin[i];
-  nsdae_turn_back(s->R, own, place);
+  for (int i = 0; i < 3; i++) at[i] = own[i] - s->origin[i];
+  nsdae_turn_back(s->R, at, place);
 }
 
 static void set(const double *from, double *to)
@@ -260,6 +255,8 @@ void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met)
   const nsdae_solid_of *const *s = two->solid;
   met->two = *two;
   met->far = 0;
+  met->polyhedra = s[0]->points > 1 && s[1]->points > 1 &&
+                   (s[0]->shape == NSDAE_SHAPE_POLYHEDRON || s[1]->shape == NSDAE_SHAPE_POLYHEDRON);
   met->corners[0] = met->corners[1] = ~0u;
   met->enough = INFINITY;
   if (reach < INFINITY) { /* with what rounding explains */
@@ -268,6 +265,10 @@ void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met)
     met->enough = reach + s[0]->radius + s[1]->radius + NSDAE_SLACK * scale + 32 * DBL_EPSILON * at;
   }
   if (s[0]->points < 2 || s[1]->points < 2) return;
+  if (met->polyhedra) {
+    nsdae_find_polyhedra(met);
+    return;
+  }
   if (nsdae_solid_edges(s[0]) == 0) {
     nsdae_find_separations(met);
     return;
@@ -284,6 +285,7 @@ static int base_of(const nsdae_feature *f)
 
 static int is_candidate(const nsdae_feature *f, const nsdae_meeting *met)
 {
+  if (met->polyhedra) return nsdae_polyhedra_near(met, f);
   unsigned mask = f->edges ? met->edges[f->part[0]] : met->corners[base_of(f)];
   return f->part[1] >= 32 || (mask >> f->part[1] & 1) != 0;
 }
@@ -301,11 +303,11 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
   const nsdae_couple two = nsdae_feature_couple(f, met);
   const nsdae_solid_of *s0 = two.solid[0], *s1 = two.solid[1];
   const double *x1 = s1->point + 3 * f->part[1];
-  double place[3];
+  double place[3], own[3];
   c->side = s0->hollow ? -1 : 1;
   for (int i = 0; i < 2; i++) c->radius[i] = two.solid[i]->radius;
   if (!is_candidate(f, met)) return 0;
-  if (f->edges) return edge_on_edge(f, met, c);
+  if (f->edges) return met->polyhedra ? nsdae_polyhedra_edges(met, f, c) : edge_on_edge(f, met, c);
   set(x1, c->x[1]);
   if (s0->shape == NSDAE_SHAPE_POLYGON ||
       (s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1))
@@ -316,7 +318,9 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
     if (c->kind == NSDAE_PLANE_POINT) set(s0->R + 6, c->u[0]);
     return 1;
   }
-  place_in(&two, x1, place);
+  place_in(&two, x1, own, place);
+  if (s0->shape == NSDAE_SHAPE_POLYHEDRON || (s0->shape == NSDAE_SHAPE_BOX && met->polyhedra))
+    return nsdae_polyhedron_closest(met, base_of(f), own, c);
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(met, base_of(f), place, c);
   corner_on_rod(s0, place, c);
   return 1;

@@ -206,7 +206,7 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
   const double no_turn[4] = {1, 0, 0, 0}, centre[3] = {0, 0, 0};
   const nsdae_solid_of *s = nsdae_solid_at(b, i);
   portrait p = {.body = {.shape = s->shape}};
-  double *size = p.body.size;
+  double *size = p.body.size, *triangles = NULL;
   size[0] = s->shape == NSDAE_SHAPE_SEGMENT ? 2 * s->radius : s->radius;
   if (s->hollow) { /* drawn as a ring */
     size[0] = 1.15 * s->radius;
@@ -218,9 +218,15 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
   if (s->shape == NSDAE_SHAPE_SEGMENT) {
     set_position(&p, b, s->body, s->point);
     set_point(b, s->body, s->point + 3, p.end, p.body.end);
-  } else if (s->shape == NSDAE_SHAPE_POLYGON) { /* its corners are in the body's frame */
+  } else if (s->shape == NSDAE_SHAPE_POLYGON || s->shape == NSDAE_SHAPE_POLYHEDRON) {
+    /* its corners are in the body's frame */
     p.body.points = s->points;
     p.body.point = s->point;
+    if (s->hull) {
+      p.body.point = triangles = malloc(18 * (size_t)s->points * sizeof *triangles);
+      if (!triangles) return NSDAE_E_MEMORY;
+      p.body.points = 3 * nsdae_hull_triangles(s->hull, s->point, triangles);
+    }
     set_position(&p, b, s->body, centre);
     set_frame(&p, b, s->body, 0, no_turn);
   } else {
@@ -228,8 +234,11 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
     set_position(&p, b, s->body, s->origin);
     set_frame(&p, b, s->body, flat ? 0 : atan2(s->R[1], s->R[0]), flat ? no_turn : s->turn);
   }
-  return show(&p, system, nsdae_bodies_name_of(b, NSDAE_NAMED_SOLID, i),
-              nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, s->body), nsdae_solid_name(s->shape), i);
+  int status =
+      show(&p, system, nsdae_bodies_name_of(b, NSDAE_NAMED_SOLID, i),
+           nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, s->body), nsdae_solid_name(s->shape), i);
+  free(triangles);
+  return status;
 }
 
 /* Bodies of which nothing else is seen. */

@@ -37,9 +37,14 @@ static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
 
 /* "disc", "box" */
 const char *nsdae_solid_name(int shape);
+/* What is wrong with a solid's own numbers, into the record. */
+int nsdae_solid_check(const nsdae_solid *solid, nsdae_error *error);
 
 /* The number of edges of a solid (in space). */
-int nsdae_solid_edges(const nsdae_solid_of *solid);
+static inline int nsdae_solid_edges(const nsdae_solid_of *solid)
+{
+  return solid->hull ? solid->hull->edges : 0;
+}
 
 /* Two solids in the order of nsdae_pair_features whose gaps of at most reach are asked for. */
 void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met);
@@ -48,6 +53,17 @@ void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met);
  * rounded segment base, 0 or 1 of the meeting: see nsdae_feature_closest. */
 void nsdae_find_separations(nsdae_meeting *met);
 int nsdae_polygon_closest(const nsdae_meeting *met, int base, int corner, nsdae_closest *closest);
+
+/* The separating axis of two solids with edges of which one is a polyhedron, and their features. */
+void nsdae_find_polyhedra(nsdae_meeting *met);
+int nsdae_polyhedra_near(const nsdae_meeting *met, const nsdae_feature *feature);
+int nsdae_polyhedra_near_edge(const nsdae_meeting *met, int solid, int edge);
+int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *feature,
+                          nsdae_closest *closest);
+/* The closest parts of a polyhedron, base 0 or 1 of the meeting, and a point of the frame of its
+ * body. */
+int nsdae_polyhedron_closest(const nsdae_meeting *met, int base, const double *x,
+                             nsdae_closest *closest);
 
 /* The closest parts of a feature of two solids that met, and these with the base first. 0: another
  * feature is nearer, or the gap is larger than the reach; there are none then. */

@@ -22,6 +22,7 @@ static const struct {
     [NSDAE_SHAPE_CAPSULE] = {"capsule", 0, 1, 2, 1, 1 << 2},
     [NSDAE_SHAPE_BOX] = {"box", 0, 1, 8, 0, 7},
     [NSDAE_SHAPE_PLANE] = {"plane", 1, 1, 0, 0, 0},
+    [NSDAE_SHAPE_POLYHEDRON] = {"polyhedron", 0, 1, 0, 0, 0},
 };
 
 const char *nsdae_solid_name(int shape)
@@ -69,8 +70,26 @@ static int check_polygon(const nsdae_solid *s, nsdae_error *error)
                          turns);
 }
 
+static int check_polyhedron(const nsdae_solid *s, nsdae_error *error)
+{
+  const char *where = "nsdae_solid";
+  if (s->points < 4 || !s->point)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "points",
+                           "points = %d of a polyhedron is less than 4, or point is NULL",
+                           s->points);
+  if (s->radius != 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius",
+                           "radius = %g of a polyhedron is not 0", s->radius);
+  for (long i = 0; i < 3L * s->points; i++)
+    if (!isfinite(s->point[i]))
+      return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",
+                             "point %ld of the polyhedron is at %g, which is not a finite number",
+                             i / 3, s->point[i]);
+  return NSDAE_OK;
+}
+
 /* What is wrong with a solid's own numbers, into the record. */
-static int check_solid(const nsdae_solid *s, nsdae_error *error)
+int nsdae_solid_check(const nsdae_solid *s, nsdae_error *error)
 {
   const char *where = "nsdae_solid", *name = kinds[s->shape].name;
   int rounded = kinds[s->shape].rounded;
@@ -83,7 +102,9 @@ static int check_solid(const nsdae_solid *s, nsdae_error *error)
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
                              "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
                              name);
-  return s->shape == NSDAE_SHAPE_POLYGON ? check_polygon(s, error) : NSDAE_OK;
+  return s->shape == NSDAE_SHAPE_POLYGON      ? check_polygon(s, error)
+         : s->shape == NSDAE_SHAPE_POLYHEDRON ? check_polyhedron(s, error)
+                                              : NSDAE_OK;
 }
 
 /* ---- a solid in its body */
@@ -98,7 +119,11 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   } else {
     nsdae_rotation_spatial(made->turn, made->R);
   }
-  memcpy(made->origin, s->position, sizeof made->origin);
+  double middle[3] = {0, 0, 0}; /* of a polyhedron, in its frame */
+  for (int i = 0; i < 3 * made->points && s->shape == NSDAE_SHAPE_POLYHEDRON; i++)
+    middle[i % 3] += made->hull->corner[i] / made->points;
+  nsdae_turn(made->R, middle, made->origin);
+  for (int j = 0; j < 3; j++) made->origin[j] += s->position[j];
   made->size = 0;
   for (int i = 0; i < made->points; i++) {
     double x[3] = {0, 0, 0}, d[3], *corner = made->point + 3 * i, side = i ? 0.5 : -0.5;
@@ -108,6 +133,8 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
     if (s->shape == NSDAE_SHAPE_POLYGON) memcpy(x, s->point + 2 * i, 2 * sizeof *x);
     for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_BOX; j++)
       x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
+    for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_POLYHEDRON; j++)
+      x[j] = made->hull->corner[3 * i + j] - middle[j];
     nsdae_turn(made->R, x, corner);
     for (int j = 0; j < 3; j++) {
       corner[j] += made->origin[j];
@@ -129,6 +156,19 @@ static void measure_edges(nsdae_solid_of *s)
     double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
     const double edge[4] = {y / length, -x / length, 0, length};
     memcpy(s->edge + 4 * i, edge, sizeof edge);
+  }
+}
+
+/* Of faces the outer unit normals n, and the largest n . x of their corners. */
+static void measure_faces(nsdae_solid_of *s)
+{
+  const nsdae_hull *h = s->hull;
+  for (int f = 0; f < h->faces; f++) {
+    double *plane = s->edge + 4 * f;
+    nsdae_hull_normal(h, s->point, f, plane);
+    plane[3] = -INFINITY;
+    for (int i = h->first[f]; i < h->first[f + 1]; i++)
+      plane[3] = fmax(plane[3], nsdae_dot3(plane, s->point + 3 * h->ring[i]));
   }
 }
 
@@ -156,18 +196,29 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                                body, b->body.count, NSDAE_GROUND);
   status = check_material(b, "solid", index, s->material);
   nsdae_error why;
-  if (status == NSDAE_OK && (status = check_solid(s, &why)) < 0)
+  if (status == NSDAE_OK && (status = nsdae_solid_check(s, &why)) < 0)
     return nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_vector(b, "solid", "position", index, s->position, 1);
   if (status == NSDAE_OK)
     status = nsdae_bodies_check_turn(b, "solid", index, s->angle, s->quaternion);
   if (status < 0) return status;
-  int points = s->shape == NSDAE_SHAPE_POLYGON ? s->points : kinds[s->shape].corners;
-  double *corners = calloc((size_t)points + 1, 7 * sizeof *corners); /* and edges */
+  const nsdae_hull *hull = s->shape == NSDAE_SHAPE_BOX       ? &nsdae_box_hull
+                           : s->shape == NSDAE_SHAPE_CAPSULE ? &nsdae_capsule_hull
+                                                             : NULL;
+  if (s->shape == NSDAE_SHAPE_POLYHEDRON &&
+      (status = nsdae_hull_create(s->points, s->point, &hull, &why)) < 0)
+    return nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text);
+  int points = hull                              ? hull->corners
+               : s->shape == NSDAE_SHAPE_POLYGON ? s->points
+                                                 : kinds[s->shape].corners;
+  int faces = hull ? hull->faces : points; /* of a polygon its edges */
+  size_t numbers = 3 * (size_t)points + 4 * (size_t)faces;
+  double *corners = calloc(numbers + 1, sizeof *corners);
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
     free(corners);
+    nsdae_hull_release(hull);
     return nsdae_error_memory(&b->error, "nsdae_bodies");
   }
   *made =
@@ -180,9 +231,11 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                        .exclude = s->exclude,
                        .radius = s->radius,
                        .point = corners,
-                       .edge = corners + 3 * points};
+                       .edge = corners + 3 * points,
+                       .hull = hull};
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
+  if (hull) measure_faces(made);
   return index;
 }
 
@@ -215,24 +268,33 @@ static void add_feature(sink *s, int edges, int solid0, int solid1, int part0, i
   if (s->status >= 0) s->status = s->add(s->to, &f);
 }
 
-static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other, unsigned mask)
+/* Corners of solid 1 - base of the meeting, in the order of the features. */
+static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int other,
+                        const nsdae_meeting *met, int of)
 {
-  for (int i = 0; i < solids[other].points; i++)
-    if (i >= 32 || mask >> i & 1)
+  for (int i = 0; i < solids[other].points; i++) {
+    int all = !met || (i >= 32 && !met->polyhedra);
+    unsigned near = all              ? 1
+                    : met->polyhedra ? met->hulls.near[1 - of][i / 32] >> i % 32
+                                     : met->corners[of] >> i;
+    if (near & 1)
       add_feature(s, 0, base, other, 0, i);
     else
       s->number++;
+  }
 }
 
-static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j, const unsigned *masks)
+static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j, const nsdae_meeting *met)
 {
   int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
   for (int k = 0; k < first; k++) {
-    int number = s->number;
-    unsigned mask = masks ? masks[k] : (1u << second) - 1;
-    for (int l = 0; mask >> l; l++) {
+    int number = s->number, polyhedra = met && met->polyhedra;
+    int end = polyhedra && !nsdae_polyhedra_near_edge(met, 0, k) ? 0 : second;
+    unsigned mask = met && !polyhedra ? met->edges[k] : ~0u;
+    for (int l = 0; l < end && (l >= 32 || mask >> l); l++) {
       s->number = number + l;
-      if (mask >> l & 1) add_feature(s, 1, i, j, k, l);
+      int near = polyhedra ? nsdae_polyhedra_near_edge(met, 1, l) : l >= 32 || (mask >> l & 1);
+      if (near) add_feature(s, 1, i, j, k, l);
     }
     s->number = number + second;
   }
@@ -250,10 +312,10 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   int turned = nsdae_pair_is_turned(&solids[solid0], &solids[solid1]);
   int base = turned ? solid1 : solid0, other = turned ? solid0 : solid1;
   int one_way = is_base(&solids[base]) || is_round(&solids[other]);
-  add_corners(&s, solids, base, other, met ? met->corners[0] : ~0u);
+  add_corners(&s, solids, base, other, met, 0);
   if (one_way) return s.status;
-  add_corners(&s, solids, other, base, met ? met->corners[1] : ~0u);
-  add_edges(&s, solids, base, other, met ? met->edges : NULL);
+  add_corners(&s, solids, other, base, met, 1);
+  add_edges(&s, solids, base, other, met);
   return s.status;
 }
 
@@ -328,83 +390,4 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
   return b->error.status < 0 ? b->error.status : index;
-}
-
-/* ---- inertia */
-
-/* A polygon as triangles from its centroid: m = rho A, J = rho sum (a x b)(a.a + a.b + b.b) / 12 */
-static int polygon_inertia(const nsdae_solid *s, double density, double *mass, double *inertia,
-                           nsdae_error *error)
-{
-  double area = 0, second = 0, centre[2] = {0, 0}, size = 0;
-  for (int i = 0; i < s->points; i++) {
-    const double *a = s->point + 2 * i, *b = s->point + 2 * ((i + 1) % s->points);
-    double cross = a[0] * b[1] - a[1] * b[0];
-    area += cross / 2;
-    for (int j = 0; j < 2; j++) centre[j] += cross * (a[j] + b[j]) / 6;
-    size = fmax(size, fabs(a[0]) + fabs(a[1]));
-    second += cross *
-              (a[0] * a[0] + a[1] * a[1] + a[0] * b[0] + a[1] * b[1] + b[0] * b[0] + b[1] * b[1]) /
-              12;
-  }
-  if (fabs(centre[0] / area) + fabs(centre[1] / area) > 1e-9 * size)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_solid_inertia", "point",
-                           "the centroid of the polygon is (%g, %g), not (0, 0)", centre[0] / area,
-                           centre[1] / area);
-  *mass = density * area;
-  inertia[2] = density * second;
-  return NSDAE_OK;
-}
-
-/* A cylinder of height l along z and two half balls, at their centroids' 3/8 radius beyond its ends
- */
-static void capsule_inertia(double r, double l, double density, double *mass, double *inertia)
-{
-  double cylinder = density * nsdae_pi * r * r * l, ball = density * 4 * nsdae_pi * r * r * r / 3;
-  *mass = cylinder + ball;
-  inertia[2] = cylinder * r * r / 2 + ball * 2 * r * r / 5;
-  inertia[0] = inertia[1] =
-      cylinder * (3 * r * r + l * l) / 12 + ball * (2 * r * r / 5 + l * l / 4 + 3 * l * r / 8);
-}
-
-int nsdae_solid_inertia(const nsdae_solid *s, double density, double *mass, double inertia[3],
-                        nsdae_error *error)
-{
-  nsdae_error_clear(error);
-  const char *where = "nsdae_solid_inertia";
-  if (!s || !mass || !inertia)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
-                           "solid, mass or inertia is NULL");
-  if (!(isfinite(density) && density > 0))
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "density",
-                           "density = %g is not a number above 0", density);
-  if (s->shape < 0 || s->shape > NSDAE_SHAPE_PLANE || s->hollow ||
-      (!kinds[s->shape].rounded && s->shape != NSDAE_SHAPE_POLYGON && s->shape != NSDAE_SHAPE_BOX))
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
-                           "shape = %d has no mass by density (disc, polygon, sphere, capsule, box "
-                           "have)",
-                           s->shape);
-  int status = check_solid(s, error);
-  if (status < 0) return status;
-  inertia[0] = inertia[1] = 0; /* in the plane */
-  double r = s->radius;
-  const double *l = s->length;
-  if (s->shape == NSDAE_SHAPE_POLYGON) return polygon_inertia(s, density, mass, inertia, error);
-  if (s->shape == NSDAE_SHAPE_CAPSULE) capsule_inertia(r, l[2], density, mass, inertia);
-  if (s->shape == NSDAE_SHAPE_DISC) {
-    *mass = density * nsdae_pi * r * r;
-    inertia[2] = *mass * r * r / 2;
-  }
-  if (s->shape == NSDAE_SHAPE_SPHERE) {
-    *mass = density * 4 * nsdae_pi * r * r * r / 3;
-    inertia[0] = inertia[1] = inertia[2] = *mass * 2 * r * r / 5;
-  }
-  if (s->shape == NSDAE_SHAPE_BOX) {
-    *mass = density * l[0] * l[1] * l[2];
-    for (int i = 0; i < 3; i++) {
-      double a = l[(i + 1) % 3], b = l[(i + 2) % 3];
-      inertia[i] = *mass * (a * a + b * b) / 12;
-    }
-  }
-  return NSDAE_OK;
 }

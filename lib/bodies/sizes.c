@@ -4,16 +4,18 @@
  * and a rack the displacement per radian. So its drift is bounded before it jumps by a period. */
 #include "bodies_impl.h"
 
-/* The least height of all corners below an edge: of the plane, whose solids are convex. */
-static double planar_width(const nsdae_solid_of *s)
+/* The least, over the edges of a planar solid or the faces of a polyhedron, of the largest distance
+ * of a corner from it. */
+static double width_across(const nsdae_solid_of *s)
 {
   double least = INFINITY;
-  for (int e = 0; e < s->points; e++) {
-    const double *n = s->edge + 4 * e, *from = s->point + 3 * e;
+  for (int e = 0; e < (s->hull ? s->hull->faces : s->points); e++) {
+    const double *n = s->edge + 4 * e;
+    const double *from = s->point + 3 * (s->hull ? s->hull->ring[s->hull->first[e]] : e);
     double most = 0;
     for (int i = 0; i < s->points; i++) {
       const double *p = s->point + 3 * i;
-      most = fmax(most, n[0] * (from[0] - p[0]) + n[1] * (from[1] - p[1]));
+      most = fmax(most, nsdae_dot3(n, from) - nsdae_dot3(n, p));
     }
     least = fmin(least, most);
   }
@@ -21,14 +23,11 @@ static double planar_width(const nsdae_solid_of *s)
 }
 
 /* INFINITY of what has no width: a plane, a hole, a point, a line. */
-static double width_of(const nsdae_solid_of *s, int dimension)
+static double width_of(const nsdae_solid_of *s)
 {
   double core = 0;
   if (s->shape == NSDAE_SHAPE_PLANE || s->hollow) return INFINITY;
-  if (s->shape == NSDAE_SHAPE_BOX && dimension == 3)
-    core = 2 * fmin(s->half[0], fmin(s->half[1], s->half[2]));
-  else if (dimension == 2 && s->points > 2)
-    core = planar_width(s);
+  if (s->points > 2) core = width_across(s);
   double width = core + 2 * s->radius;
   return width > 0 ? width : INFINITY;
 }
@@ -41,19 +40,18 @@ static int set_size(nsdae_system *system, int kind, int i, double size)
 
 int nsdae_bodies_set_sizes(const nsdae_bodies *b, nsdae_system *system)
 {
-  int d = b->dimension, status = NSDAE_OK;
+  int status = NSDAE_OK;
   for (int body = 0; nsdae_bodies_has_list(b) && body < b->body.count && status == NSDAE_OK;
        body++) {
     double least = INFINITY;
     for (int i = 0; i < b->solid.count; i++)
-      if (nsdae_solid_at(b, i)->body == body)
-        least = fmin(least, width_of(nsdae_solid_at(b, i), d));
+      if (nsdae_solid_at(b, i)->body == body) least = fmin(least, width_of(nsdae_solid_at(b, i)));
     status = set_size(system, NSDAE_NAME_CONTACT, body, least);
   }
   for (int i = 0; i < nsdae_bodies_fixed(b) - b->limit.count && status == NSDAE_OK; i++) {
     const int *solid = nsdae_feature_at(b, i)->solid;
-    double first = width_of(nsdae_solid_at(b, solid[0]), d);
-    double second = width_of(nsdae_solid_at(b, solid[1]), d);
+    double first = width_of(nsdae_solid_at(b, solid[0]));
+    double second = width_of(nsdae_solid_at(b, solid[1]));
     status = set_size(system, NSDAE_NAME_CONTACT, i, fmin(first, second));
   }
   for (int i = 0; i < b->constraint.count && status == NSDAE_OK; i++) {

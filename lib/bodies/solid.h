@@ -4,6 +4,7 @@
 
 #include <nsdae/bodies.h>
 
+#include "hull.h"
 #include "pose.h"
 
 /* A solid as the world keeps it: in its body's frame. */
@@ -15,8 +16,10 @@ typedef struct nsdae_solid_of {
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
   double turn[4];         /* spatial: the same as a unit quaternion; planar: turn[0] the angle */
   double *point;          /* points x 3: its corners in the body's frame */
-  double *edge; /* planar, of more than one corner: points x 4, the outer unit normal of the edge
-                   from each corner (3) and its length, behind the corners */
+  double *edge; /* behind the corners; planar, of more than one corner: points x 4, the outer unit
+                   normal of the edge from each corner (3) and its length; spatial: faces x 4, outer
+                   unit normal n of each face and n . x of its points */
+  const nsdae_hull *hull; /* spatial, of more than one corner */
 } nsdae_solid_of;
 
 typedef struct nsdae_feature {
@@ -73,6 +76,16 @@ typedef struct nsdae_separating_axis {
   double slack, beside; /* [m] */
 } nsdae_separating_axis;
 
+/* The same if one of them is a polyhedron: see polyhedra.c. */
+typedef struct nsdae_polyhedra {
+  double turn[2][9], way[2][3]; /* a point p of the other's body is at turn p + way in that of s */
+  double most, face[2];
+  int best[2]; /* that face */
+  double slack, beside;
+  unsigned near[2][NSDAE_CORNERS_MAX / 32]; /* bit i % 32 of [s][i / 32]: corner i of solid s may be
+                                               within enough of the other */
+} nsdae_polyhedra;
+
 /* Two solids at a moment, and what all their features go by. Features that can have a gap of at
  * most the reach: bit i of corners[base] for corner i of the other (those from 32 on can); in space
  * bit j of edges[i] for edge i of solid 0 and j of solid 1. Of the 144 pairs of edges of two boxes
@@ -82,10 +95,12 @@ typedef struct nsdae_meeting {
   nsdae_couple two;
   double enough; /* a feature whose cores are apart by more may be left out; INFINITY: none */
   int far;       /* all are */
+  int polyhedra; /* which of the union: the last */
   unsigned corners[2], edges[NSDAE_EDGES_MAX];
   union {
     nsdae_separation by[2]; /* in the plane: by edges of each */
     nsdae_separating_axis axis;
+    nsdae_polyhedra hulls;
   };
 } nsdae_meeting;
 

@@ -11,7 +11,7 @@ module nsdae_f_bodies
   use nsdae_f_status
   use nsdae_f_system
   use nsdae_f_text
-  use nsdae_f_shape, only: NSDAE_SHAPE_POINT
+  use nsdae_f_shape, only: NSDAE_SHAPE_POINT, NSDAE_SHAPE_POLYHEDRON
   implicit none
   private
 
@@ -37,7 +37,7 @@ module nsdae_f_bodies
     real(c_double) :: radius = 0
     real(c_double) :: length(3) = 0
     logical :: hollow = .false.                    ! a disc with a hole
-    real(c_double), allocatable :: point(:, :)     ! [2, corners] of a polygon, anticlockwise
+    real(c_double), allocatable :: point(:, :)     ! [2, corners] of a polygon, anticlockwise; [3, points] of a polyhedron
     real(c_double) :: position(3) = 0, angle = 0   ! in the body's frame
     real(c_double) :: quaternion(4) = 0
     integer(c_int) :: material = 0                 ! for nsdae_bodies_set_pair
@@ -196,7 +196,8 @@ module nsdae_f_bodies
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
-            nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_bodies_add_scene, &
+            nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_body_from_solids, &
+            nsdae_bodies_add_scene, &
             nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material
 
   interface
@@ -206,6 +207,7 @@ module nsdae_f_bodies
     ! headers: functions nsdae_bodies_ get_start locate error
     ! headers: functions nsdae_bodies_ add_scene set_name material
     ! headers: functions nsdae_solid_ inertia
+    ! headers: functions nsdae_body_ from_solids
     ! headers: functions nsdae_scene_ read
 
     subroutine nsdae_scene_release(scene) bind(C)
@@ -377,6 +379,25 @@ contains
     call error_from_c(why, error)
   end function
 
+  ! A body of solids of uniform density: mass, inertia, and the frames about the centre of mass.
+  integer(c_int) function nsdae_body_from_solids(solid, density, body, error) result(status)
+    type(nsdae_solid), intent(inout), target :: solid(:)
+    real(c_double), intent(in) :: density(:)
+    type(nsdae_rigid_body), intent(inout) :: body
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    type(nsdae_c_solid) :: given(size(solid))
+    integer :: i
+    do i = 1, size(solid)
+      given(i) = to_c(solid(i))
+    end do
+    status = c_from_solids(int(min(size(solid), size(density)), c_int), given, density, body, why)
+    do i = 1, size(solid)
+      solid(i)%position = given(i)%position
+    end do
+    call error_from_c(why, error)
+  end function
+
   ! The corners stay where they are.
   type(nsdae_c_solid) function to_c(solid) result(to)
     type(nsdae_solid), intent(in), target :: solid
@@ -385,7 +406,7 @@ contains
     to%length = solid%length
     if (solid%hollow) to%hollow = 1
     if (allocated(solid%point)) then
-      if (size(solid%point, 1) == 2) then
+      if (size(solid%point, 1) == merge(3, 2, solid%shape == NSDAE_SHAPE_POLYHEDRON)) then
         to%points = size(solid%point, 2, kind=c_int)
         to%point = c_loc(solid%point)
       end if

@@ -33,6 +33,7 @@ class Nsdae(CMakePackage):
     depends_on("hdf5+hl~mpi", when="+hdf5")
     depends_on("sundials@6.4:7+IDA~mpi precision=double", when="+sundials")
     depends_on("suite-sparse")
+    depends_on("qhull")
     depends_on("gsl", type="test")
     depends_on("cmocka", type="test")
 

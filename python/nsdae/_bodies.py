@@ -24,7 +24,8 @@ JOINTS = ("revolute", "prismatic", "weld", "distance", "slot", "gear", "spherica
 _USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constraint_bias", "gap", "gap_normal", "gap_tangent",
                    "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
                    "contacts", "potential")
-SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane")
+SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane",
+          "polyhedron")
 
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
@@ -53,15 +54,16 @@ class Solid(NamedTuple):
     Parameters
     ----------
     shape : str
-        Planar: "point", "disc", "segment", "polygon". Spatial: "sphere", "capsule", "box". Both: "plane".
+        Planar: "point", "disc", "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron". Both:
+        "plane".
     radius : float
         Radius of a disc, sphere or capsule; half the thickness of a segment [m].
     length : float or array_like
         Length of a segment; distance of the centres of a capsule; three edges of a box [m].
     hollow : bool
         The solid is outside the disc.
-    points : array_like, shape (p, 2)
-        Corners of a polygon, anticlockwise [m].
+    points : array_like, shape (p, 2) or (p, 3)
+        Corners of a polygon, anticlockwise; points of a polyhedron, which is their convex hull [m].
     position : array_like
         Position in the frame of the body [m].
     angle : float
@@ -94,12 +96,16 @@ class Solid(NamedTuple):
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
             length = [0, 0, length] if self.shape == "capsule" else [length]
+        points = np.ascontiguousarray(self.points, dtype=float)
+        wide = 3 if self.shape == "polyhedron" else 2
+        if points.size and (points.ndim != 2 or points.shape[1] != wide):
+            raise ValueError(f"points of a {self.shape} has the shape {points.shape}; it has {wide} numbers in each row")
         return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
                 "angle": float(self.angle), "material": 0 if isinstance(self.material, str) else int(self.material), "group": int(self.group),
                 "exclude": int(self.exclude), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
                 "quaternion": _quaternion(self.quaternion),
-                "points": np.ascontiguousarray(self.points, dtype=float).reshape(-1)}
+                "points": points.reshape(-1)}
 
     def inertia(self, density: float) -> tuple[float, list[float]]:
         """Computes mass and inertia for a uniform density.
@@ -122,6 +128,16 @@ class Solid(NamedTuple):
             The shape has no inertia, or a value is out of range.
         """
         return _core.solid_inertia(self._given(), float(density))
+
+    def triangles(self) -> np.ndarray:
+        """Returns the surface of a polyhedron in its frame, for pictures.
+
+        Returns
+        -------
+        ndarray, shape (t, 3, 3)
+            Corners of each triangle, anticlockwise seen from outside [m].
+        """
+        return np.array(_core.solid_triangles(self._given())).reshape(-1, 3, 3)
 
 
 class Scene(NamedTuple):
@@ -245,6 +261,41 @@ class Bodies:
         if name:
             self._core.set_name(_BODY, number, name)
             self._names[number] = name
+        return number
+
+    def add_from_solids(self, solids: Sequence[Solid], density: Any, position: Any = (), *, angle: float = 0,
+                        quaternion: Any = (), velocity: Any = (), spin: Any = (), name: str = "") -> int:
+        """Adds a body with its solids; its mass and inertia follow from their density.
+
+        The body is moved to its centre of mass: q has the place of the centre, and the solids keep their place in space.
+
+        Parameters
+        ----------
+        solids : sequence of Solid
+            All planar or all spatial; mass counts twice where they overlap.
+        density : float or sequence of float
+            Of all, or of each [kg/m^3]; planar [kg/m^2].
+        position, angle, quaternion : array_like
+            Place of the frame of the solids at the start, as in `add`.
+        velocity, spin, name
+            As in `add`.
+
+        Returns
+        -------
+        int
+            Number of the body.
+        """
+        solids = list(solids)
+        densities = [float(x) for x in np.broadcast_to(np.asarray(density, dtype=float), len(solids))]
+        mass, inertia, product, centre, places = _core.body_from_solids(
+            [{**s._given(), "material": 0} for s in solids], densities, self._vector("position", position), float(angle),
+            _quaternion(quaternion))
+        J, (xy, xz, yz) = np.diag(inertia), product
+        tensor = J + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
+        number = self.add(mass, inertia[2] if self.dimension == 2 else tensor, centre[: self.dimension], angle=angle,
+                          quaternion=quaternion, velocity=velocity, spin=spin, name=name)
+        for solid, place in zip(solids, places):
+            self.add_solid(number, solid._replace(position=tuple(place)))
         return number
 
     def _material(self, material: int | str) -> int:
@@ -787,4 +838,5 @@ def _spatial(name: str, body: int, solid: Solid) -> Shape:
         place = [f"{axis}{body}+{way}" for axis, way in zip("xyz", moved)]
     size = {"sphere": (solid.radius,), "capsule": (solid.radius, fields["length"][2]), "box": fields["length"],
             "plane": (0, 0, 1)}.get(solid.shape, ())
-    return Shape(name, solid.shape, size, place, quaternion=_product(quaternion, own))
+    points = solid.triangles().reshape(-1, 3) if solid.shape == "polyhedron" else ()
+    return Shape(name, solid.shape, size, place, quaternion=_product(quaternion, own), points=points)

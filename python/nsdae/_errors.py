@@ -92,6 +92,8 @@ _NAMES = [(re.compile(pattern), name) for pattern, name in (
     (r"nsdae_row_add", "RowList.add"),
     (r"nsdae_block_add", "BlockList.add"),
     (r"nsdae_solid_inertia", "Solid.inertia"),
+    (r"nsdae_body_from_solids", "Bodies.add_from_solids"),
+    (r"nsdae_solid_triangles", "Solid.triangles"),
     (r"nsdae_(sim|system|bodies)_(\w+)", lambda m: f"{m[1].capitalize()}.{m[2]}"),
     (r"nsdae_bodies\b", "nsdae.Bodies"),
     (r"enum nsdae_((name|joint|motor|sensor)_kind|named)", "the kinds"),

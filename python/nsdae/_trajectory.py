@@ -33,7 +33,7 @@ class Shape:
     name : str
         Unique name.
     shape : str
-        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box" or "plane".
+        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane" or "polyhedron".
     size : sequence of float
         Up to three lengths [m], see Notes.
     position : sequence of str or float
@@ -45,7 +45,7 @@ class Shape:
     end : sequence of str or float
         x, y, z of the other end of a segment.
     points : sequence
-        Corners of a polygon or path in its own frame, x, y or x, y, z each.
+        Corners of a polygon or path, or of the triangles of a polyhedron, in its own frame: x, y or x, y, z each.
 
     Notes
     -----

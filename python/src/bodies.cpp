@@ -6,6 +6,7 @@
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include "failure.hpp"
 #include "system.hpp"
@@ -56,7 +57,7 @@ nsdae_solid solid_of(nb::dict d, vector &points)
   fill(s.position, nb::cast<triple>(d["position"]));
   fill(s.quaternion, nb::cast<quadruple>(d["quaternion"]));
   points = nb::cast<vector>(d["points"]);
-  s.points = static_cast<int>(points.shape(0) / 2);
+  s.points = static_cast<int>(points.shape(0)) / (s.shape == NSDAE_SHAPE_POLYHEDRON ? 3 : 2);
   s.point = points.data();
   return s;
 }
@@ -400,6 +401,43 @@ nb::tuple solid_inertia(nb::dict d, double density)
   return nb::make_tuple(mass, triple{inertia[0], inertia[1], inertia[2]});
 }
 
+// (mass, inertia, product, position of the body, positions of the solids)
+nb::tuple body_from_solids(nb::list dicts, std::vector<double> density, triple position,
+                           double angle, quadruple quaternion)
+{
+  std::vector<vector> points(dicts.size());
+  std::vector<nsdae_solid> solids;
+  for (std::size_t i = 0; i < dicts.size(); i++)
+    solids.push_back(solid_of(nb::cast<nb::dict>(dicts[i]), points[i]));
+  nsdae_rigid_body body = {};
+  fill(body.position, position);
+  fill(body.quaternion, quaternion);
+  body.angle = angle;
+  nsdae_error error;
+  check(nsdae_body_from_solids(static_cast<int>(solids.size()), solids.data(), density.data(),
+                               &body, &error),
+        &error);
+  nb::list places;
+  for (const nsdae_solid &s : solids)
+    places.append(triple{s.position[0], s.position[1], s.position[2]});
+  const double *J = body.inertia, *P = body.product, *x = body.position;
+  return nb::make_tuple(body.mass, triple{J[0], J[1], J[2]}, triple{P[0], P[1], P[2]},
+                        triple{x[0], x[1], x[2]}, places);
+}
+
+// Coordinates of the corners of its triangles, one after another.
+std::vector<double> solid_triangles(nb::dict d)
+{
+  vector points;
+  const nsdae_solid s = solid_of(d, points);
+  std::vector<double> made(18 * static_cast<std::size_t>(s.points) + 1);
+  nsdae_error error;
+  const int count = nsdae_solid_triangles(&s, made.data(), &error);
+  check(count, &error);
+  made.resize(9 * static_cast<std::size_t>(count));
+  return made;
+}
+
 } // namespace
 
 void bind_bodies(nb::module_ &m)
@@ -434,6 +472,8 @@ void bind_bodies(nb::module_ &m)
       .def("start", &bodies::start)
       .def("locate", &bodies::locate);
   m.def("solid_inertia", &solid_inertia);
+  m.def("body_from_solids", &body_from_solids);
+  m.def("solid_triangles", &solid_triangles);
 }
 
 } // namespace nsdae_python

@@ -205,6 +205,34 @@ def test_a_sphere_in_space_falls_and_bounces():
     assert np.allclose(world.locate(q, ball, (0, 0, 0.5)), [0, 0, 1.6])
 
 
+def test_polyhedra():
+    """A cube as the hull of its corners and of points in it: mass, inertia, triangles, and it lies still on a floor."""
+    corners = np.array([[x, y, z] for x in (0, 0.2) for y in (0, 0.2) for z in (0, 0.2)])
+    points = np.vstack([corners, np.random.default_rng(1).uniform(0.01, 0.19, (50, 3))])
+    cube = Solid("polyhedron", points=points)
+    world = Bodies(3, gravity=(0, 0, -G))
+    world.add_solid(GROUND, Solid("plane"))
+    body = world.add_from_solids([cube], 500, (1, 2, 0), spin=(0, 0, 1))
+    with pytest.raises(nsdae.ArgumentError, match="Bodies.add_from_solids"):
+        cube.inertia(500)
+    mass, inertia = cube._replace(points=points - 0.1).inertia(500)
+    assert mass == pytest.approx(4) and np.allclose(inertia, 4 * 0.04 / 6)
+    triangles = cube.triangles()
+    assert triangles.shape == (12, 3, 3)
+    assert np.linalg.det(triangles).sum() / 6 == pytest.approx(0.008)
+    world.set_pair(0, 0, mu=0.5)
+    run = nsdae.solve(world, 1, method="implicit", dt=0.002)
+    assert np.allclose(world.start()[0][:3], (1.1, 2.1, 0.1))
+    assert run["z0"][-1] == pytest.approx(0.1, abs=1e-6) and abs(run.v[-1]).max() < 1e-9
+    place, turn = pose(world.shapes()[1], run, -1)
+    ends = place + world.shapes()[1].points @ turn.T
+    assert ends[:, 2].min() == pytest.approx(0, abs=1e-6) and np.ptp(ends[:, 2]) == pytest.approx(0.2)
+    with pytest.raises(ValueError, match="3 numbers in each row"):
+        Solid("polyhedron", points=[[0, 0]]).triangles()
+    with pytest.raises(nsdae.ArgumentError, match="plane"):
+        world.add_from_solids([Solid("polyhedron", points=corners[:4])], 1)
+
+
 def test_refusals():
     world = Bodies(2)
     with pytest.raises(ValueError, match="kind"):

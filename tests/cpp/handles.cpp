@@ -880,6 +880,32 @@ static void test_couplers()
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { sim.control(2); }));
 }
 
+/* A hull of its corners is a box: on its floor it rests; a flat one is refused by name. */
+static void test_polyhedron()
+{
+  nsdae::bodies world(3);
+  nsdae_solid floor = nsdae_solid(), hull = nsdae_solid();
+  double corner[24];
+  for (int i = 0; i < 24; i++) corner[i] = (i / 3 >> i % 3 & 1) + 3;
+  floor.shape = NSDAE_SHAPE_PLANE;
+  hull.shape = NSDAE_SHAPE_POLYHEDRON;
+  hull.points = 8;
+  hull.point = corner;
+  nsdae_rigid_body body = nsdae_rigid_body();
+  body.position[2] = -3;
+  world.gravity(0, 0, -10);
+  world.solid(NSDAE_GROUND, floor);
+  EXPECT(world.add(body, {hull}, 2) == 0);
+  world.pair(0, 0, 0.5, 0);
+  nsdae::sim sim(world.system());
+  sim.init(0, world.start().first, world.start().second);
+  EXPECT(std::fabs(world.start().first[2] - 0.5) < 1e-14);
+  sim.run(0.5);
+  EXPECT(std::fabs(sim.record().q[2] - 0.5) < 1e-9);
+  hull.points = 4;
+  EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(3).add(body, {hull}, 2); }));
+}
+
 /* Squares on a floor, one on the other, with contacts by number and by material: both rest. */
 static void test_solids(bool by_material)
 {
@@ -992,6 +1018,7 @@ int main(int argc, char **argv)
   test_neighbours(false);
   test_neighbours(true);
   test_couplers();
+  test_polyhedron();
   test_solids(false);
   test_solids(true);
   test_joint();

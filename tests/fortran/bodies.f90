@@ -67,6 +67,7 @@ program mechanism
 
   call driven_crank
   call carried_body
+  call box_of_halves
   call box_on_floor
   call spring_and_torsion
   call limits_and_couplers
@@ -192,6 +193,25 @@ contains
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! Two cubes side by side, one of them as the hull of its corners, are a box.
+  subroutine box_of_halves()
+    type(nsdae_rigid_body) :: body
+    type(nsdae_solid) :: half(2)
+    type(nsdae_error) :: error
+    integer :: i, j
+    half(1)%shape = NSDAE_SHAPE_BOX
+    half(1)%length = 1
+    half(2)%shape = NSDAE_SHAPE_POLYHEDRON
+    half(2)%point = reshape([((0.5d0 - ibits(i, j, 1), j = 0, 2), i = 0, 7)], [3, 8])
+    half(2)%position(1) = 1
+    call is_int(nsdae_body_from_solids(half, [3d0, 3d0], body), NSDAE_OK, 'halves')
+    call is_true(abs(body%mass - 6) < 1d-14 .and. abs(body%inertia(1) - 1) < 1d-14 .and. &
+                 abs(body%inertia(2) - 2.5d0) < 1d-14 .and. abs(body%position(1) - 0.5d0) < 1d-14 .and. &
+                 abs(half(1)%position(1) + 0.5d0) < 1d-14, 'a box of two cubes')
+    call is_int(nsdae_body_from_solids(half, [3d0, -3d0], body, error), NSDAE_E_ARGUMENT, 'a density below 0')
+    call is_true(error%argument == 'density', 'named')
   end subroutine
 
   subroutine box_on_floor()

@@ -37,10 +37,10 @@ MPLBACKEND=Agg "$use" ball.py
 [ -s ball.png ]
 seconds "installed into an empty environment, first picture drawn"
 
-# nothing of this system but libc and the loader
+# nothing of this system but libc, the loader and, if it was there, Qhull
 needed=$(objdump -p "$work"/use/lib/python3*/site-packages/nsdae/_core*.so | awk '$1 == "NEEDED" { print $2 }')
 for library in $needed; do
-  case $library in libc.so* | libm.so* | libstdc++.so* | libgcc_s.so* | libpthread.so* | libdl.so* | ld-linux* | linux-vdso*) ;;
+  case $library in libc.so* | libm.so* | libstdc++.so* | libgcc_s.so* | libpthread.so* | libdl.so* | ld-linux* | linux-vdso* | libqhull_r.so*) ;;
   *) echo "FAILED: the module needs $library of the system" && exit 1 ;;
   esac
 done

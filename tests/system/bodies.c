@@ -194,7 +194,7 @@ static void faults_are_named(void **state)
   WITH(0, name, NULL, "it has none");
   WITH(1, name, "bead", "another body has it already");
   WITH(0, shape, -1, "no such shape");
-  WITH(0, shape, 9, "no such shape");
+  WITH(0, shape, 10, "no such shape");
   WITH(0, size[0], 0, "its radius must be greater than 0");
   WITH(0, size[0], -1, "a length is negative");
   WITH(0, size[2], NAN, "a value is not finite");
@@ -204,7 +204,7 @@ static void faults_are_named(void **state)
   WITH(1, point, NULL, "point is NULL");
   WITH(1, point, endless, "a value is not finite");
   WITH(3, points, 1, "a path needs two");
-  WITH(0, points, 1, "only a polygon and a path have any");
+  WITH(0, points, 1, "only a polygon, a path and a polyhedron have any");
   WITH(0, position[0], "q3", "there is no q3: the coordinates are q0 to q2, at character 1");
   WITH(0, position[2], "sped", "did you mean 'speed'?");
   WITH(1, angle, "thet", "did you mean 'theta'?");

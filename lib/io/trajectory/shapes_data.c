@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const char *const shape_names[] = {"point",  "disc",    "segment", "polygon", "path",
-                                          "sphere", "capsule", "box",     "plane"};
+                                          "sphere", "capsule", "box",     "plane",   "polyhedron"};
 
 enum { SHAPES = sizeof shape_names / sizeof *shape_names };
 
@@ -108,9 +108,14 @@ static const char *size_fault(int shape, const double *size)
 
 static const char *points_fault(const nsdae_body *b)
 {
-  int least = b->shape == NSDAE_SHAPE_POLYGON ? 3 : b->shape == NSDAE_SHAPE_PATH ? 2 : 0;
+  int solid = b->shape == NSDAE_SHAPE_POLYHEDRON, least = b->shape == NSDAE_SHAPE_POLYGON ? 3
+                                                          : b->shape == NSDAE_SHAPE_PATH  ? 2
+                                                          : solid                         ? 12
+                                                                                          : 0;
+  if (solid && (b->points < least || b->points % 3 != 0))
+    return "a polyhedron needs three for each of its triangles, of which it has at least four";
   if (b->points < least) return least == 3 ? "a polygon needs three" : "a path needs two";
-  if (least == 0 && b->points != 0) return "only a polygon and a path have any";
+  if (least == 0 && b->points != 0) return "only a polygon, a path and a polyhedron have any";
   if (b->points > 0 && !b->point) return "point is NULL";
   for (size_t i = 0; i < 3 * (size_t)b->points; i++)
     if (!isfinite(b->point[i])) return "a value is not finite";
@@ -208,7 +213,8 @@ static void write_points(column_set *s)
   }
   write_ints(s, "points", "rows of point in this group that each has, in order");
   if (points > 0)
-    write_matrix(s, "point", points, "corners of polygons and paths in their bodies' frames");
+    write_matrix(s, "point", points,
+                 "corners of polygons, paths and triangles of polyhedra in their bodies' frames");
 }
 
 static void write_texts(column_set *s)
@@ -263,7 +269,9 @@ static void write_shapes(column_set *s, const nsdae_formula_names *names)
   }
   nsdae_h5_vector(s->h5, "/shapes/name", H5T_C_S1, (hsize_t)s->n, s->text, "",
                   "names of what is placed by coordinates alone");
-  write_ints(s, "shape", "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane");
+  write_ints(
+      s, "shape",
+      "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane, 9 polyhedron");
   for (int c = 0; c < 3; c++) {
     for (int i = 0; i < s->n; i++) {
       placed p;

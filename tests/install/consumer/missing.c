@@ -1,5 +1,5 @@
-/* missing PART...: what a library without these parts (HDF5, SUNDIALS, Fortran) answers to who
- * needs one. */
+/* missing PART...: what a library without these parts (HDF5, SUNDIALS, Qhull, Fortran) answers to
+ * who needs one. */
 #include <nsdae/nsdae.h>
 #include <stdio.h>
 #include <string.h>
@@ -52,6 +52,12 @@ int main(int argc, char **argv)
   if (ida < 0) printf("%s\n", error.text);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
-  return made != (no_file ? NSDAE_E_UNSUPPORTED : NSDAE_OK) ||
+  const double point[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const nsdae_solid hull = {.shape = NSDAE_SHAPE_POLYHEDRON, .points = 4, .point = point};
+  double triangle[36];
+  int hulls = nsdae_solid_triangles(&hull, triangle, &error);
+  if (hulls < 0) printf("%s\n", error.text);
+  return hulls != (is_named("Qhull", argc, argv) ? NSDAE_E_UNSUPPORTED : 4) ||
+         made != (no_file ? NSDAE_E_UNSUPPORTED : NSDAE_OK) ||
          ida != (no_ida ? NSDAE_E_UNSUPPORTED : NSDAE_OK);
 }

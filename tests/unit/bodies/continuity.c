@@ -26,6 +26,12 @@ static int below(int n)
 
 static const double corners[8] = {-0.5, -0.4, 0.6, -0.4, 0.6, 0.5, -0.5, 0.3};
 
+/* A wedge, an octahedron and a tetrahedron, of right angles and of others. */
+static const double polyhedra[3][18] = {
+    {-0.5, -0.5, 0, 0.5, -0.5, 0, -0.5, 0.5, 0, 0.5, 0.5, 0, -0.5, 0, 0.5, 0.5, 0, 0.5},
+    {0.5, 0, 0, -0.5, 0, 0, 0, 0.5, 0, 0, -0.5, 0, 0, 0, 0.5, 0, 0, -0.5},
+    {0.5, 0.5, 0.5, 0.5, -0.5, -0.5, -0.5, 0.5, -0.5, -0.5, -0.5, 0.5}};
+
 typedef struct couple {
   nsdae_bodies *bodies;
   int d, nq;
@@ -41,6 +47,11 @@ static nsdae_solid solid_of(int shape, int hollow)
   for (int i = 0; i < 3; i++) s.length[i] = 0.5 * (1 + below(2));
   if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX)
     s.radius = 0;
+  if (shape != NSDAE_SHAPE_POLYHEDRON) return s;
+  int which = below(3);
+  s.radius = 0;
+  s.points = which == 2 ? 4 : 6;
+  s.point = polyhedra[which];
   return s;
 }
 
@@ -270,10 +281,10 @@ static void test_remembered(void **state)
 
 static void test_spatial(void **state)
 {
-  const int shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_BOX,
-                        NSDAE_SHAPE_PLANE};
+  const int shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE,     NSDAE_SHAPE_CAPSULE,
+                        NSDAE_SHAPE_BOX,   NSDAE_SHAPE_POLYHEDRON, NSDAE_SHAPE_PLANE};
   (void)state;
-  follow_all(3, shapes, 5, 0);
+  follow_all(3, shapes, 6, 0);
 }
 
 /* ---- forces: a block that falls on another for one step of Moreau's scheme */

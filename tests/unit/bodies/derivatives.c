@@ -174,6 +174,8 @@ static const int planar_shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_S
                                     NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_PLANE};
 static const int spatial_shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE,
                                      NSDAE_SHAPE_BOX, NSDAE_SHAPE_PLANE};
+static const double wedge[18] = {-0.5, -0.5, 0,   0.6, -0.5, 0,   -0.4, 0.5, 0.1,
+                                 0.5,  0.5,  0.1, 0.2, 0,    0.7, -0.2, 0,   -0.4};
 
 static int add_solid(nsdae_bodies *b, int d, int body, int shape)
 {
@@ -187,6 +189,12 @@ static int add_solid(nsdae_bodies *b, int d, int body, int shape)
   if (shape == NSDAE_SHAPE_SEGMENT && below(2)) s.radius = 0;
   if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX)
     s.radius = 0;
+  if (d == 3 && shape == NSDAE_SHAPE_POINT && below(2)) {
+    s.shape = NSDAE_SHAPE_POLYHEDRON; /* in place of half of the points */
+    s.radius = 0;
+    s.points = 6;
+    s.point = wedge;
+  }
   vector(d, 0.5, s.position);
   for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
   return nsdae_bodies_add_solid(b, body, &s);
