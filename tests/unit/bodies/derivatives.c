@@ -98,7 +98,8 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
   if (kind == NSDAE_JOINT_SCREW) j.ratio += copysign(3, j.ratio); /* off by less than half a turn */
   vector(d, 1, j.point);
   vector(d, 1, j.end);
-  j.end[0] += 2; /* the curvature of a distance is of order one, as the differences want */
+  j.end[0] =
+      j.point[0] + 2; /* the curvature of a distance is at most 1/2, as the differences want */
   vector(d, 1, j.axis);
   const double other[3] = {0.3, -0.2, 0.7};
   for (int i = 0; i < 3; i++) {
