@@ -173,27 +173,40 @@ static void follow(const void *of, const nsdae_moved *from, const nsdae_moved *t
 
 /* ---- reactions */
 
+/* Adds a force of a constraint along a coordinate, on body 1 of the joint: its moment about the
+ * centre. */
+static void add_wrench(const nsdae_primitive *along, const nsdae_primitive_value *is, int body,
+                       double force, double wrench[2][3])
+{
+  int side = along->body[1] == body;
+  for (int j = 0; j < 3; j++) {
+    wrench[0][j] += force * is->row.linear[side][j];
+    wrench[1][j] += force * is->row.angular[side][j];
+  }
+}
+
 static void reaction(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const nsdae_record *r,
                      double *value)
 {
+  const nsdae_bodies_joint *joint = nsdae_joint_at(b, s->of.joint);
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value is;
-  double force[3] = {0}, moment[3] = {0}, turned[3], arm[3] = {0};
+  double sum[2][3] = {{0}}, turned[3], arm[3] = {0};
   for (int i = 0, first = 1; i < b->constraint.count; i++) {
     const nsdae_bodies_constraint *c = nsdae_constraint_at(b, i);
     if (c->joint != s->of.joint) continue;
     nsdae_bodies_coordinate(b, &c->value, r->q, r->v, &at, &is);
-    int side = c->value.body[1] == nsdae_joint_at(b, c->joint)->body[1];
-    for (int j = 0; j < 3; j++) {
-      force[j] -= r->multiplier[i] * is.row.linear[side][j];
-      moment[j] -= r->multiplier[i] * is.row.angular[side][j];
-    }
+    add_wrench(&c->value, &is, joint->body[1], -r->multiplier[i], sum);
     if (first) nsdae_turn(at.pose[1].R, c->value.point[1], arm); /* its point, from the centre */
     first = 0;
+    if (c->master < 0) continue; /* else a screw: less p_1 times the row of its rotation */
+    const nsdae_primitive *turn = &joint->coordinate[c->master % NSDAE_COORDINATES];
+    nsdae_bodies_coordinate(b, turn, r->q, r->v, &at, &is);
+    add_wrench(turn, &is, joint->body[1], c->p[1] * r->multiplier[i], sum);
   }
-  nsdae_cross3(arm, force, turned);
-  for (int j = 0; j < 3; j++) moment[j] -= turned[j];
-  memcpy(value, s->of.kind == NSDAE_SENSOR_REACTION_FORCE ? force : moment, sizeof force);
+  nsdae_cross3(arm, sum[0], turned);
+  for (int j = 0; j < 3; j++) sum[1][j] -= turned[j];
+  memcpy(value, sum[s->of.kind == NSDAE_SENSOR_REACTION_MOMENT], sizeof *sum);
 }
 
 /* ---- contacts */
@@ -202,9 +215,8 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
 {
   if (id < 0 || (id >= b->feature.count && !nsdae_bodies_has_list(b))) return 0;
   if (id < b->feature.count) {
-    const nsdae_feature *f = nsdae_feature_at(b, (int)id);
-    memcpy(solid, f->solid, sizeof f->solid);
-    *number = f->number;
+    *number = nsdae_feature_at(b, (int)id)->number;
+    memcpy(solid, nsdae_feature_at(b, (int)(id - *number))->solid, 2 * sizeof *solid);
     return 1;
   }
   long features = nsdae_broad_features(b), pair = (id - b->feature.count) / features;

@@ -293,7 +293,6 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                                   .terms = terms,
                                   .law = p->law,
                                   .id = p->closed->id,
-                                  .fresh = p->closed->fresh,
                                   .joint_bound = p->joint_bound,
                                   .warm = p->warm,
                                   .factorisation = &p->dispatch.factorisation,

@@ -27,7 +27,6 @@ typedef struct nsdae_island_equations {
   const nsdae_terms *terms;      /* rows of Phi_q, of contacts and frictional joints */
   const nsdae_coefficients *law; /* by number */
   const long *id;                /* by number, of a list */
-  const int *fresh;              /* by number: no impulse in the step before */
   const double *joint_bound;     /* f: largest impulse of a frictional joint without a load */
   nsdae_contact_warm warm;
   nsdae_factorisation *factorisation;

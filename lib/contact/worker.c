@@ -20,7 +20,6 @@ void nsdae_worker_prepare(nsdae_worker *w, const nsdae_contacts *of, double rank
 
 void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_arena *arena)
 {
-  nsdae_active_set_layout(&w->active_set, system, arena);
   nsdae_cone_island_layout(&w->cones, system, arena);
   w->L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
 }
@@ -32,7 +31,6 @@ int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_r
   w->all_dense = nsdae_dense_island_fits_all(&w->dense);
   if (status < 0 || w->all_dense) return status;
   if (!w->solver) status = nsdae_friction_create(&w->solver);
-  if (status == NSDAE_OK) status = nsdae_active_set_grow(&w->active_set, contacts);
   if (status == NSDAE_OK) status = nsdae_cone_island_grow(&w->cones, system, contacts, rows);
   if (status < 0 || system->tracked || system->blocks.count > 1) return status;
   if (nsdae_terms_most(system) == NSDAE_ANY_NUMBER) return status;
@@ -59,7 +57,6 @@ int nsdae_worker_reserve(nsdae_worker *w, const nsdae_terms *T)
 void nsdae_worker_release(nsdae_worker *w)
 {
   nsdae_dense_island_release(&w->dense);
-  nsdae_active_set_release(&w->active_set);
   nsdae_cone_island_release(&w->cones);
   nsdae_sparse_kkt_release(&w->sparse);
   nsdae_friction_destroy(&w->solver);
@@ -168,22 +165,6 @@ static int solve_one_contact(nsdae_worker *w, const nsdae_island_equations *whol
   w->solved.lcps++;
   w->solved.single = &w->single;
   nsdae_natural_residual_add(&w->solved.residual, &residual);
-  return NSDAE_OK;
-}
-
-static int fits_active_set(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
-{
-  (void)w;
-  return has_contacts(whole, island) && nsdae_active_set_fits(whole, island);
-}
-
-static int solve_active_set(nsdae_worker *w, const nsdae_island_equations *whole, int island)
-{
-  nsdae_active_set_island *c = &w->active_set;
-  if (!nsdae_active_set_solve(c, whole, island, w->tol, w->L)) return NSDAE_NEXT;
-  w->solved.lcps++;
-  w->solved.pivots += c->rounds;
-  nsdae_natural_residual_add(&w->solved.residual, &c->residual);
   return NSDAE_OK;
 }
 
@@ -358,10 +339,11 @@ typedef struct island_solver {
   int (*solve)(nsdae_worker *worker, const nsdae_island_equations *whole, int island);
 } island_solver;
 
-static const island_solver solvers[] = {
-    {0, fits_blocks, solve_blocks},         {0, fits_one_contact, solve_one_contact},
-    {0, fits_dense, solve_dense},           {0, fits_constraints, solve_constraints},
-    {0, fits_active_set, solve_active_set}, {1, NULL, solve_cones}};
+static const island_solver solvers[] = {{0, fits_blocks, solve_blocks},
+                                        {0, fits_one_contact, solve_one_contact},
+                                        {0, fits_dense, solve_dense},
+                                        {0, fits_constraints, solve_constraints},
+                                        {1, NULL, solve_cones}};
 
 int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int island, int pass)
 {

@@ -5,7 +5,6 @@
  *   0     one contact  no cone, no constraints, in closed form (single.h)
  *   0     dense        small, no cone; small with frictional joints; polygons (dense_island.h)
  *   0     constraints  no contacts: sparse equations (sparse_kkt.h)
- *   0     active set   no friction, no constraints, in its envelope (active_set_island.h)
  *   1     cones        the rest (cone_island.h)
  *
  * Pass 0 are many small ones, pass 1 few large ones. An island is solved from what it is alone, and
@@ -15,7 +14,6 @@
 
 #include "cone_island.h"
 #include "sparse_kkt.h"
-#include "active_set_island.h"
 #include "dense_island.h"
 #include "single.h"
 
@@ -36,7 +34,6 @@ typedef struct nsdae_worker {
   int failed;        /* which; -1: none */
   nsdae_dense_island dense;
   nsdae_single single;
-  nsdae_active_set_island active_set;
   nsdae_sparse_kkt sparse;
   nsdae_cone_island cones;
   nsdae_friction_solver *solver;

@@ -11,8 +11,9 @@ enum { NQ_MAX = 28, NV_MAX = 24 };
 /* The state at the end of a run. */
 typedef struct ending {
   double q[NQ_MAX], v[NV_MAX];
-  double last;  /* time of the last impact */
-  double drift; /* the largest of the records */
+  double last;    /* time of the last impact */
+  double changed; /* time of the last change of a mode */
+  double drift;   /* the largest of the records */
   int impacts;
 } ending;
 
@@ -21,6 +22,7 @@ static inline int keep(const nsdae_record *r, nsdae_error *error, void *user)
   ending *e = user;
   (void)error;
   for (int i = 0; i < r->impacts; i++) e->last = r->impact[i].time;
+  if (r->changes > 0) e->changed = r->change[r->changes - 1].time;
   e->impacts += r->impacts;
   e->drift = fmax(e->drift, r->constraint_drift);
   return 0;

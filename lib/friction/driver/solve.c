@@ -1,4 +1,5 @@
 /* The solver as it is called: arguments, memory, islands, certificate, names. */
+#include <float.h>
 #include <math.h>
 #include <nsdae/friction.h>
 #include <stdlib.h>
@@ -178,13 +179,15 @@ static int certify(const nsdae_fc_global *w, double tol, double *r, double *low,
 /* ---- bilateral rows */
 
 /* The contacts alone, if their problem is small, to a tolerance that gives that of the whole: the
- * two residuals differ by the diagonals of W and the largest velocities. Returns a status, 1: not
- * solved; r is then the better guess. */
+ * two residuals differ by the diagonals of W and the largest velocities. options.refine: if more
+ * than the rounding of sums of m terms is left, once more from the velocities of the whole. Returns
+ * a status, 1: not solved; r is then the better guess. */
 static int solve_condensed(nsdae_friction_solver *s, const nsdae_friction_options *options,
                            double *r, double *u, nsdae_friction_info *info)
 {
   nsdae_friction_options own = *options;
   nsdae_friction_info part;
+  const double rounding = s->global.view.m * DBL_EPSILON;
   int done = nsdae_fc_condense(&s->condensed, &s->global);
   if (done <= 0) return done < 0 ? done : 1;
   if (!s->contacts && nsdae_friction_create(&s->contacts) < 0) return NSDAE_E_MEMORY;
@@ -200,9 +203,11 @@ static int solve_condensed(nsdae_friction_solver *s, const nsdae_friction_option
     nsdae_fc_condensed_multipliers(&s->condensed, r);
     memcpy(s->global.r, r, (size_t)s->global.view.m * sizeof *r);
     status = certify(&s->global, options->tol, r, NULL, u, info);
-    if (status == NSDAE_OK) return status;
-    own.tol *= fmin(0.5, 0.5 * options->tol / info->residual);
+    if (status == NSDAE_OK && (options->refine == 0 || attempt > 0 || info->residual <= rounding))
+      return status;
+    if (status != NSDAE_OK) own.tol *= fmin(0.5, 0.5 * options->tol / info->residual);
     if (!(own.tol > 1e-14)) return 1;
+    nsdae_fc_condensed_correct(&s->condensed, r, u);
   }
   return 1;
 }
@@ -240,7 +245,7 @@ static int solve_problem(nsdae_friction_solver *s, const nsdae_friction_problem 
   }
   if (!low) {
     status = solve_condensed(s, options, r, u, info);
-    if (status < 0 || (status == NSDAE_OK && options->refine == 0)) return status;
+    if (status <= 0) return status;
   }
   status = solve_islands(s, options, r, info);
   if (status == NSDAE_E_INFEASIBLE) return refute(&s->global, r, u, info);

@@ -43,6 +43,7 @@ static void lay_out_pattern(void *object, nsdae_arena *arena)
   c->part = nsdae_arena_take(arena, 3L * p->first[p->contacts], sizeof *c->part);
   c->g = NSDAE_ARENA_DOUBLES(arena, c->rows);
   c->q = NSDAE_ARENA_DOUBLES(arena, columns);
+  c->base = NSDAE_ARENA_DOUBLES(arena, columns + c->rows);
   c->entry = NSDAE_ARENA_INTS(arena, p->contacts + 1L);
   c->item = nsdae_arena_take(arena, p->contacts, sizeof *c->item);
 }
@@ -189,16 +190,26 @@ static void solve_lower(const nsdae_fc_condensed *c, int low, int high, double *
   }
 }
 
-/* The columns of T, and q. */
+/* g := R^-1 u_b and q := u_c - T^T g. */
+static void condense_velocities(nsdae_fc_condensed *c, const double *u)
+{
+  int columns = c->global->view.row[c->global->view.p->contacts];
+  memcpy(c->g, u + columns, (size_t)c->rows * sizeof *c->g);
+  solve_lower(c, 0, c->rows, c->g);
+  for (int k = 0; k < columns; k++) {
+    c->q[k] = u[k];
+    for (const nsdae_fc_condensed_part *a = c->part + c->column[k]; a < c->part + c->column[k + 1];
+         a++)
+      c->q[k] -= nsdae_dot(a->high - a->low, c->T + a->at, c->g + a->low);
+  }
+}
+
 static void condense_columns(nsdae_fc_condensed *c)
 {
   const nsdae_fc_view *v = &c->global->view;
   const nsdae_friction_problem *p = v->p;
   memset(c->T, 0, c->sizes[1] * sizeof *c->T);
-  memcpy(c->g, c->global->q + v->row[p->contacts], (size_t)c->rows * sizeof *c->g);
-  solve_lower(c, 0, c->rows, c->g);
-  for (int k = 0; k < v->row[p->contacts]; k++) {
-    c->q[k] = c->global->q[k];
+  for (int k = 0; k < v->row[p->contacts]; k++)
     for (int e = c->column[k]; e < c->column[k + 1]; e++) {
       const nsdae_fc_condensed_part *a = &c->part[e];
       double *T = c->T + a->at;
@@ -209,9 +220,7 @@ static void condense_columns(nsdae_fc_condensed *c)
         T[i - a->low] = nsdae_dot(p->size[a->block], a->J, c->global->J + v->at[f]);
       }
       solve_lower(c, a->low, a->high, T);
-      c->q[k] -= nsdae_dot(a->high - a->low, T, c->g + a->low);
     }
-  }
 }
 
 /* W_kl of two columns. */
@@ -289,6 +298,8 @@ int nsdae_fc_condense(nsdae_fc_condensed *c, const nsdae_fc_global *global)
   form(c);
   if (!factor(c)) return 0;
   condense_columns(c);
+  condense_velocities(c, global->q);
+  memset(c->base, 0, (size_t)v->m * sizeof *c->base);
   if (!condense_couplings(c)) return 0;
   c->problem = (nsdae_friction_problem){.form = NSDAE_FRICTION_LOCAL,
                                         .contacts = p->contacts,
@@ -302,6 +313,22 @@ int nsdae_fc_condense(nsdae_fc_condensed *c, const nsdae_fc_global *global)
   return 1;
 }
 
+void nsdae_fc_condensed_correct(nsdae_fc_condensed *c, const double *r, const double *u)
+{
+  const nsdae_fc_view *v = &c->global->view;
+  const nsdae_friction_problem *p = v->p;
+  const double *W = c->W;
+  memcpy(c->base, r, (size_t)v->m * sizeof *r);
+  condense_velocities(c, u);
+  for (int i = 0; i < p->contacts; i++)
+    for (int k = v->row[i]; k < v->row[i + 1]; k++)
+      if (p->compliance) c->q[k] -= p->compliance[k] * r[k];
+  for (int i = 0; i < p->contacts; i++)
+    for (const int *j = c->block + c->entry[i]; j < c->block + c->entry[i + 1]; j++)
+      for (int k = v->row[i], rows = nsdae_fc_rows(p, *j); k < v->row[i + 1]; k++, W += rows)
+        c->q[k] -= nsdae_dot(rows, W, r + v->row[*j]);
+}
+
 void nsdae_fc_condensed_multipliers(const nsdae_fc_condensed *c, double *r)
 {
   const nsdae_fc_view *v = &c->global->view;
@@ -309,13 +336,14 @@ void nsdae_fc_condensed_multipliers(const nsdae_fc_condensed *c, double *r)
   double *l = r + columns;
   for (int i = 0; i < c->rows; i++) l[i] = -c->g[i];
   for (int k = 0; k < columns; k++)
-    for (int e = c->column[k]; e < c->column[k + 1] && r[k] != 0; e++) {
+    for (int e = c->column[k]; e < c->column[k + 1] && r[k] != c->base[k]; e++) {
       const double *T = c->T + c->part[e].at;
-      for (int i = c->part[e].low; i < c->part[e].high; i++) l[i] -= *T++ * r[k];
+      for (int i = c->part[e].low; i < c->part[e].high; i++) l[i] -= *T++ * (r[k] - c->base[k]);
     }
   for (int i = c->rows - 1; i >= 0; i--) { /* R^T l := l */
     const double *R = c->S.R + c->S.at[i] - c->S.first[i];
     l[i] /= R[i];
     for (int j = c->S.first[i]; j < i; j++) l[j] -= R[j] * l[i];
   }
+  for (int i = 0; i < c->rows; i++) l[i] += c->base[columns + i];
 }

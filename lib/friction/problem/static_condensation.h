@@ -36,6 +36,7 @@ typedef struct nsdae_fc_condensed {
   nsdae_fc_condensed_part *part;
   double *T, *g;      /* g [rows]: R^-1 q_b */
   double *q, *W;      /* of the local problem */
+  double *base;       /* m: an approximate solution, from which g and q correct; else zero */
   int *entry, *block; /* the same: first, block */
   size_t *item;       /* contacts: its first number of W */
   size_t sizes[3];    /* of R, T, W */
@@ -45,6 +46,11 @@ typedef struct nsdae_fc_condensed {
 /* Condenses a problem without its masses. 1: done; 0: it has no such rows, it would be larger than
  * the problem, or the rows are dependent (to a sine of 1e-6); NSDAE_E_MEMORY. */
 int nsdae_fc_condense(nsdae_fc_condensed *condensed, const nsdae_fc_global *global);
+
+/* The same problem about the approximate solution r [m] with the velocities u [m] of the global
+ * one: g = R^-1 u_b, q = u_c - T^T g - W r_c. Its solution is a step of iterative refinement
+ * (Wilkinson, Rounding Errors in Algebraic Processes, 1963). */
+void nsdae_fc_condensed_correct(nsdae_fc_condensed *condensed, const double *r, const double *u);
 
 /* Bilateral entries of r [m] from those of the contacts. */
 void nsdae_fc_condensed_multipliers(const nsdae_fc_condensed *condensed, double *r);

@@ -1,6 +1,7 @@
-/* Random mechanisms of every joint and pair of shapes: each derivative against differences of what
- * it derives from, by nsdae_system_check and, for the tangents, which it cannot know, against the
- * motion of points that ride on the bodies. */
+/* Random mechanisms of every joint, motor, limit, coupler, sensor and pair of shapes: each
+ * derivative against differences of what it derives from, by nsdae_system_check and, for the
+ * tangents, which it cannot know, against the motion of points that ride on the bodies. Sensors of
+ * rates against differences of sensors of places, sensors of forces against virtual powers. */
 #include "check.h"
 
 #include <nsdae/nsdae.h>
@@ -71,6 +72,25 @@ static void pair_of(int bodies, int pair[2])
   while (pair[1] == pair[0]);
 }
 
+static int add_sensor(nsdae_bodies *b, nsdae_sensor sensor)
+{
+  int number = nsdae_bodies_add_sensor(b, &sensor);
+  assert_true(number >= 0);
+  return number;
+}
+
+/* Reactions of a joint with the motion of its point and of body 1 (or 0 if 1 is the ground). */
+static void add_reaction(nsdae_bodies *b, int joint, const nsdae_joint *j)
+{
+  const double *point = j->kind == NSDAE_JOINT_DISTANCE && j->body[1] >= 0 ? j->end : j->point;
+  nsdae_sensor s = {.joint = joint, .body = j->body[j->body[1] >= 0]};
+  memcpy(s.point, point, sizeof s.point);
+  static const int kinds[] = {NSDAE_SENSOR_REACTION_FORCE, NSDAE_SENSOR_REACTION_MOMENT,
+                              NSDAE_SENSOR_POSITION, NSDAE_SENSOR_VELOCITY,
+                              NSDAE_SENSOR_ANGULAR_VELOCITY};
+  for (int i = 0; i < 5; i++) s.kind = kinds[i], add_sensor(b, s);
+}
+
 static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, double *size)
 {
   nsdae_joint j = {.kind = kind, .ratio = uniform(-2, 2), .user = size};
@@ -88,7 +108,9 @@ static void add_joint(nsdae_bodies *b, int d, int bodies, int kind, double mu, d
   int fixed = kind == NSDAE_JOINT_WELD || kind == NSDAE_JOINT_SPHERICAL;
   if (!fixed && below(2)) j.drive = drive;
   if (kind == NSDAE_JOINT_SLOT && !j.drive) j.mu = mu;
-  assert_true(nsdae_bodies_add_joint(b, &j) >= 0);
+  int joint = nsdae_bodies_add_joint(b, &j);
+  assert_true(joint >= 0);
+  add_reaction(b, joint, &j);
 }
 
 /* Limits, springs, motors, couplers of all coordinates that there are, and a rope. */
@@ -110,9 +132,12 @@ static void add_parts_of_joints(nsdae_bodies *b, int d, int bodies, double *size
       m.limit = below(2) ? 0.1 : 50;
       if (position) m.kp = 2, m.kd = 0.5;
       if (below(2)) m.drive = drive, m.user = size;
+      if (kind == NSDAE_MOTOR_SPEED && below(2)) m.vary = drive, m.vary_user = size;
       assert_true(nsdae_bodies_add_motor(b, &m) >= 0);
     }
     assert_true(nsdae_bodies_add_limit(b, &(nsdae_limit){i / 2, i % 2, -2, 3, 0.5}) >= 0);
+    for (int kind = NSDAE_SENSOR_COORDINATE; kind <= NSDAE_SENSOR_RATE; kind++)
+      add_sensor(b, (nsdae_sensor){.kind = kind, .joint = i / 2, .coordinate = i % 2});
   }
   if (count > 1) {
     int first = place[0], second = place[count - 1];
@@ -128,6 +153,19 @@ static void add_parts_of_joints(nsdae_bodies *b, int d, int bodies, double *size
   vector(d, 1, rope.end);
   rope.end[0] += 2;
   assert_true(nsdae_bodies_add_rope(b, &rope) >= 0);
+}
+
+/* Of each body a point with its rates, the orientation, and the contact forces. */
+static void add_sensors(nsdae_bodies *b, int d, int bodies)
+{
+  static const int kinds[] = {NSDAE_SENSOR_POSITION, NSDAE_SENSOR_VELOCITY,
+                              NSDAE_SENSOR_ACCELERATION, NSDAE_SENSOR_ORIENTATION,
+                              NSDAE_SENSOR_CONTACT_FORCE};
+  for (int i = 0; i < bodies; i++) {
+    nsdae_sensor s = {.body = i};
+    vector(d, 2, s.point);
+    for (int k = 0; k < 5; k++) s.kind = kinds[k], add_sensor(b, s);
+  }
 }
 
 static const double corners[8] = {-0.5, -0.4, 0.6, -0.3, 0.5, 0.5, -0.4, 0.3};
@@ -209,6 +247,7 @@ static nsdae_bodies *mechanism(int d, int index, int by_list, double *size)
   pair_of(bodies, torsion.body);
   assert_int_equal(nsdae_bodies_add_torsion(b, &torsion), 0);
   assert_int_equal(nsdae_bodies_add_load(b, 0, spring.point, load, NULL), 0);
+  add_sensors(b, d, bodies);
   return b;
 }
 
@@ -365,6 +404,191 @@ static void look_around(nsdae_system *system, const nsdae_dims *dims, double *q,
   assert_int_equal(status, NSDAE_OK);
 }
 
+/* ---- sensors */
+
+/* A record of random forces at a state, and what the kit reads from it. */
+typedef struct sensed {
+  const nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_maker maker;
+  nsdae_dims dims;
+  nsdae_record record;
+  double q[NQ_MAX], v[NV_MAX], rate[NV_MAX], multiplier[NV_MAX];
+  long id[K_MAX];
+  double impulse[3 * K_MAX];
+} sensed;
+
+static const nsdae_sensor *sensor_of(const sensed *s, int i)
+{
+  return &((const nsdae_bodies_sensor *)s->b->sensor.at + i)->of;
+}
+
+static void read_sensor(const sensed *s, int i, const double *q, const double *v, double value[4])
+{
+  double angle[NV_MAX];
+  nsdae_record r = s->record;
+  const nsdae_moved at = {q, v};
+  r.q = q, r.v = v;
+  memset(value, 0, 4 * sizeof *value);
+  s->maker.sensors.follow(s->b, NULL, &at, 0, NULL, angle);
+  s->maker.sensors.sense(s->b, i, &r, angle, value);
+}
+
+/* Central differences along q' = H v, v' = rate. */
+static void sensor_rate(const sensed *s, int i, const double *v, double rate[4])
+{
+  const double h = 1e-5;
+  double qdot[NQ_MAX], q[NQ_MAX], w[NV_MAX], value[2][4];
+  const nsdae_sensor *of = sensor_of(s, i);
+  memcpy(qdot, v, (size_t)s->dims.nv * sizeof *v);
+  if (s->system->call.kinematics) s->system->call.kinematics(0, s->q, v, qdot, s->system->user);
+  for (int side = 0; side < 2; side++) {
+    double step = side ? h : -h;
+    for (int j = 0; j < s->dims.nq; j++) q[j] = s->q[j] + step * qdot[j];
+    for (int j = 0; j < s->dims.nv; j++) w[j] = v[j] + step * s->rate[j];
+    read_sensor(s, i, q, w, value[side]);
+  }
+  for (int j = 0; j < 4; j++) {
+    double change = value[1][j] - value[0][j];
+    if (of->kind == NSDAE_SENSOR_COORDINATE && fabs(change) > 3)
+      change = remainder(change, 2 * acos(-1));
+    rate[j] = change / (2 * h);
+  }
+}
+
+static void assert_values(const double *value, const double *expected, int count)
+{
+  for (int j = 0; j < count; j++) assert_near(value[j], expected[j], tol * (1 + fabs(expected[j])));
+}
+
+/* The angular velocity of a rate of orientation: theta' or the vector part of 2 p' p^-1. */
+static void spin_of(int d, const double *p, const double *rate, double *w)
+{
+  if (d == 2) {
+    w[0] = rate[0];
+    return;
+  }
+  double cross[3], square = p[0] * p[0] + nsdae_dot3(p + 1, p + 1);
+  nsdae_cross3(p + 1, rate + 1, cross);
+  for (int j = 0; j < 3; j++)
+    w[j] = 2 * (p[0] * rate[1 + j] - rate[0] * p[1 + j] + cross[j]) / square;
+}
+
+/* The power of the reaction on its body with velocities of this body alone is that of the joint's
+ * rows: F x' + M w = -sum_i lambda_i (Phi_q v)_i. */
+static void check_reaction(const sensed *s, int i)
+{
+  const nsdae_bodies *b = s->b;
+  const nsdae_sensor *of = sensor_of(s, i);
+  const nsdae_bodies_joint *joint = nsdae_joint_at(b, of->joint);
+  int d = b->dimension, nv = nsdae_body_nv(b);
+  double value[5][4], v[NV_MAX] = {0}, phi[2][NV_MAX], qdot[NQ_MAX], q[NQ_MAX];
+  if (joint->body[1] == NSDAE_GROUND) return;
+  for (int j = nv * of->body; j < nv * (of->body + 1); j++) v[j] = s->v[j];
+  for (int j = 0; j < 5; j++) read_sensor(s, i + j, s->q, v, value[j]);
+  memcpy(qdot, v, sizeof v);
+  if (s->system->call.kinematics) s->system->call.kinematics(0, s->q, v, qdot, s->system->user);
+  for (int side = 0; side < 2; side++) {
+    for (int j = 0; j < s->dims.nq; j++) q[j] = s->q[j] + (side ? 1e-5 : -1e-5) * qdot[j];
+    assert_int_equal(s->system->call.constraint(0, q, phi[side], s->system->user), 0);
+  }
+  double power = 0, expected = 0;
+  for (int j = 0; j < d; j++) power += value[0][j] * value[3][j];
+  for (int j = 0; j < (d == 2 ? 1 : 3); j++) power += value[1][j] * value[4][j];
+  for (int j = 0; j < b->constraint.count; j++)
+    if (nsdae_constraint_at(b, j)->joint == of->joint)
+      expected -= s->multiplier[j] * (phi[1][j] - phi[0][j]) / 2e-5;
+  assert_near(power, expected, tol * (1 + fabs(expected)));
+}
+
+/* The power of contacts with a translation of the body is that of the columns W Lambda / h. */
+static void check_contact_force(const sensed *s, int i)
+{
+  static double W[2][NV_MAX * 2 * K_MAX];
+  const nsdae_bodies *b = s->b;
+  int nv = s->dims.nv, nt = s->dims.nt, first = nsdae_body_nv(b) * sensor_of(s, i)->body;
+  double value[4];
+  memset(W, 0, sizeof W);
+  s->system->call.gap_normal(0, s->q, W[0], nv, s->system->user);
+  s->system->call.gap_tangent(0, s->q, W[1], nv, s->system->user);
+  read_sensor(s, i, s->q, s->v, value);
+  for (int j = 0; j < b->dimension; j++) {
+    double sum = 0;
+    for (int k = 0; k < s->record.contacts.count; k++) {
+      sum += W[0][k * nv + first + j] * s->record.contacts.normal_impulse[k];
+      for (int l = 0; l < nt; l++)
+        sum +=
+            W[1][(k * nt + l) * nv + first + j] * s->record.contacts.tangential_impulse[k * nt + l];
+    }
+    sum /= s->record.duration;
+    assert_near(value[j], sum, tol * (1 + fabs(sum)));
+  }
+}
+
+static void draw_record(sensed *s)
+{
+  const nsdae_bodies *b = s->b;
+  nsdae_touch touch;
+  int nt = s->dims.nt, count = nsdae_bodies_has_list(b) ? 0 : b->feature.count;
+  for (int j = 0; j < s->dims.nv; j++) s->rate[j] = uniform(-1, 1);
+  for (int j = 0; j < s->dims.m; j++) s->multiplier[j] = uniform(-1, 1);
+  for (int k = 0; k < count; k++) {
+    const nsdae_feature *f = nsdae_feature_at(b, k);
+    nsdae_pose pose[2];
+    for (int j = 0; j < 2; j++)
+      pose[j] = nsdae_bodies_pose(b, nsdae_solid_at(b, f->solid[j])->body, s->q, NULL);
+    int meets = feature_touch(b->solid.at, f, pose, &touch);
+    s->id[k] = k;
+    s->impulse[k] = meets ? uniform(0, 1) : 0;
+    for (int l = 0; l < nt; l++) s->impulse[K_MAX + k * nt + l] = meets ? uniform(-1, 1) : 0;
+  }
+  s->record = (nsdae_record){.duration = 0.3, .acceleration = s->rate, .multiplier = s->multiplier};
+  s->record.contacts = (nsdae_contact_set){.count = count,
+                                           .id = s->id,
+                                           .normal_impulse = s->impulse,
+                                           .tangential_impulse = s->impulse + K_MAX};
+}
+
+/* In the order of add_reaction, add_parts_of_joints, add_sensors. */
+static void check_sensors(const nsdae_bodies *b, nsdae_system *system, const double *q,
+                          const double *v)
+{
+  static sensed s;
+  double value[4], rate[4], spin[3];
+  s.b = b, s.system = system;
+  nsdae_bodies_get_dims(b, &s.dims);
+  nsdae_bodies_sense(b, &s.maker);
+  memcpy(s.q, q, (size_t)s.dims.nq * sizeof *q);
+  memcpy(s.v, v, (size_t)s.dims.nv * sizeof *v);
+  draw_record(&s);
+  for (int i = 0; i < b->sensor.count; i++) {
+    const nsdae_sensor *of = sensor_of(&s, i);
+    read_sensor(&s, i, q, s.v, value);
+    switch (of->kind) {
+    case NSDAE_SENSOR_REACTION_FORCE:
+      check_reaction(&s, i);
+      break;
+    case NSDAE_SENSOR_RATE:
+    case NSDAE_SENSOR_VELOCITY:
+    case NSDAE_SENSOR_ACCELERATION:
+      sensor_rate(&s, i - 1, s.v, rate);
+      assert_values(value, rate, 4);
+      break;
+    case NSDAE_SENSOR_ORIENTATION:
+      sensor_rate(&s, i, s.v, rate);
+      spin_of(b->dimension, value, rate, spin);
+      nsdae_pose pose = nsdae_bodies_pose(b, of->body, q, s.v);
+      assert_values(b->dimension == 2 ? pose.w + 2 : pose.w, spin, b->dimension == 2 ? 1 : 3);
+      break;
+    case NSDAE_SENSOR_CONTACT_FORCE:
+      check_contact_force(&s, i);
+      break;
+    default:
+      break;
+    }
+  }
+}
+
 static void check_system(int d, int index, int by_list)
 {
   double size;
@@ -378,6 +602,7 @@ static void check_system(int d, int index, int by_list)
   nsdae_bodies_get_dims(b, &dims);
   nsdae_bodies_get_start(b, q, v);
   look_around(system, &dims, q, v, d, index);
+  if (!by_list) check_sensors(b, system, q, v);
   if (by_list)
     check_list(b, system, q, v);
   else

@@ -120,6 +120,7 @@ static double brake(int d, int method, double dt)
   add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = 2});
   ending end = run(b, method, dt, 3);
   assert_near(end.v[d == 2 ? 2 : 5], 0, 1e-12);
+  if (method == NSDAE_METHOD_EVENT) assert_near(end.changed, 1.25, 1e-10);
   return off(d, &end, 3.125, 0);
 }
 
@@ -168,10 +169,48 @@ static double clutch(int d, int method, double dt)
   return fmax(fabs(wrong), fabs(end.v[d == 2 ? 2 : 5] - w));
 }
 
+/* 4 t */
+static int linear(double t, double f[3], void *user)
+{
+  (void)user;
+  f[0] = 4 * t;
+  f[1] = 4;
+  f[2] = 0;
+  return 0;
+}
+
+/* The same with the bound b = 2 and the torque 4 t on the first wheel. It slips until w_0 - w_1 = 3
+ * + (2 t^2 - b t) / J_0 - b t / J_1 = 0, at t_1; it sticks while 4 t J_1 / (J_0 + J_1) <= b, until
+ * t_2; then it slips. */
+static double clutch_again(int d, int method, double dt)
+{
+  const double J0 = 0.5, J1 = 0.3, b = 2, J = J0 + J1, t_end = 2, t2 = b * J / (4 * J1);
+  const double half = b * (1 / J0 + 1 / J1) / 2, t1 = (half - sqrt(half * half - 6 / J0)) * J0 / 2;
+  nsdae_bodies *bodies = create(d, 0, 0, 0);
+  int first = wheel(bodies, d, 3);
+  int second = nsdae_bodies_add(bodies, &(nsdae_rigid_body){.mass = 1, .inertia = {J1, J1, J1}});
+  int joint = nsdae_bodies_add_joint(
+      bodies, &(nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {0, second}, .axis = {0, 0, 1}});
+  add_motor(bodies, (nsdae_motor){joint, .kind = NSDAE_MOTOR_SPEED, .limit = b});
+  add_motor(bodies, (nsdae_motor){first, .limit = INFINITY, .drive = linear});
+  ending end = run(bodies, method, dt, t_end);
+  if (method == NSDAE_METHOD_EVENT) assert_near(end.changed, t2, 1e-10);
+  double w1 = b * t1 / J1, w2 = w1 + 2 * (t2 * t2 - t1 * t1) / J, left = t_end - t2;
+  double angle = w1 * t1 / 2 + (w1 - 2 * t1 * t1 / J) * (t2 - t1) +
+                 2 * (t2 * t2 * t2 - t1 * t1 * t1) / (3 * J) + w2 * left + b * left * left / 2 / J1;
+  double fast = w2 + (2 * (t_end * t_end - t2 * t2) - b * left) / J0;
+  int nq = d == 2 ? 3 : 7, nv = d == 2 ? 3 : 6, w = d == 2 ? 2 : 5;
+  double wrong = fabs(remainder(angle_of(d, end.q + nq) - angle, 2 * pi));
+  return fmax(wrong, fmax(fabs(end.v[w] - fast), fabs(end.v[nv + w] - w2 - b * left / J1)));
+}
+
 static void test_clutch(void **state)
 {
   (void)state;
-  for (int d = 2; d <= 3; d++) judge(clutch, d, 20);
+  for (int d = 2; d <= 3; d++) {
+    judge(clutch, d, 20);
+    judge(clutch_again, d, 20);
+  }
 }
 
 /* A constant bound is added to vary: a wheel of 3 rad/s under the bound t^2 until t = 1, then t^2 +

@@ -130,29 +130,42 @@ static void reference(const sample *s, const double *r, double *u)
   for (int l = 0; l < ROWS; l++) u[3 * CONTACTS + l] = x[N + l];
 }
 
+/* W r + q and the multipliers of the impulses r are those of the reference. */
+static void check_equations(const sample *s, const nsdae_fc_condensed *c, double *r)
+{
+  double expected[M];
+  const double *W = c->problem.value;
+  reference(s, r, expected);
+  for (int i = 0; i < CONTACTS; i++) {
+    double u[3];
+    memcpy(u, c->problem.w + 3 * i, sizeof u);
+    for (int e = c->problem.first[i]; e < c->problem.first[i + 1]; e++)
+      for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++) u[k] += *W++ * r[3 * c->problem.block[e] + l];
+    for (int k = 0; k < 3; k++) assert_near(u[k], expected[3 * i + k], 1e-9);
+  }
+  nsdae_fc_condensed_multipliers(c, r);
+  for (int l = 3 * CONTACTS; l < M; l++) assert_near(r[l], expected[l], 1e-9);
+}
+
+/* Also about any impulses with their velocities. */
 static void check_sample(int loops)
 {
   static sample s;
   nsdae_fc_global global;
   nsdae_fc_condensed c = {0};
   nsdae_arena memory = {0};
-  double r[M] = {0}, expected[M];
+  double r[M] = {0}, u[M], residual;
   draw(&s, loops);
   prepare(&s, &global, &memory);
   assert_int_equal(nsdae_fc_condense(&c, &global), 1);
   for (int k = 0; k < 3 * CONTACTS; k++) r[k] = number();
-  reference(&s, r, expected);
-  const double *W = c.problem.value;
-  for (int i = 0; i < CONTACTS; i++) {
-    double u[3];
-    memcpy(u, c.problem.w + 3 * i, sizeof u);
-    for (int e = c.problem.first[i]; e < c.problem.first[i + 1]; e++)
-      for (int k = 0; k < 3; k++)
-        for (int l = 0; l < 3; l++) u[k] += *W++ * r[3 * c.problem.block[e] + l];
-    for (int k = 0; k < 3; k++) assert_near(u[k], expected[3 * i + k], 1e-9);
-  }
-  nsdae_fc_condensed_multipliers(&c, r);
-  for (int l = 3 * CONTACTS; l < M; l++) assert_near(r[l], expected[l], 1e-9);
+  check_equations(&s, &c, r);
+  for (int k = 0; k < M; k++) r[k] = number();
+  assert_int_equal(nsdae_friction_residual(&s.problem, r, u, &residual), NSDAE_OK);
+  nsdae_fc_condensed_correct(&c, r, u);
+  for (int k = 0; k < 3 * CONTACTS; k++) r[k] = number();
+  check_equations(&s, &c, r);
   nsdae_fc_condensed_release(&c);
   nsdae_arena_release(&memory);
 }
