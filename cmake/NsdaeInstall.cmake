@@ -9,7 +9,6 @@ function(nsdae_install_library name export)
     return()
   endif()
   get_target_property(target ${name} ALIASED_TARGET)
-  set_target_properties(${target} PROPERTIES SOVERSION ${NSDAE_SOVERSION})
   install(TARGETS ${target} EXPORT ${export}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT ${export} NAMESPACE nsdae:: DESTINATION ${NSDAE_INSTALL_CMAKEDIR})

@@ -1,7 +1,7 @@
 # nsdae_python_script(FILE): puts it into share/nsdae of the build tree and of the installation.
 function(nsdae_python_script file)
   get_filename_component(name ${file} NAME)
-  set(built ${CMAKE_BINARY_DIR}/share/nsdae/${name})
+  set(built ${PROJECT_BINARY_DIR}/share/nsdae/${name})
   configure_file(${file} ${built} @ONLY)
   install(FILES ${built} DESTINATION ${CMAKE_INSTALL_DATADIR}/nsdae)
 endfunction()
@@ -13,8 +13,8 @@ function(nsdae_python_tool TOOL script TOOL_MODULES TOOL_PACKAGES)
   set(SCRIPT_INSTALLED ${CMAKE_INSTALL_DATADIR}/nsdae/${name})
   set(SCRIPT_BUILT share/nsdae/${name})
   nsdae_python_script(${script})
-  configure_file(${PROJECT_SOURCE_DIR}/drivers/python/launcher.in ${CMAKE_BINARY_DIR}/bin/${TOOL}
+  configure_file(${PROJECT_SOURCE_DIR}/drivers/python/launcher.in ${PROJECT_BINARY_DIR}/bin/${TOOL}
     @ONLY FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
                            WORLD_READ WORLD_EXECUTE)
-  install(PROGRAMS ${CMAKE_BINARY_DIR}/bin/${TOOL} DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(PROGRAMS ${PROJECT_BINARY_DIR}/bin/${TOOL} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()

@@ -143,28 +143,28 @@ endif()
 if(NSDAE_DRIVERS)
   # a step of a few bodies beside that of another build, in instructions: bench/cost.sh, by hand
   add_executable(bench_cost bench/cost.c)
-  target_link_libraries(bench_cost PRIVATE driver_common)
+  target_link_libraries(bench_cost PRIVATE nsdae_driver_common)
   # 667 planar contacts of a granular flow on a wall, a problem of the Siconos project
   set(granular ${NSDAE_SHARED_DIR}/lcp_problems/fc2d_granularflowonwall_00667_00000.dat)
   if(NOT EXISTS ${granular})
     set(granular)
   endif()
-  nsdae_bench(lcp_file ARGUMENTS ${granular} LINKS driver_common bench_rival)
-  nsdae_bench(orders LINKS driver_common)
+  nsdae_bench(lcp_file ARGUMENTS ${granular} LINKS nsdae_driver_common bench_rival)
+  nsdae_bench(orders LINKS nsdae_driver_common)
   # the wall, the arch and the dominoes beside the same by hand
-  nsdae_bench(blocks LINKS driver_common)
+  nsdae_bench(blocks LINKS nsdae_driver_common)
   # the mechanisms of the Test Set for IVP Solvers
-  nsdae_bench(dae LINKS driver_common)
+  nsdae_bench(dae LINKS nsdae_driver_common)
   target_compile_definitions(bench_dae PRIVATE _POSIX_C_SOURCE=200809L)
   # hashes of steps, to compare two builds: bench/bytes.sh, by hand
   add_executable(bench_bytes bench/bytes.c support/disks.c support/random_system.c support/twin.c)
   target_include_directories(bench_bytes PRIVATE support)
-  target_link_libraries(bench_bytes PRIVATE driver_common)
+  target_link_libraries(bench_bytes PRIVATE nsdae_driver_common)
   # the event-driven method by each integrator: bench/phases.py, by hand
   add_executable(bench_phases bench/phases.c bench/ratio.c)
-  target_link_libraries(bench_phases PRIVATE driver_common)
+  target_link_libraries(bench_phases PRIVATE nsdae_driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)
-    nsdae_bench(precision LINKS driver_common GSL::gsl GSL::gslcblas)
+    nsdae_bench(precision LINKS nsdae_driver_common GSL::gsl GSL::gslcblas)
   endif()
 endif()
 add_custom_target(bench ${bench_commands}

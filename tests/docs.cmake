@@ -15,13 +15,13 @@ if(Python3_FOUND)
   if(NSDAE_DRIVERS AND NSDAE_HDF5 AND NSDAE_SUNDIALS AND NOT NSDAE_SANITIZE AND NOT NSDAE_COVERAGE)
     # after the package's test, whose wheel it takes
     add_test(NAME docs/site COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/docs/site.py ${PROJECT_SOURCE_DIR}
-      ${CMAKE_BINARY_DIR})
+      ${PROJECT_BINARY_DIR})
     set_tests_properties(docs/site PROPERTIES ENVIRONMENT "OPENBLAS_NUM_THREADS=1" TIMEOUT 600 SKIP_RETURN_CODE 77
       DEPENDS python/package)
   endif()
 endif()
 if(NSDAE_DRIVERS)
-  nsdae_docs_test(man ${CMAKE_BINARY_DIR}/bin ${CMAKE_BINARY_DIR}/share/man/man1)
+  nsdae_docs_test(man ${PROJECT_BINARY_DIR}/bin ${PROJECT_BINARY_DIR}/share/man/man1)
 endif()
 if(NSDAE_DRIVERS AND NSDAE_HDF5 AND NSDAE_SUNDIALS AND NOT NSDAE_SANITIZE) # cc has no sanitizer
   nsdae_docs_test(guide ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})

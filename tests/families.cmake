@@ -17,6 +17,6 @@ nsdae_family(system/long_runs NSDAE_LONG=1000000) # steps
 nsdae_family(conformance/failing NSDAE_EVERY_CALL=1)
 if(NSDAE_DRIVERS AND NSDAE_HDF5)
   add_test(NAME families/system/restart CONFIGURATIONS Families COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/restart.sh
-    ${CMAKE_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/data 20) # kills of each run
+    ${PROJECT_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/data 20) # kills of each run
   set_tests_properties(families/system/restart PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 28800)
 endif()

@@ -26,7 +26,7 @@ if(NSDAE_HDF5)
     add_executable(friction_sample support/friction_sample.c)
     target_link_libraries(friction_sample PRIVATE test_friction_families)
     add_test(NAME system/friction_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/friction_cli.sh
-      ${CMAKE_BINARY_DIR}/bin $<TARGET_FILE:friction_sample>)
+      ${PROJECT_BINARY_DIR}/bin $<TARGET_FILE:friction_sample>)
     set_tests_properties(system/friction_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1
       TIMEOUT 120)
   endif()

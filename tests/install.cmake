@@ -20,6 +20,16 @@ add_test(NAME install/variants
 add_test(NAME install/run COMMAND ${install_dir}/run.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
 set_tests_properties(install/consumers install/first_program install/run install/variants PROPERTIES
   ENVIRONMENT "OPENBLAS_NUM_THREADS=1;CMAKE_GENERATOR=${CMAKE_GENERATOR}" TIMEOUT 600)
+if(NSDAE_HDF5 AND NSDAE_SUNDIALS AND NOT NSDAE_SANITIZE AND NOT NSDAE_COVERAGE)
+  set(stood_on ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE} ${NSDAE_AMD_INCLUDE} ${HDF5_C_INCLUDE_DIRS})
+  if(TARGET SUNDIALS::ida)
+    get_target_property(of_sundials SUNDIALS::ida INTERFACE_INCLUDE_DIRECTORIES)
+    list(APPEND stood_on ${of_sundials})
+  endif()
+  add_test(NAME install/systems COMMAND ${install_dir}/systems.sh ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}
+    ${CMAKE_CURRENT_BINARY_DIR}/systems ${stood_on})
+  set_tests_properties(install/systems PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77)
+endif()
 if(NSDAE_SANITIZE) # cc has no sanitizer
   set_tests_properties(install/consumers install/first_program install/run PROPERTIES DISABLED TRUE)
 endif()

@@ -8,7 +8,7 @@ nsdae_unit_test(lcp warm)
 set(NSDAE_SHARED_DIR "${PROJECT_SOURCE_DIR}/../shared" CACHE PATH
     "Folder with lcp_problems/, the complementarity problems of others")
 if(NSDAE_DRIVERS)
-  nsdae_test(system lcp_published LINKS driver_common)
+  nsdae_test(system lcp_published LINKS nsdae_driver_common)
   target_compile_definitions(test_system_lcp_published PRIVATE
     NSDAE_SHARED_DIR="${NSDAE_SHARED_DIR}")
 endif()
@@ -34,7 +34,7 @@ if(NSDAE_DRIVERS)
   endforeach()
   nsdae_test(system failed_lcp)
   add_test(NAME system/lcp_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/lcp_cli.sh
-    ${CMAKE_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>
+    ${PROJECT_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>
     $<IF:$<BOOL:${NSDAE_SUNDIALS}>,ON,OFF>)
   set_tests_properties(system/lcp_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 120)
 endif()

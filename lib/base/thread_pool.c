@@ -109,18 +109,21 @@ static void wake(nsdae_thread_pool *p)
   pthread_mutex_unlock(&p->lock);
 }
 
-/* Signals stay with the threads of the program. */
 static int hire(nsdae_thread_pool *p)
 {
+#ifndef _WIN32 /* signals stay with the threads of the program */
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
+#endif
   for (p->threads = 0; p->threads < p->size - 1; p->threads++) {
     member *m = &p->hired[p->threads];
     *m = (member){.pool = p, .number = p->threads + 1};
     if (pthread_create(&m->thread, NULL, live, m) != 0) break;
   }
+#ifndef _WIN32
   pthread_sigmask(SIG_SETMASK, &before, NULL);
+#endif
   return p->threads == p->size - 1;
 }
 

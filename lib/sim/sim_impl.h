@@ -75,10 +75,9 @@ typedef struct nsdae_work {
 
 /* What is kept of all steps so far, beside the last result. */
 typedef struct nsdae_accounts {
-  long step;                 /* number of the last */
+  long step, grid_count;     /* number of the last; steps end at grid_start + grid_count dt */
   double dissipated, raised; /* [J] */
-  double grid_start;         /* steps end at grid_start + grid_count dt */
-  long grid_count;
+  double grid_start;
   nsdae_stats stats;
   nsdae_monitors watch;
 } nsdae_accounts;

@@ -64,6 +64,16 @@ static void visit(cursor *c, void *data, size_t bytes)
   c->at += bytes;
 }
 
+/* long has 32 bits on some systems. */
+static void visit_longs(cursor *c, long *a, int n)
+{
+  for (int i = 0; i < n; i++) {
+    int64_t wide = a[i];
+    visit(c, &wide, sizeof wide);
+    a[i] = (long)wide;
+  }
+}
+
 static void visit_doubles(cursor *c, double *a, int n)
 {
   visit(c, a, (size_t)n * sizeof *a);
@@ -101,7 +111,7 @@ static void visit_stats(cursor *c, nsdae_stats *s)
                          sizeof s->wall_time - sizeof s->certificate <
                      sizeof(double),
                  "a statistic that the state does not keep");
-  for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) visit(c, counts[i], sizeof(long));
+  for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) visit_longs(c, counts[i], 1);
   for (size_t i = 0; i < sizeof worst / sizeof *worst; i++) visit(c, worst[i], sizeof(double));
   visit(c, &s->rank, sizeof s->rank);
   visit(c, &s->rank_most, sizeof s->rank_most);
@@ -120,7 +130,7 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
   double reach = kept ? r->end.by.reach : 0;
   visit_doubles(c, &reach, 1);
   if (c->from) r->end.by.reach = reach;
-  visit(c, closed->id, (size_t)k * sizeof *closed->id);
+  visit_longs(c, closed->id, k);
   visit_ints(c, closed->block, 2 * k);
   visit_ints(c, closed->fresh, k);
   visit_ints(c, closed->basis, closed->rows * k);
@@ -157,12 +167,13 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   nsdae_dims dims = r->end.system->dims, *d = &dims;
   int tracked = r->end.system->tracked != NULL;
   if (tracked) d->k = 0;
-  _Static_assert(sizeof *a ==
-                     2 * sizeof(long) + 3 * sizeof(double) + sizeof a->stats + sizeof a->watch,
+  _Static_assert(sizeof *a - 2 * sizeof(long) - 3 * sizeof(double) - sizeof a->stats -
+                         sizeof a->watch <
+                     sizeof(double),
                  "an account that the state does not keep");
   visit_doubles(c, epoch, 1);
-  visit(c, &a->step, sizeof a->step);
-  visit(c, &a->grid_count, sizeof a->grid_count);
+  visit_longs(c, &a->step, 1);
+  visit_longs(c, &a->grid_count, 1);
   visit_doubles(c, &a->grid_start, 1);
   visit_doubles(c, &a->dissipated, 1);
   visit_doubles(c, &a->raised, 1);

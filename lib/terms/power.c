@@ -58,7 +58,7 @@ static int mass_ahead(nsdae_power *p, const nsdae_terms *T, const double *qdot, 
 }
 
 /* The status of a sum that M ahead is part of. */
-static int finite(const nsdae_power *p, const nsdae_terms *T, double sum)
+static int finite_sum(const nsdae_power *p, const nsdae_terms *T, double sum)
 {
   const nsdae_system *s = T->system;
   int by_blocks = s->by_blocks, n = s->dims.nv;
@@ -82,7 +82,7 @@ int nsdae_power_inertia(nsdae_power *p, const nsdae_terms *T, const double *qdot
       for (int i = 0; i < n; i++) sum += v[i] * v[j] * (ahead[i] - M[i]);
   }
   *rate = sum / (2 * s);
-  return status < 0 ? status : finite(p, T, sum);
+  return status < 0 ? status : finite_sum(p, T, sum);
 }
 
 int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, const double *qdot,
@@ -102,5 +102,5 @@ int nsdae_power_rate(nsdae_power *p, const nsdae_terms *T, const double *a, cons
     }
   }
   *rate = sum;
-  return status < 0 || !moves ? status : finite(p, T, sum);
+  return status < 0 || !moves ? status : finite_sum(p, T, sum);
 }

@@ -60,8 +60,8 @@ if(NSDAE_HDF5)
 endif()
 
 if(NSDAE_DRIVERS)
-  nsdae_fortran_test(pendulum LINKS driver_fortran ARGUMENTS ${PROJECT_SOURCE_DIR}/data)
+  nsdae_fortran_test(pendulum LINKS nsdae_driver_fortran ARGUMENTS ${PROJECT_SOURCE_DIR}/data)
   add_test(NAME fortran/twin COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fortran/twin.sh
-    ${CMAKE_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/data ${NSDAE_HDF5})
+    ${PROJECT_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/data ${NSDAE_HDF5})
   set_tests_properties(fortran/twin PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endif()

@@ -33,10 +33,10 @@ answers() {
       $(pkg-config --cflags --libs nsdae) -o missing && ./missing "$@")
 }
 
-# variant COMPILER BUILD_TYPE OPTION...
+# variant SOURCE COMPILER BUILD_TYPE OPTION...
 variant() {
-  compiler=$1 type=$2 tree=$work/$1
-  shift 2
+  from=$1 compiler=$2 type=$3 tree=$work/$2
+  shift 3
   if ! command -v "$compiler" >/dev/null; then
     if [ "${CI:-}" = true ]; then
       echo "CI builds with $compiler: install it" >&2
@@ -45,19 +45,26 @@ variant() {
     compiler=cc
   fi
   {
-    CC=$compiler cmake -S "$source" -B "$tree/build" -DCMAKE_BUILD_TYPE=$type \
-      -DCMAKE_INSTALL_PREFIX="$tree" -DNSDAE_WERROR=ON -DNSDAE_DRIVERS=OFF -DBUILD_TESTING=OFF "$@" &&
+    CC=$compiler cmake -S "$from" -B "$tree/build" -DCMAKE_BUILD_TYPE=$type \
+      -DCMAKE_INSTALL_PREFIX="$tree" -DNSDAE_WERROR=ON "$@" &&
       cmake --build "$tree/build" -j2 && cmake --install "$tree/build"
   } >"$work/log" 2>&1 || { cat "$work/log" && exit 1; }
   lib=$(dirname "$(find "$tree" -path "$tree/build" -prune -o -name libnsdae.so -print)")
   echo "$compiler, $type: $*"
 }
 
-variant gcc Debug -DNSDAE_HDF5=OFF -DNSDAE_FORTRAN=OFF "$@"
+# within a project that has a target docs: the library alone, all of its files in the folder of the subproject
+variant "$source/tests/install/parent" gcc Debug -DNSDAE_SOURCE="$source" -DNSDAE_INSTALL=ON -DNSDAE_HDF5=OFF "$@"
+"$tree/build/app" >/dev/null
+if find "$tree/build" -iname '*nsdae*' | grep -v "^$tree/build/nsdae\(/\|$\)"; then
+  echo "the subproject wrote outside its folder" >&2
+  exit 1
+fi
 lacks HDF5 libhdf5
 lacks Fortran libgfortran
 answers HDF5 Fortran
-variant clang Release -DCMAKE_C_FLAGS_RELEASE="-O1 -DNDEBUG" -DNSDAE_SUNDIALS=OFF -DNSDAE_QHULL=OFF "$@" # warnings need no more, which takes twice as long
+variant "$source" clang Release -DCMAKE_C_FLAGS_RELEASE="-O1 -DNDEBUG" -DNSDAE_SUNDIALS=OFF -DNSDAE_QHULL=OFF \
+  -DNSDAE_DRIVERS=OFF -DBUILD_TESTING=OFF "$@" # warnings need no more, which takes twice as long
 lacks SUNDIALS libsundials
 answers SUNDIALS Qhull
 echo "built without HDF5, SUNDIALS, Qhull and Fortran"

@@ -1,14 +1,11 @@
-#define _DEFAULT_SOURCE /* flock */
-#define _POSIX_C_SOURCE 200809L
 #include "crash_safe_vfd.h"
 
 #include <errno.h>
-#include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "file_system.h"
 
 /* Several functions of HDF5's driver interface need only some of its arguments. */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
@@ -30,81 +27,50 @@ static int lock(const nsdae_vfd *f)
 {
   const char *wanted = getenv("HDF5_USE_FILE_LOCKING");
   if (wanted && (strcmp(wanted, "FALSE") == 0 || strcmp(wanted, "0") == 0)) return 0;
-  if (flock(f->fd, (f->reading ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) return 0;
-  /* a file system without locks */
-  return errno == ENOSYS || errno == ENOTSUP || errno == ENOLCK ? 0 : errno;
+  return nsdae_fs_lock(f->fd, f->reading);
 }
 
 static int open_path(nsdae_vfd *f, nsdae_vfd_mode mode)
 {
-  f->fd = open(f->path, (mode == NSDAE_VFD_READ ? O_RDONLY : O_RDWR) | O_CLOEXEC);
-  if (f->fd >= 0 || errno != ENOENT || mode != NSDAE_VFD_REPLACE) return f->fd < 0 ? errno : 0;
-  f->made = 1;
-  f->fd = open(f->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  return f->fd < 0 ? errno : 0;
+  f->fd = nsdae_fs_open(f->path, mode != NSDAE_VFD_READ, 0);
+  if (f->fd == -ENOENT && mode == NSDAE_VFD_REPLACE) {
+    f->made = 1;
+    f->fd = nsdae_fs_open(f->path, 1, 1);
+  }
+  return f->fd < 0 ? -f->fd : 0;
 }
 
 int nsdae_vfd_open(nsdae_vfd *file, const char *path, nsdae_vfd_mode mode)
 {
-  struct stat status;
+  nsdae_fs_identity found;
   *file = (nsdae_vfd){.path = path, .reading = mode == NSDAE_VFD_READ};
   int failure = open_path(file, mode);
   if (failure) return failure;
-  if (fstat(file->fd, &status) != 0) failure = errno;
-  if (failure == 0 && !S_ISREG(status.st_mode)) failure = NSDAE_VFD_NO_FILE;
+  failure = nsdae_fs_identify(file->fd, &found);
+  if (failure == 0 && !found.regular) failure = NSDAE_VFD_NO_FILE;
   if (failure == 0) failure = lock(file);
   if (failure) {
-    close(file->fd);
+    nsdae_fs_close(file->fd);
     file->fd = -1;
     return failure;
   }
-  file->device = status.st_dev;
-  file->inode = status.st_ino;
+  file->device = found.device;
+  file->number = found.number;
   file->budget = READS_MOST;
   file->unready = mode == NSDAE_VFD_REPLACE;
-  file->old = (uint64_t)status.st_size;
+  file->old = found.size;
   if (!file->unready) file->eof = file->committed = file->old;
-  return 0;
-}
-
-static int write_all(int fd, const unsigned char *bytes, size_t size, uint64_t at)
-{
-  while (size > 0) {
-    ssize_t written = pwrite(fd, bytes, size, (off_t)at);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    if (written == 0) return EIO;
-    bytes += written;
-    size -= (size_t)written;
-    at += (uint64_t)written;
-  }
-  return 0;
-}
-
-/* 0 or an errno; what is behind the file's end reads as zeros. */
-static int read_all(int fd, unsigned char *bytes, size_t size, uint64_t at)
-{
-  while (size > 0) {
-    ssize_t got = pread(fd, bytes, size, (off_t)at);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return errno;
-    if (got == 0) break;
-    bytes += got;
-    size -= (size_t)got;
-    at += (uint64_t)got;
-  }
-  memset(bytes, 0, size);
   return 0;
 }
 
 int nsdae_vfd_check(nsdae_vfd *file)
 {
-  struct stat named;
+  nsdae_fs_identity named;
   unsigned char head[NSDAE_VFD_HEAD];
   if (file->failure || file->head_size == 0) return file->failure;
-  int same = stat(file->path, &named) == 0 && named.st_dev == file->device &&
-             named.st_ino == file->inode && (uint64_t)named.st_size >= file->committed &&
-             read_all(file->fd, head, file->head_size, 0) == 0 &&
+  int same = nsdae_fs_identify_path(file->path, &named) == 0 && named.device == file->device &&
+             named.number == file->number && named.size >= file->committed &&
+             nsdae_fs_read(file->fd, head, file->head_size, 0) == 0 &&
              memcmp(head, file->head, file->head_size) == 0;
   if (!same) file->failure = NSDAE_VFD_REPLACED;
   return file->failure;
@@ -142,21 +108,20 @@ static long rank_of(const nsdae_vfd *f, const nsdae_block *b)
 static int reserve_disk(nsdae_vfd *f)
 {
   static const unsigned char nothing[8];
-  struct stat status;
+  nsdae_fs_identity now;
   if (f->committed == 0) {
-    int failure = posix_fallocate(f->fd, 0, (off_t)f->eoa);
-    return failure || f->old == 0 ? failure : write_all(f->fd, nothing, sizeof nothing, 0);
+    int failure = nsdae_fs_reserve(f->fd, f->eoa);
+    return failure || f->old == 0 ? failure : nsdae_fs_write(f->fd, nothing, sizeof nothing, 0);
   }
-  if (fstat(f->fd, &status) != 0) return errno;
-  if ((uint64_t)status.st_size >= f->eoa) return 0;
-  return ftruncate(f->fd, (off_t)f->eoa) == 0 ? 0 : errno;
+  int failure = nsdae_fs_identify(f->fd, &now);
+  return failure || now.size >= f->eoa ? failure : nsdae_fs_truncate(f->fd, f->eoa);
 }
 
 int nsdae_vfd_reserve(nsdae_vfd *file, uint64_t bytes)
 {
   if (file->failure) return file->failure;
   uint64_t length = file->eoa + bytes;
-  int failure = length > file->reserved ? posix_fallocate(file->fd, 0, (off_t)length) : 0;
+  int failure = length > file->reserved ? nsdae_fs_reserve(file->fd, length) : 0;
   if (failure == 0 && length > file->reserved) file->reserved = length;
   return failure;
 }
@@ -168,7 +133,7 @@ static int write_pending(nsdae_vfd *f)
   nsdae_write_queue_sort(p);
   for (size_t i = 0; i < p->count; i++) {
     const nsdae_block *b = &p->block[i];
-    int failure = write_all(f->fd, b->bytes, b->size, b->at);
+    int failure = nsdae_fs_write(f->fd, b->bytes, b->size, b->at);
     if (failure) return failure;
     keep_head(f, b->at, b->size, b->bytes);
   }
@@ -192,7 +157,8 @@ static void trim(nsdae_vfd *f)
 {
   uint64_t length = f->committed ? f->committed : f->old;
   if ((f->failure || f->unready) && f->committed) return;
-  if (ftruncate(f->fd, (off_t)length) != 0 && f->failure == 0) f->failure = errno;
+  int failure = nsdae_fs_truncate(f->fd, length);
+  if (f->failure == 0) f->failure = failure;
 }
 
 int nsdae_vfd_close(nsdae_vfd *file)
@@ -203,8 +169,9 @@ int nsdae_vfd_close(nsdae_vfd *file)
   file->driver = 0;
   commit(file);
   if (!file->reading && file->failure != NSDAE_VFD_REPLACED) trim(file);
-  if (file->made && file->committed == 0) unlink(file->path);
-  if (close(file->fd) != 0 && file->failure == 0 && !file->reading) file->failure = errno;
+  if (file->made && file->committed == 0) remove(file->path);
+  int failure = nsdae_fs_close(file->fd);
+  if (file->failure == 0 && !file->reading) file->failure = failure;
   file->fd = -1;
   nsdae_write_queue_release(&file->pending);
   return file->failure;
@@ -260,7 +227,7 @@ static herr_t driver_read(H5FD_t *own, H5FD_mem_t kind, hid_t transfer, haddr_t 
 {
   nsdae_vfd *f = file_of(own);
   if (f->reading && (at + size > f->eof || --f->budget < 0)) return -1;
-  if (read_all(f->fd, buffer, size, at) != 0) return -1;
+  if (nsdae_fs_read(f->fd, buffer, size, at) != 0) return -1;
   nsdae_write_queue_overlay(&f->pending, at, size, buffer);
   return 0;
 }
@@ -272,7 +239,7 @@ static herr_t driver_write(H5FD_t *own, H5FD_mem_t kind, hid_t transfer, haddr_t
   int rows = kind == H5FD_MEM_DRAW && (f->committed > 0 || at >= f->old);
   if (at + size > f->eof) f->eof = at + size;
   if (f->failure == 0 && (rows || f->direct)) {
-    f->failure = write_all(f->fd, bytes, size, at);
+    f->failure = nsdae_fs_write(f->fd, bytes, size, at);
     if (f->failure == 0) {
       keep_head(f, at, size, bytes);
       return 0;
@@ -306,7 +273,7 @@ static herr_t driver_lock(H5FD_t *own, hbool_t writing)
 static herr_t driver_unlock(H5FD_t *own)
 {
   nsdae_vfd *f = file_of(own);
-  if (f->direct) flock(f->fd, LOCK_UN);
+  if (f->direct) nsdae_fs_unlock(f->fd);
   return 0;
 }
 

@@ -17,7 +17,6 @@
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
 #endif
-#include <sys/types.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -73,9 +72,8 @@ typedef struct nsdae_vfd {
   hid_t driver; /* HDF5's number of the driver, 0 where it has none */
   int fd;       /* -1: closed */
   const char *path;
-  dev_t device;
-  ino_t inode;
-  int made;    /* there was none of that name */
+  uint64_t device, number; /* of the file, see nsdae_fs_identity */
+  int made;                /* there was none of that name */
   int direct;  /* what HDF5 writes goes out at once, in its order: that of SWMR's writer */
   int failure; /* the first errno of a write, or one of those above; 0: none */
   int reading;

@@ -164,7 +164,7 @@ static void mark_failed(nsdae_h5 *h5)
   const nsdae_vfd before = h5->disk;
   if (before.failure == NSDAE_VFD_REPLACED || before.committed == 0) return;
   if (nsdae_h5_reopen(h5, 0) < 0) return;
-  if (h5->disk.inode == before.inode && h5->disk.device == before.device)
+  if (h5->disk.number == before.number && h5->disk.device == before.device)
     nsdae_description_set_ended(h5, NSDAE_E_IO);
   nsdae_h5_close(h5);
 }
