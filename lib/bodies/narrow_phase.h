@@ -57,7 +57,9 @@ int nsdae_polygon_closest(const nsdae_meeting *met, int base, int corner, nsdae_
 /* The separating axis of two solids with edges of which one is a polyhedron, and their features. */
 void nsdae_find_polyhedra(nsdae_meeting *met);
 int nsdae_polyhedra_near(const nsdae_meeting *met, const nsdae_feature *feature);
-int nsdae_polyhedra_near_edge(const nsdae_meeting *met, int solid, int edge);
+/* Those edges k of solid 0 and l of solid 1 that may touch, in order, until visit returns < 0. */
+typedef int (*nsdae_edges_fn)(void *to, int k, int l);
+int nsdae_polyhedra_each(const nsdae_meeting *met, nsdae_edges_fn visit, void *to);
 int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *feature,
                           nsdae_closest *closest);
 /* The closest parts of a polyhedron, base 0 or 1 of the meeting, and a point of the frame of its

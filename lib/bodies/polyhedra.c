@@ -197,7 +197,7 @@ static int is_near(const nsdae_meeting *met, int s, int corner)
   return (met->hulls.near[s][corner / 32] >> corner % 32 & 1) != 0;
 }
 
-int nsdae_polyhedra_near_edge(const nsdae_meeting *met, int s, int i)
+static int is_near_edge(const nsdae_meeting *met, int s, int i)
 {
   const int *edge = met->two.solid[s]->hull->edge[i];
   return is_near(met, s, edge[0]) || is_near(met, s, edge[1]);
@@ -205,9 +205,7 @@ int nsdae_polyhedra_near_edge(const nsdae_meeting *met, int s, int i)
 
 int nsdae_polyhedra_near(const nsdae_meeting *met, const nsdae_feature *f)
 {
-  if (f->edges)
-    return nsdae_polyhedra_near_edge(met, 0, f->part[0]) &&
-           nsdae_polyhedra_near_edge(met, 1, f->part[1]);
+  if (f->edges) return is_near_edge(met, 0, f->part[0]) && is_near_edge(met, 1, f->part[1]);
   return is_near(met, f->number == f->part[1], f->part[1]);
 }
 
@@ -246,24 +244,57 @@ static int do_face(const nsdae_meeting *met, const placed_edge p[2], const doubl
 }
 
 /* With m = e_0 x e_1, d = x_1 - x_0 the nearest points are at  a = m . (d x e_1) / m^2  along e_0,
- * b = m . (d x e_0) / m^2  along e_1, both 0 .. 1. */
+ * b = m . (d x e_0) / m^2  along e_1: whether both are in 0 .. 1. */
+static int do_cross(const placed_edge p[2], double along[2])
+{
+  double m[3], d[3], side[3];
+  nsdae_cross3(p[0].e, p[1].e, m);
+  double square = nsdae_dot3(m, m);
+  for (int j = 0; j < 3; j++) d[j] = p[1].x[j] - p[0].x[j];
+  for (int s = 0; s < 2; s++) {
+    nsdae_cross3(d, p[1 - s].e, side);
+    along[s] = nsdae_dot3(m, side);
+    if (!(along[s] >= 0 && along[s] <= square)) return 0;
+    along[s] /= square;
+  }
+  return square > 0;
+}
+
+int nsdae_polyhedra_each(const nsdae_meeting *met, nsdae_edges_fn visit, void *to)
+{
+  const nsdae_solid_of *const *s = met->two.solid;
+  placed_edge p[2];
+  double along[2];
+  int status = 0;
+  for (int k = 0; k < s[0]->hull->edges && status >= 0; k++) {
+    if (!is_near_edge(met, 0, k)) continue;
+    place_edge(met, 0, k, &p[0]);
+    for (int l = 0; l < s[1]->hull->edges && status >= 0; l++) {
+      if (!is_near_edge(met, 1, l)) continue;
+      const double *from = nsdae_solid_corner(s[1], s[1]->hull->edge[l][0]);
+      const double *end = nsdae_solid_corner(s[1], s[1]->hull->edge[l][1]);
+      for (int j = 0; j < 3; j++) {
+        p[1].x[j] = from[j];
+        p[1].e[j] = end[j] - from[j];
+      }
+      if (do_cross(p, along)) status = visit(to, k, l);
+    }
+  }
+  return status;
+}
+
 int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *f, nsdae_closest *c)
 {
   const nsdae_polyhedra *o = &met->hulls;
   placed_edge p[2];
-  double n[3], m[3], d[3], side[3], end = o->most <= o->slack ? o->slack : 0;
+  double n[3], m[3], along[2], end = o->most <= o->slack ? o->slack : 0;
   for (int s = 0; s < 2; s++) place_edge(met, s, f->part[s], &p[s]);
-  if (!normal_of(p, n)) return 0;
-  nsdae_cross3(p[0].e, p[1].e, m);
-  for (int j = 0; j < 3; j++) d[j] = p[1].x[j] - p[0].x[j];
-  for (int s = 0; s < 2; s++) {
-    nsdae_cross3(d, p[1 - s].e, side);
-    double along = nsdae_dot3(m, side) / nsdae_dot3(m, m);
-    double least = end / sqrt(nsdae_dot3(p[s].e, p[s].e));
-    if (!(along >= least && along <= 1 - least)) return 0;
-  }
-  double apart = nsdae_dot3(n, d);
+  if (!normal_of(p, n) || !do_cross(p, along)) return 0;
+  for (int s = 0; s < 2; s++)
+    if (fmin(along[s], 1 - along[s]) < end / sqrt(nsdae_dot3(p[s].e, p[s].e))) return 0;
+  double apart = separation(p, n);
   if ((apart < 0 && apart < o->most - o->slack) || !do_face(met, p, n, apart)) return 0;
+  nsdae_cross3(p[0].e, p[1].e, m);
   c->kind = NSDAE_LINE_LINE;
   c->side = nsdae_dot3(m, n) < 0 ? -1 : 1;
   for (int s = 0; s < 2; s++) {

@@ -284,20 +284,30 @@ static void add_corners(sink *s, const nsdae_solid_of *solids, int base, int oth
   }
 }
 
+/* Edges of two solids, numbered from `first` on, `second` for each edge of the one. */
+typedef struct edge_sink {
+  sink *sink;
+  int first, second, solid[2];
+} edge_sink;
+
+static int add_edge_pair(void *to, int k, int l)
+{
+  const edge_sink *e = to;
+  e->sink->number = e->first + k * e->second + l;
+  add_feature(e->sink, 1, e->solid[0], e->solid[1], k, l);
+  return e->sink->status;
+}
+
 static void add_edges(sink *s, const nsdae_solid_of *solids, int i, int j, const nsdae_meeting *met)
 {
-  int first = nsdae_solid_edges(&solids[i]), second = nsdae_solid_edges(&solids[j]);
-  for (int k = 0; k < first; k++) {
-    int number = s->number, polyhedra = met && met->polyhedra;
-    int end = polyhedra && !nsdae_polyhedra_near_edge(met, 0, k) ? 0 : second;
-    unsigned mask = met && !polyhedra ? met->edges[k] : ~0u;
-    for (int l = 0; l < end && (l >= 32 || mask >> l); l++) {
-      s->number = number + l;
-      int near = polyhedra ? nsdae_polyhedra_near_edge(met, 1, l) : l >= 32 || (mask >> l & 1);
-      if (near) add_feature(s, 1, i, j, k, l);
-    }
-    s->number = number + second;
+  edge_sink e = {s, s->number, nsdae_solid_edges(&solids[j]), {i, j}};
+  if (met && met->polyhedra) {
+    nsdae_polyhedra_each(met, add_edge_pair, &e);
+    return;
   }
+  for (int k = 0; k < nsdae_solid_edges(&solids[i]); k++)
+    for (int l = 0; l < e.second && !(met && met->edges[k] >> l == 0); l++)
+      if (!met || (met->edges[k] >> l & 1)) add_edge_pair(&e, k, l);
 }
 
 int nsdae_pair_is_turned(const nsdae_solid_of *s0, const nsdae_solid_of *s1)

@@ -190,7 +190,7 @@ static int add_solid(nsdae_bodies *b, int d, int body, int shape)
   if (shape == NSDAE_SHAPE_SEGMENT && below(2)) s.radius = 0;
   if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX)
     s.radius = 0;
-  if (d == 3 && shape == NSDAE_SHAPE_POINT && below(2)) {
+  if (d == 3 && shape == NSDAE_SHAPE_POINT && s.length[0] < 1.2) {
     s.shape = NSDAE_SHAPE_POLYHEDRON; /* in place of half of the points */
     s.radius = 0;
     s.points = 6;
