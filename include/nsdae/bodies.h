@@ -206,13 +206,15 @@ enum nsdae_motor_kind {
  * SPEED is a frictional joint of the system with the bound limit, exact within it. With the target
  * 0 it is dry friction of the joint or a brake. vary gives a bound that changes: a clutch.
  * Frictional joints are numbered from 0 in the order of the calls: joints with mu > 0 and motors
- * SPEED.
+ * SPEED and POSITION.
+ *
+ * POSITION is implicit in the step of the time-stepping methods: any gains are stable at any dt,
+ * and the limit is exact. With event and penalty it is a force, part of F with its derivatives, as
+ * FORCE is with all methods. In space a rotation is known up to turns: POSITION takes the way to
+ * the target of at most half a turn.
  *
  * Motors are numbered from 0 in the order of the calls: the target of motor i without a drive is
- * control i of a simulation (nsdae_sim_set_control).
- *
- * The force of FORCE and POSITION is part of F, with its derivatives. In space a rotation is known
- * up to turns: POSITION takes the way to the target of at most half a turn. */
+ * control i of a simulation (nsdae_sim_set_control). */
 typedef struct nsdae_motor {
   int joint, coordinate;  /* as in nsdae_limit */
   int kind;               /* enum nsdae_motor_kind */
@@ -221,7 +223,7 @@ typedef struct nsdae_motor {
   double limit;           /* SPEED: >= 0, finite, > 0 with a target; others: > 0, INFINITY: none
                              [N or N m] */
   double kp, kd;          /* POSITION: >= 0, not both 0; else 0 */
-  nsdae_drive_fn drive;   /* target and its rate, f and f'; or NULL */
+  nsdae_drive_fn drive;   /* target and its rates, f, f' and, of POSITION, f''; or NULL */
   nsdae_drive_fn vary;    /* SPEED: the limit f >= 0 at t, in place of limit; or NULL.
                              nsdae_sim_set_friction_bound adds to it */
   void *user, *vary_user; /* last arguments of drive and vary */

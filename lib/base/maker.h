@@ -36,7 +36,13 @@ typedef struct nsdae_reason {
 typedef struct nsdae_maker_user {
   const void *of;
   const double *control;
+  int rows; /* position motors are frictional joints, and no forces: time stepping */
 } nsdae_maker_user;
+
+/* A position motor: F = -kp e - kd e', |F| <= limit, of the error e. */
+typedef struct nsdae_gains {
+  double kp, kd, limit;
+} nsdae_gains;
 
 typedef struct nsdae_maker {
   const void *of; /* handed to each */
@@ -55,6 +61,10 @@ typedef struct nsdae_maker {
   /* NULL, or why a simulation cannot set control i. */
   const char *(*fixed)(const void *of, int i);
   nsdae_maker_sensors sensors;
+  /* Whether frictional joint j is a position motor, with its gains; the errors e [f] of these, 0 or
+   * what a drive returned. */
+  int (*position)(const void *of, int j, nsdae_gains *gains);
+  int (*errors)(double t, const double *q, double *e, const void *user);
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

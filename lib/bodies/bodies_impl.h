@@ -59,9 +59,11 @@ typedef struct nsdae_bodies_limit {
 
 enum { NSDAE_ROPE = -1 };
 
-/* A slot or a pin with friction, or a motor with v_S = s' - target(t). */
+/* A slot or a pin with friction, or a motor with v_S = s' - target(t), of a position motor s' -
+ * target'(t). */
 typedef struct nsdae_bodies_frictional_joint {
   int constraint, joint, motor; /* of the slot, the first of the pin; the motor's number, or -1 */
+  int position;                 /* the spring of a position motor, or -1 */
   nsdae_primitive along;
   double mu, bound, circle;   /* circle: mu r of a pin */
   nsdae_drive_fn drive, vary; /* target and bound of a motor, or NULL */
@@ -142,6 +144,12 @@ static inline nsdae_bodies *nsdae_bodies_of(const void *user)
 static inline const double *nsdae_control_of(const void *user)
 {
   return ((const nsdae_maker_user *)user)->control;
+}
+
+/* Whether position motors are frictional joints. */
+static inline int nsdae_rows_of(const void *user)
+{
+  return ((const nsdae_maker_user *)user)->rows;
 }
 
 static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
@@ -269,6 +277,10 @@ void nsdae_bodies_scatter(const nsdae_bodies *bodies, const nsdae_places *at,
 int nsdae_spring_force(const nsdae_bodies_spring *spring, const double *control, double t, double s,
                        double rate, double force[3]);
 
+/* A position motor among frictional joints, with its gains; the errors of all: see maker.h. */
+int nsdae_motor_position(const void *bodies, int j, nsdae_gains *gains);
+int nsdae_motor_errors(double t, const double *q, double *e, const void *user);
+
 /* Target speed of a frictional joint and its rate; 0, or what the drive returned. */
 int nsdae_motor_target(const nsdae_bodies_frictional_joint *joint, const double *control, double t,
                        double target[3]);
@@ -278,8 +290,7 @@ const char *nsdae_motor_fixed(const void *bodies, int i);
 int nsdae_bodies_set_motors(const nsdae_bodies *bodies, nsdae_system *system);
 
 /* Forces of gravity, springs and loads, and of spinning; their energy. */
-int nsdae_bodies_force(const nsdae_bodies *bodies, const double *control, double t, const double *q,
-                       const double *v, double *F);
+int nsdae_bodies_force(const void *user, double t, const double *q, const double *v, double *F);
 double nsdae_bodies_energy(const nsdae_bodies *bodies, const double *q);
 
 /* Sets their derivatives, by blocks, unless the user has a force too. */

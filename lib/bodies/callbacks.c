@@ -6,7 +6,7 @@
 static int force(double t, const double *q, const double *v, double *F, void *user)
 {
   const nsdae_bodies *b = nsdae_bodies_of(user);
-  int code = nsdae_bodies_force(b, nsdae_control_of(user), t, q, v, F);
+  int code = nsdae_bodies_force(user, t, q, v, F);
   return code || !b->own.force ? code : b->own.force(t, q, v, F, b->own.user);
 }
 
@@ -92,7 +92,7 @@ static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
 
 int nsdae_bodies_set_callbacks(nsdae_bodies *b, nsdae_system *system)
 {
-  b->force.user = (nsdae_maker_user){b, b->force.target.at};
+  b->force.user = (nsdae_maker_user){b, b->force.target.at, 0};
   int status = nsdae_system_set_user(system, &b->force.user);
   if (status == NSDAE_OK) status = set_names(b, system);
   if (status == NSDAE_OK) status = set_joint_names(b, system);

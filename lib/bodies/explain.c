@@ -346,7 +346,9 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .explain = explain,
                        .controls = b->force.target.count,
                        .control = b->force.target.at,
-                       .fixed = nsdae_motor_fixed};
+                       .fixed = nsdae_motor_fixed,
+                       .position = nsdae_motor_position,
+                       .errors = nsdae_motor_errors};
   nsdae_bodies_sense(b, &maker);
   nsdae_system_set_maker(system, &maker);
 }

@@ -34,9 +34,9 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
   return 0;
 }
 
-int nsdae_bodies_force(const nsdae_bodies *b, const double *control, double t, const double *q,
-                       const double *v, double *F)
+int nsdae_bodies_force(const void *user, double t, const double *q, const double *v, double *F)
 {
+  const nsdae_bodies *b = nsdae_bodies_of(user);
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value s;
   /* ---- gravity and spinning */
@@ -54,8 +54,9 @@ int nsdae_bodies_force(const nsdae_bodies *b, const double *control, double t, c
   for (int i = 0; i < b->force.spring.count; i++) {
     const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
     double force[3];
+    if (spring->owner == NSDAE_POSITION_MOTOR && nsdae_rows_of(user)) continue;
     nsdae_bodies_coordinate(b, &spring->value, q, v, &at, &s);
-    int code = nsdae_spring_force(spring, control, t, s.phi.x, s.phi.d, force);
+    int code = nsdae_spring_force(spring, nsdae_control_of(user), t, s.phi.x, s.phi.d, force);
     if (code) return code;
     nsdae_bodies_scatter(b, &at, &s.row, force[0], F, 1);
   }

@@ -199,6 +199,7 @@ static void add_joint(const assembly *s)
     nsdae_bodies_frictional_joint *f = nsdae_list_add(b, &b->frictional_joint, sizeof *f);
     if (f)
       *f = (nsdae_bodies_frictional_joint){.constraint = first,
+                                           .position = -1,
                                            .joint = b->joint.count,
                                            .motor = -1,
                                            .along = joint.coordinate[0],

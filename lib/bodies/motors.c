@@ -5,6 +5,9 @@
  *   SPEED      s' = target(t) by a force within -limit .. limit: a frictional joint with
  *              v_S = s' - target(t) and the bound limit; with the target 0 it is dry friction
  *
+ * POSITION is a force of event and penalty. Of time stepping it is a frictional joint, too, with
+ * v_S = s' - target'(t), whose row is implicit in the step: see lib/contact/slides.h.
+ *
  * A rotation in space is known up to turns: target - s is the nearest to 0. */
 #include <math.h>
 
@@ -12,15 +15,26 @@
 
 static const char *const what = "motor";
 
+/* Its target and rate into f, and target - s; 0, or what the drive returned. */
+static int error_of(const nsdae_bodies_spring *spring, const double *control, double t, double s,
+                    double f[3], double *off)
+{
+  f[0] = spring->owner >= NSDAE_FORCE_MOTOR ? control[spring->number] : 0;
+  f[1] = f[2] = 0;
+  int code = spring->drive ? spring->drive(t, f, spring->user) : 0;
+  *off = f[0] - s;
+  if (spring->owner == NSDAE_POSITION_MOTOR && nsdae_primitive_is_periodic(&spring->value))
+    *off = remainder(*off, 2 * nsdae_pi);
+  return code;
+}
+
 int nsdae_spring_force(const nsdae_bodies_spring *spring, const double *control, double t, double s,
                        double rate, double force[3])
 {
-  double f[3] = {spring->owner >= NSDAE_FORCE_MOTOR ? control[spring->number] : 0, 0, 0};
-  int code = spring->drive ? spring->drive(t, f, spring->user) : 0;
+  double f[3], off;
+  int code = error_of(spring, control, t, s, f, &off);
   int direct = spring->owner == NSDAE_FORCE_MOTOR;
-  double off = direct ? 0 : f[0] - s;
-  if (spring->owner == NSDAE_POSITION_MOTOR && nsdae_primitive_is_periodic(&spring->value))
-    off = remainder(off, 2 * nsdae_pi);
+  if (direct) off = 0;
   force[0] = spring->stiffness * off + spring->damping * (f[1] - rate) + (direct ? f[0] : 0);
   int limited = fabs(force[0]) > spring->limit;
   force[1] = limited ? 0 : spring->stiffness;
@@ -86,26 +100,27 @@ int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
       nsdae_bodies_joint_coordinate(b, what, index, m->joint, m->coordinate, 0);
   if (!of || check_motor(b, index, m) < 0) return b->error.status;
   const nsdae_primitive value = *of;
+  int position = m->kind == NSDAE_MOTOR_POSITION;
   double *target = nsdae_list_add(b, &b->force.target, sizeof *target);
   if (!target) return NSDAE_E_MEMORY;
   *target = m->target;
-  if (m->kind == NSDAE_MOTOR_SPEED) {
+  if (position || m->kind == NSDAE_MOTOR_SPEED) {
     nsdae_bodies_frictional_joint *f = nsdae_list_add(b, &b->frictional_joint, sizeof *f);
     if (!f) return NSDAE_E_MEMORY;
     *f = (nsdae_bodies_frictional_joint){.constraint = -1,
                                          .joint = m->joint,
                                          .motor = index,
+                                         .position = position ? b->force.spring.count : -1,
                                          .along = value,
                                          .bound = m->limit,
                                          .drive = m->drive,
                                          .vary = m->vary,
                                          .user = m->user,
                                          .vary_user = m->vary_user};
-    return index;
+    if (!position) return index;
   }
   nsdae_bodies_spring *s = nsdae_list_add(b, &b->force.spring, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
-  int position = m->kind == NSDAE_MOTOR_POSITION;
   *s = (nsdae_bodies_spring){.value = value,
                              .owner = position ? NSDAE_POSITION_MOTOR : NSDAE_FORCE_MOTOR,
                              .number = index,
@@ -124,7 +139,38 @@ int nsdae_motor_target(const nsdae_bodies_frictional_joint *f, const double *con
 {
   target[0] = f->motor < 0 ? 0 : control[f->motor];
   target[1] = target[2] = 0;
-  return f->drive ? f->drive(t, target, f->user) : 0;
+  int code = f->drive ? f->drive(t, target, f->user) : 0;
+  if (f->position < 0) return code;
+  target[0] = target[1];
+  target[1] = target[2];
+  return code;
+}
+
+int nsdae_motor_position(const void *bodies, int j, nsdae_gains *gains)
+{
+  const nsdae_bodies *b = bodies;
+  int i = j < b->frictional_joint.count ? nsdae_frictional_joint_at(b, j)->position : -1;
+  if (i < 0) return 0;
+  const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+  *gains = (nsdae_gains){s->stiffness, s->damping, s->limit};
+  return 1;
+}
+
+int nsdae_motor_errors(double t, const double *q, double *e, const void *user)
+{
+  const nsdae_bodies *b = nsdae_bodies_of(user);
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value s;
+  double f[3];
+  for (int j = 0; j < b->frictional_joint.count; j++) {
+    int i = nsdae_frictional_joint_at(b, j)->position;
+    if (i < 0) continue;
+    nsdae_bodies_coordinate(b, &nsdae_spring_at(b, i)->value, q, NULL, &at, &s);
+    int code = error_of(nsdae_spring_at(b, i), nsdae_control_of(user), t, s.phi.x, f, &e[j]);
+    if (code) return code;
+    e[j] = -e[j];
+  }
+  return 0;
 }
 
 static int bounds(double t, const double *q, const double *v, double *bound, void *user)
@@ -147,8 +193,11 @@ int nsdae_bodies_set_motors(const nsdae_bodies *b, nsdae_system *system)
   for (int i = 0; i < b->frictional_joint.count && status == NSDAE_OK; i++) {
     const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
     varies |= f->vary != NULL;
-    status = f->motor < 0 ? nsdae_system_set_frictional_joint(system, i, f->constraint, f->mu)
-                          : nsdae_system_set_friction_bound(system, i, f->vary ? 0 : f->bound);
+    if (f->position >= 0) /* its limit is of time stepping alone */
+      status = nsdae_system_set_frictional_joint(system, i, 0, 0);
+    else
+      status = f->motor < 0 ? nsdae_system_set_frictional_joint(system, i, f->constraint, f->mu)
+                            : nsdae_system_set_friction_bound(system, i, f->vary ? 0 : f->bound);
   }
   return status < 0 || !varies ? status : nsdae_system_set_joint_friction_bound(system, bounds);
 }

@@ -16,6 +16,10 @@
  */
 enum { FEW = 16, REFINE = 4, STEPS = 10 };
 
+/* Where a joint is: at its limit in either direction, within it; or a planar contact. */
+enum motor_set { AT_LOW = -1, WITHIN, AT_HIGH, PLANAR };
+enum { MOTOR_ROUNDS = 10 };
+
 /* Velocities at rest, over those without impulses, which gravity gives in a step: a body that falls
  * has one, and one that creeps by the tolerance has some ten times that of it. */
 static const double RESTING = 5e-3;
@@ -24,6 +28,7 @@ void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, 
 {
   const nsdae_blocks *blocks = &system->blocks;
   nsdae_arena_ints(arena, blocks->count, (int **[]){&c->number, &c->at.member, &c->at.size, NULL});
+  c->set = NSDAE_ARENA_INTS(arena, system->dims.f);
   c->at.M = NSDAE_ARENA_DOUBLES(arena, blocks->square[blocks->count]);
   nsdae_arena_doubles(arena, system->dims.nv, (double **[]){&c->at.f, &c->lever, NULL});
 }
@@ -175,24 +180,9 @@ static double *add_contact(nsdae_cone_island *c, const nsdae_island_equations *w
                   value);
 }
 
-/* sum W_l^2 / M_ll: W^T M^-1 W of a diagonal M. */
-static double mobility(const nsdae_island_equations *w, const nsdae_rows *rows, int i)
-{
-  const nsdae_blocks *blocks = &w->system->blocks;
-  double sum = 0;
-  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
-    int b = rows->block[p], n = nsdae_blocks_size(blocks, b);
-    const double *W = rows->value + rows->at[p], *M = w->M + blocks->square[b];
-    for (int l = 0; l < n; l++) {
-      double entry = W[(size_t)l * rows->stride];
-      sum += entry * entry / M[(size_t)l * (size_t)(n + 1)];
-    }
-  }
-  return sum > 0 ? sum : 1;
-}
-
-/* Its normal row is no row of any block. The limit: at most this many times the impulse that stops
- * the fastest item, see slides.h. */
+/* A motor within its limit: its row alone. Else a planar contact, whose normal row is no row of any
+ * block; the limit: at most this many times the impulse that stops the fastest item, see slides.h.
+ */
 static double *add_joint(nsdae_cone_island *c, const nsdae_island_equations *w, int j, double times,
                          double *value)
 {
@@ -200,20 +190,46 @@ static double *add_joint(nsdae_cone_island *c, const nsdae_island_equations *w, 
   static const nsdae_rows no_row = {.count = 1, .first = none};
   const nsdae_terms *T = w->terms;
   const direction along[2] = {{&no_row, 0}, {&T->by.frictional_joint, j}};
-  double d = mobility(w, &T->by.frictional_joint, j), most = times * c->fastest / d,
-         bound = w->joint_bound[j], limit = most > 0 && most < bound ? most : bound;
-  int row = c->m;
-  d = nsdae_slides_normal(d, limit, c->fastest);
-  c->at.rows[c->items] = 2;
-  c->at.mu[c->items] = 1;
-  c->at.w[row] = -d * limit;
-  c->at.w[row + 1] = T->frictional_joint.w[j];
-  c->at.r[row] = limit;
-  c->at.r[row + 1] = w->results->frictional_joint_impulse[j];
-  c->driven |= T->frictional_joint.w[j] != 0;
-  value = add_item(c, w, along, 2, 2, j, value);
-  c->at.compliance[row] = d;
+  const nsdae_joint_row *beside = &w->beside[j];
+  const double s = beside->scale;
+  int planar = c->set[j] == PLANAR, row = c->m + planar;
+  double *from = value, d = 0;
+  if (planar) {
+    d = s * s * nsdae_terms_mobility(T, w->M, &T->by.frictional_joint, j) + beside->compliance;
+    double limit = nsdae_slides_limit(w->joint_bound[j] / s, times * c->fastest / d);
+    d = nsdae_slides_normal(d, limit, c->fastest);
+    c->at.rows[c->items] = 2;
+    c->at.mu[c->items] = 1;
+    c->at.w[row - 1] = -d * limit;
+    c->at.r[row - 1] = limit;
+  }
+  c->at.w[row] = s * T->frictional_joint.w[j] + beside->shift;
+  c->at.r[row] = w->results->frictional_joint_impulse[j] / s;
+  c->driven |= T->frictional_joint.w[j] != 0 || beside->compliance > 0;
+  value = add_item(c, w, along + !planar, 1 + planar, 1 + planar, j, value);
+  while (from < value) *from++ *= s;
+  if (planar) c->at.compliance[row - 1] = d;
+  c->at.compliance[row] = beside->compliance;
   return value;
+}
+
+/* f += W_j times the impulse. */
+static void push(nsdae_cone_island *c, const nsdae_island_equations *w, int j, double impulse)
+{
+  const nsdae_rows *rows = &w->terms->by.frictional_joint;
+  for (int p = rows->first[j]; p < rows->first[j + 1]; p++) {
+    const double *W = rows->value + rows->at[p];
+    double *f = c->at.f;
+    int number = c->number[rows->block[p]];
+    for (int i = 0; i < number; i++) f += c->at.size[i];
+    for (int l = 0; l < c->at.size[number]; l++) f[l] += impulse * W[(size_t)l * rows->stride];
+  }
+}
+
+/* The number of the i-th of the joints of all islands. */
+static int joint_at(const nsdae_island_equations *w, int i)
+{
+  return w->islands->joint_number[w->islands->joint.of[i]];
 }
 
 static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, int row,
@@ -228,22 +244,30 @@ static double *add_row(nsdae_cone_island *c, const nsdae_island_equations *w, in
 
 static void gather(nsdae_cone_island *c, const nsdae_island_equations *w, int island, double times)
 {
-  const nsdae_members *contact = &w->islands->contact, *row = &w->islands->row,
-                      *joint = &w->islands->joint;
+  const nsdae_members *contact = &w->islands->contact, *joint = &w->islands->joint,
+                      *row = &w->islands->row;
   double *value = c->at.value;
-  int joints = nsdae_members_count(joint, island);
-  c->items = c->m = c->driven = 0;
+  c->items = c->m = c->driven = c->motors = 0;
   c->at.first[0] = 0;
   c->contacts = nsdae_members_count(contact, island);
-  set_problem(c, c->contacts + joints, nsdae_members_count(row, island));
-  if (joints > 0) c->problem.compliance = c->at.compliance;
+  set_problem(c, 0, 0);
+  if (nsdae_members_count(joint, island) > 0) c->problem.compliance = c->at.compliance;
   add_blocks(c, w, island);
   for (int i = contact->first[island]; i < contact->first[island + 1]; i++)
     value = add_contact(c, w, contact->of[i], value);
   for (int i = joint->first[island]; i < joint->first[island + 1]; i++)
-    value = add_joint(c, w, w->islands->joint_number[joint->of[i]], times, value);
+    if (c->set[joint_at(w, i)] == PLANAR) value = add_joint(c, w, joint_at(w, i), times, value);
+  c->problem.contacts = c->items;
   for (int i = row->first[island]; i < row->first[island + 1]; i++)
     value = add_row(c, w, row->of[i], value);
+  for (int i = joint->first[island]; i < joint->first[island + 1]; i++) {
+    int j = joint_at(w, i), set = c->set[j];
+    if (set == AT_LOW || set == AT_HIGH) push(c, w, j, set * w->joint_bound[j]);
+    if (set != WITHIN) continue;
+    value = add_joint(c, w, j, times, value);
+    c->motors++;
+  }
+  c->problem.bilateral = c->items - c->problem.contacts;
 }
 
 int nsdae_cone_island_reserve(nsdae_cone_island *c, const nsdae_system *system,
@@ -416,8 +440,9 @@ static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
   return status;
 }
 
-static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
+static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
+  const nsdae_members *joint = &w->islands->joint;
   nsdae_impulses *to = w->results;
   int nt = w->system->dims.nt, row = 0;
   for (int i = 0; i < c->contacts; row += c->at.rows[i++]) {
@@ -430,12 +455,21 @@ static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w)
   }
   for (int i = c->contacts; i < c->problem.contacts; i++, row += 2) {
     int j = c->at.item[i];
-    double limit = c->at.r[row], slip = nsdae_terms_slide_rate(w->terms, j, w->v);
-    to->frictional_joint_impulse[j] = fmax(-limit, fmin(limit, c->at.r[row + 1]));
+    const nsdae_joint_row *beside = &w->beside[j];
+    double limit = c->at.r[row], impulse = fmax(-limit, fmin(limit, c->at.r[row + 1]));
+    to->slide_after[j] = nsdae_terms_slide_rate(w->terms, j, w->v);
+    to->frictional_joint_impulse[j] = impulse * beside->scale;
+    double slip = beside->scale * to->slide_after[j] + beside->compliance * impulse + beside->shift;
     to->frictional_joint_mode[j] = fabs(slip) > c->slow ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
-    to->slide_after[j] = slip;
   }
-  for (int i = c->problem.contacts; i < c->items; i++) w->lambda[c->at.item[i]] = -c->at.r[row++];
+  for (int i = joint->first[island]; i < joint->first[island + 1]; i++) {
+    int j = joint_at(w, i);
+    if (c->set[j] == PLANAR) continue;
+    to->frictional_joint_mode[j] = c->set[j] == WITHIN ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
+    to->slide_after[j] = nsdae_terms_slide_rate(w->terms, j, w->v);
+  }
+  for (int i = c->problem.contacts; i < c->items - c->motors; i++)
+    w->lambda[c->at.item[i]] = -c->at.r[row++];
 }
 
 /* To tol by budget multiplications by J, from at.r; keeps from where. */
@@ -480,15 +514,19 @@ static int solve(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
 }
 
 /* The row along which item i moves, and the velocity that is asked of it beside. */
-static direction row_of(const nsdae_cone_island *c, const nsdae_terms *T, int i, double *asked)
+static direction row_of(const nsdae_cone_island *c, const nsdae_island_equations *w, int i,
+                        double *asked, double *scale)
 {
-  int a = c->at.item[i];
-  *asked = i < c->contacts           ? T->w_N[a]
-           : i < c->problem.contacts ? T->frictional_joint.w[a]
-                                     : T->constraint.phi_t[a];
-  return (direction){i < c->contacts           ? &T->by.normal
-                     : i < c->problem.contacts ? &T->by.frictional_joint
-                                               : &T->by.jacobian,
+  const nsdae_terms *T = w->terms;
+  int a = c->at.item[i],
+      joint = i >= c->contacts && (i < c->problem.contacts || i >= c->items - c->motors);
+  *scale = joint ? w->beside[a].scale : 1;
+  *asked = i < c->contacts ? T->w_N[a]
+           : joint         ? T->frictional_joint.w[a] + w->beside[a].shift / *scale
+                           : T->constraint.phi_t[a];
+  return (direction){i < c->contacts ? &T->by.normal
+                     : joint         ? &T->by.frictional_joint
+                                     : &T->by.jacobian,
                      a};
 }
 
@@ -505,10 +543,10 @@ static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
     for (int b = c->at.member[i], j = blocks->first[b]; j < blocks->first[b + 1]; j++)
       w->size[j] = fabs(w->v[j]);
   for (int i = 0; i < c->items && status == NSDAE_OK; i++) {
-    double asked;
-    const direction d = row_of(c, w->terms, i, &asked);
-    most = fmax(most, fabs(nsdae_rows_add_dot(blocks, d.rows, d.i, w->v, asked)));
-    size = fmax(size, fabs(asked) + nsdae_rows_dot_sizes(blocks, d.rows, d.i, w->size));
+    double asked, scale;
+    const direction d = row_of(c, w, i, &asked, &scale);
+    most = fmax(most, scale * fabs(nsdae_rows_add_dot(blocks, d.rows, d.i, w->v, asked)));
+    size = fmax(size, scale * (fabs(asked) + nsdae_rows_dot_sizes(blocks, d.rows, d.i, w->size)));
   }
   c->fastest = fmax(most, 32 * DBL_EPSILON * size / work->tol);
   return status;
@@ -518,28 +556,91 @@ static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
 static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equations *w)
 {
   for (int i = 0, row = 0; i < c->problem.contacts; row += c->at.rows[i++])
-    if (i >= c->contacts && c->at.r[row] < 0.999999 * w->joint_bound[c->at.item[i]] &&
+    if (i >= c->contacts &&
+        c->at.r[row] * w->beside[c->at.item[i]].scale < 0.999999 * w->joint_bound[c->at.item[i]] &&
         fabs(c->at.r[row + 1]) > 0.999999 * c->at.r[row])
       return 1;
   return 0;
 }
 
-/* With the limits of the joints as in slides.h. */
-static int solve_limited(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
-                         nsdae_cone_work *work)
+/* The sets from the step before. Returns the number of motors. */
+static int begin_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
-  int joints = nsdae_members_count(&w->islands->joint, island), status;
+  const nsdae_members *joint = &w->islands->joint;
+  int motors = 0;
+  for (int i = joint->first[island]; i < joint->first[island + 1]; i++) {
+    int j = joint_at(w, i), motor = w->system->frictional_joint[j].position;
+    double was = w->results->frictional_joint_impulse[j];
+    int at = fabs(was) >= 0.999999 * w->joint_bound[j];
+    c->set[j] = !motor ? PLANAR : !at ? WITHIN : was < 0 ? AT_LOW : AT_HIGH;
+    motors += motor;
+  }
+  return motors;
+}
+
+/* Impulses of the motors after a solution, and whether their sets hold; all: to planar contacts. Of
+ * one at its limit s b the row must not be s times a velocity above tol. Returns how many changed.
+ */
+static int change_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island, int all,
+                       const nsdae_cone_work *work)
+{
+  const nsdae_members *joint = &w->islands->joint;
+  const double slow = work->tol * nsdae_fc_speed(work->solver);
+  double *impulse = w->results->frictional_joint_impulse;
+  int changed = 0;
+  for (int i = 1; i <= c->motors && !all; i++) {
+    int j = c->at.item[c->items - i];
+    impulse[j] = c->at.r[c->m - i] * w->beside[j].scale;
+  }
+  begin_velocities(c, w);
+  add_impulses(c, w);
+  if (solve_masses(c, w, work->L) < 0) return 0;
+  for (int i = joint->first[island]; i < joint->first[island + 1]; i++) {
+    int j = joint_at(w, i), set = c->set[j], to = set;
+    const double bound = w->joint_bound[j];
+    if (set == PLANAR) continue;
+    if (set == WITHIN) {
+      if (fabs(impulse[j]) > bound) to = impulse[j] < 0 ? AT_LOW : AT_HIGH;
+    } else {
+      impulse[j] = set * bound;
+      double s = w->beside[j].scale,
+             slip = s * nsdae_terms_slide_rate(w->terms, j, w->v) + w->beside[j].shift;
+      if (set * slip + w->beside[j].compliance * bound / s > slow) to = WITHIN;
+    }
+    c->set[j] = all ? PLANAR : to;
+    changed += c->set[j] != set;
+  }
+  return changed;
+}
+
+/* Of these sets, with the limits of the planar joints as in slides.h. */
+static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
+                      nsdae_cone_work *work)
+{
+  int joints = nsdae_members_count(&w->islands->joint, island), status, planar;
   const double budget = nsdae_contacts_budget(
       work->budget, nsdae_members_count(&w->islands->contact, island) + joints);
   c->fastest = 0;
   gather(c, w, island, 0);
-  status = joints > 0 ? find_fastest(c, w, work) : NSDAE_OK;
+  planar = c->problem.contacts > c->contacts;
+  status = planar ? find_fastest(c, w, work) : NSDAE_OK;
   if (status < 0) return status;
   for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
-    if (joints > 0) gather(c, w, island, times);
+    if (planar) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
     status = solve(c, work, budget);
-    if (joints == 0 || !reaches_limit(c, w)) return status;
+    if (!planar || !reaches_limit(c, w)) return status;
+  }
+}
+
+static int solve_motors(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
+                        nsdae_cone_work *work)
+{
+  int motors = begin_sets(c, w, island);
+  for (int round = 1;; round++) {
+    int status = solve_sets(c, w, island, work), all = status < 0 || round > MOTOR_ROUNDS;
+    if (motors == 0 || change_sets(c, w, island, all, work) == 0) return status;
+    if (all) motors = 0;
   }
 }
 
@@ -547,11 +648,11 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
                             nsdae_cone_work *work)
 {
   nsdae_friction_options_default(&c->options);
-  int status = solve_limited(c, w, island, work);
+  int status = solve_motors(c, w, island, work);
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
   work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
   status = velocities(c, w, work, speed);
-  if (status == NSDAE_OK) scatter(c, w);
+  if (status == NSDAE_OK) scatter(c, w, island);
   return status;
 }

@@ -4,7 +4,12 @@
  *
  * (see nsdae/friction.h), warm from the last impulses. A frictional joint with a bound is a planar
  * contact as in cones.h; its normal row has a compliance d and no part in H. v is formed again from
- * the impulses; what of it is smaller than the certificate can tell from zero, is zero. */
+ * the impulses; what of it is smaller than the certificate can tell from zero, is zero.
+ *
+ * The row of a position motor (slides.h) is linear within its limit: an active set has the motors
+ * within the limit as bilateral rows with compliance, and adds to r the impulses of those at it. It
+ * starts from the step before and ends if no motor changes its set; else, after MOTOR_ROUNDS, all
+ * are planar contacts. */
 #ifndef NSDAE_CONE_ISLAND_H
 #define NSDAE_CONE_ISLAND_H
 
@@ -12,13 +17,13 @@
 
 #include "island_equations.h"
 
-/* The problem: blocks, items (contacts, joints, then rows of Phi_q), and what their entries take.
- */
+/* The problem: blocks, items (contacts, planar joints; then rows of Phi_q and of motors), and what
+ * their entries take. */
 typedef struct nsdae_cone_arrays {
   int *member; /* blocks: that of the system */
   int *size;   /* blocks */
   double *M, *f;
-  int *item; /* contact, joint or row of each item */
+  int *item; /* contact, joint, row or motor of each item */
   int *rows; /* contacts and joints */
   double *mu, *w, *r, *u, *compliance;
   double *guess;      /* r before it was solved */
@@ -30,7 +35,8 @@ typedef struct nsdae_cone_island {
   nsdae_cone_arrays at;
   nsdae_friction_problem problem;
   nsdae_friction_options options; /* of the last solution */
-  int items, contacts, m;
+  int items, contacts, motors, m;
+  int *set;       /* f: enum motor_set of each joint */
   int driven;     /* a velocity is asked of a row, a joint or a contact */
   double slow;    /* velocities of contacts below it are none */
   double fastest; /* of the items without impulses and constraints; 0: not known */

@@ -177,7 +177,8 @@ static int solve_with_joints(nsdae_contacts *c, const double *lambda)
   for (int j = 0; j < count; j++) {
     double *r = s->r + columns + 2 * j, *q = s->q + columns + 2 * j;
     r[0] = c->slides.limit[j];
-    r[1] = c->results->frictional_joint_impulse[c->slides.number[j]];
+    r[1] =
+        c->results->frictional_joint_impulse[c->slides.number[j]] / nsdae_slides_beside(c, j).scale;
     q[0] = -diagonal_of(c, j) * c->slides.limit[j];
     q[1] = c->delassus.offset[columns + j];
   }
@@ -187,7 +188,8 @@ static int solve_with_joints(nsdae_contacts *c, const double *lambda)
     impulse = fmax(-limit, fmin(limit, impulse));
     c->delassus.impulse[columns + j] = impulse;
     c->delassus.impulse_size[columns + j] = fabs(impulse);
-    c->results->frictional_joint_impulse[c->slides.number[j]] = impulse;
+    c->results->frictional_joint_impulse[c->slides.number[j]] =
+        impulse * nsdae_slides_beside(c, j).scale;
     c->results->frictional_joint_mode[c->slides.number[j]] = joint_mode(c, j);
   }
   return status;

@@ -1,5 +1,6 @@
 #include "contact_problem.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "dynamic_array.h"
@@ -44,6 +45,7 @@ void nsdae_problem_layout(nsdae_problem *p, nsdae_arena *arena)
   const nsdae_system *s = p->system;
   p->hit = NSDAE_ARENA_INTS(arena, s->blocks.count);
   nsdae_arena_doubles(arena, s->dims.f, (double **[]){&p->joint_bound, &p->joint_own, NULL});
+  p->beside = nsdae_arena_take(arena, s->dims.f, sizeof *p->beside);
   nsdae_island_dispatch_layout(&p->dispatch, s, arena);
 }
 
@@ -247,7 +249,42 @@ void nsdae_problem_bound(nsdae_problem *p, double share, const nsdae_terms *T, d
 {
   for (int j = 0; j < p->system->dims.f; j++)
     p->joint_bound[j] = p->joint_own[j] =
-        share * T->frictional_joint.bound[j] + others * other->frictional_joint.bound[j];
+        share * T->frictional_joint.bound[j] +
+        (others > 0 ? others * other->frictional_joint.bound[j] : 0); /* INFINITY, of motors */
+}
+
+/* Gains below it would overflow as a compliance; their forces are none. */
+static const double NO_GAIN = 1e-200;
+
+/* The row of a position motor of error e_m and rate xi_0, of 1 / m = mobility. */
+static nsdae_joint_row position_row(const nsdae_frictional_joint *motor, double h, double mobility,
+                                    double e, double rate)
+{
+  double z = h * (motor->kd + h * motor->kp) * mobility, back = 1 / (2 + z), theta = 1 - back;
+  double c = 1 / fmax(theta * (motor->kd + theta * h * motor->kp), NO_GAIN),
+         s = sqrt(1 / (1 + c / h / mobility));
+  double r = c * motor->kp * (e - h * back * back * rate) + c * motor->kd * back * rate;
+  return (nsdae_joint_row){s * s * c / h, s * r, s};
+}
+
+int nsdae_problem_position(nsdae_problem *p, const nsdae_terms *T, double h, double ahead)
+{
+  const nsdae_system *s = p->system;
+  int f = s->dims.f;
+  double *e = p->results->slide_after; /* until the solution */
+  for (int j = 0; j < f; j++) p->beside[j] = (nsdae_joint_row){0, 0, 1};
+  if (f == 0 || !s->maker.errors) return NSDAE_OK;
+  int code = s->maker.errors(nsdae_terms_time(T), T->q, e, s->user);
+  int status = nsdae_terms_outcome(T, code, nsdae_system_joint_friction_name(s), e, f, 1);
+  for (int j = 0; j < f && status == NSDAE_OK; j++) {
+    const nsdae_frictional_joint *motor = &s->frictional_joint[j];
+    double rate = p->results->slide_before[j];
+    if (motor->position == NSDAE_POSITION_ROW)
+      p->beside[j] =
+          position_row(motor, h, nsdae_terms_mobility(T, T->M, &T->by.frictional_joint, j),
+                       e[j] + ahead * rate, rate);
+  }
+  return status;
 }
 
 static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
@@ -294,6 +331,7 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                                   .law = p->law,
                                   .id = p->closed->id,
                                   .joint_bound = p->joint_bound,
+                                  .beside = p->beside,
                                   .warm = p->warm,
                                   .factorisation = &p->dispatch.factorisation,
                                   .M = M,
@@ -348,6 +386,16 @@ double nsdae_problem_work(const nsdae_problem *p)
   const nsdae_contact_islands *is = &p->dispatch.islands;
   return nsdae_impulses_work(p->results, p->system->dims.nt, p->count, p->number, is->joints,
                              is->joint_number);
+}
+
+double nsdae_problem_position_work(const nsdae_problem *p)
+{
+  const nsdae_contact_islands *is = &p->dispatch.islands;
+  double work = 0;
+  for (int i = 0; i < is->joints; i++)
+    if (p->system->frictional_joint[is->joint_number[i]].position)
+      work += nsdae_impulses_work(p->results, 0, 0, NULL, 1, is->joint_number + i);
+  return work;
 }
 
 double nsdae_problem_carried(const nsdae_problem *p, const nsdae_terms *T)

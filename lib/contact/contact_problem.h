@@ -31,9 +31,10 @@ typedef struct nsdae_problem {
   const nsdae_coefficients *law; /* by number */
   nsdae_picked picked;
   nsdae_contact_warm warm;
-  int *hit;            /* islands with an impact */
-  double *joint_bound; /* f: largest impulse of a frictional joint without a load */
-  double *joint_own;   /* f: that without its friction circle */
+  int *hit;                /* islands with an impact */
+  double *joint_bound;     /* f: largest impulse of a frictional joint without a load */
+  double *joint_own;       /* f: that without its friction circle */
+  nsdae_joint_row *beside; /* f */
   nsdae_island_dispatch dispatch;
 } nsdae_problem;
 
@@ -73,6 +74,11 @@ int nsdae_problem_factor(nsdae_problem *problem, const nsdae_terms *terms, int h
 /* After it: which islands have an impact. */
 void nsdae_problem_mark_hit(nsdae_problem *problem, const nsdae_terms *terms);
 
+/* After it, with M: the rows of position motors in a step h, of slides.h; the middle of the step is
+ * this time ahead of the terms' point. NSDAE_OK, or that of a drive that failed. */
+int nsdae_problem_position(nsdae_problem *problem, const nsdae_terms *terms, double h,
+                           double ahead);
+
 /* The frictional joints' bounds of impulse: these shares [s] of the bounds at two points. */
 void nsdae_problem_bound(nsdae_problem *problem, double share, const nsdae_terms *terms,
                          double others, const nsdae_terms *other);
@@ -95,6 +101,7 @@ void nsdae_problem_add_impulse(const nsdae_problem *problem, const nsdae_terms *
 
 /* Work of the impulses; what of it the moving surfaces of a list did: sum of Lambda w; residual. */
 double nsdae_problem_work(const nsdae_problem *problem);
+double nsdae_problem_position_work(const nsdae_problem *problem); /* that of position motors */
 double nsdae_problem_carried(const nsdae_problem *problem, const nsdae_terms *terms);
 /* The problem that was solved last, if it was one of these; NSDAE_OK, or NSDAE_E_STATE. */
 int nsdae_problem_describe(nsdae_problem *problem, const nsdae_contacts *dense,

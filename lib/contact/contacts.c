@@ -266,9 +266,11 @@ static void gather_columns(nsdae_contacts *c, const nsdae_terms *terms, int colu
       gather_column(c, &terms->by.tangent, i * nt + l - 1, columns_n, at + (size_t)l * n);
   }
   double *slides = c->delassus.W + (size_t)(c->columns - c->slides.count) * n;
-  for (int j = 0; j < c->slides.count; j++)
-    gather_column(c, &terms->by.frictional_joint, c->slides.number[j], columns_n,
-                  slides + (size_t)j * n);
+  for (int j = 0; j < c->slides.count; j++, slides += n) {
+    double scale = nsdae_slides_beside(c, j).scale;
+    gather_column(c, &terms->by.frictional_joint, c->slides.number[j], columns_n, slides);
+    for (size_t l = 0; scale != 1 && l < n; l++) slides[l] *= scale;
+  }
 }
 
 /* Where the constraints leave a column no motion, W_j = Phi_q^T D_j, its U_j = P W_j is rounding
@@ -314,6 +316,8 @@ static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt
   if (m > 0) clear_jammed(c, terms, kkt);
   nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
                                c->delassus.G, c->columns);
+  for (int j = 0, l = c->columns - c->slides.count; j < c->slides.count; j++, l++)
+    c->delassus.G[(size_t)l * (size_t)(c->columns + 1)] += nsdae_slides_beside(c, j).compliance;
   return NSDAE_OK;
 }
 
@@ -332,10 +336,12 @@ static void offsets(nsdae_contacts *c, const nsdae_terms *terms, int n, const do
   }
   c->slides.terms = 0;
   for (int j = 0; j < c->slides.count; j++) {
+    const nsdae_joint_row beside = nsdae_slides_beside(c, j);
     double rate = c->results->slide_after[c->slides.number[j]],
            w = terms->frictional_joint.w[c->slides.number[j]];
-    c->delassus.offset[c->columns - c->slides.count + j] = rate;
-    c->slides.terms = fmax(c->slides.terms, fabs(w) + fabs(rate - w));
+    c->delassus.offset[c->columns - c->slides.count + j] = beside.scale * rate + beside.shift;
+    c->slides.terms =
+        fmax(c->slides.terms, beside.scale * (fabs(w) + fabs(rate - w)) + fabs(beside.shift));
   }
 }
 

@@ -56,17 +56,24 @@ typedef struct nsdae_slide_map {
   int *pivot;     /* slides */
 } nsdae_slide_map;
 
+/* scale xi_T + compliance (Lambda_T / scale) + shift in place of xi_T, and Lambda_T / scale for the
+ * impulse of the column: of a position motor, see slides.h. Of others the scale is 1. */
+typedef struct nsdae_joint_row {
+  double compliance, shift, scale;
+} nsdae_joint_row;
+
 /* Frictional joints: their columns and rows come after those of the contacts. */
 typedef struct nsdae_contact_slides {
-  int count, *number;  /* of them; their numbers */
-  int *constraint;     /* count: the row of Phi_q of each in the part */
-  int *place;          /* count: of its basis in the warm start */
-  int *row;            /* count: first row of each, see nsdae_slides_rows */
-  const double *bound; /* f: largest impulse (or force) without a load; NULL: none */
-  double *limit;       /* count: that of each as the problem has it */
-  double terms;        /* |w| + |W^T v_free|, the largest of a slide */
-  double fastest;      /* the largest velocity of a column without impulses */
-  const int *sense;    /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
+  int count, *number;            /* of them; their numbers */
+  int *constraint;               /* count: the row of Phi_q of each in the part */
+  int *place;                    /* count: of its basis in the warm start */
+  int *row;                      /* count: first row of each, see nsdae_slides_rows */
+  const double *bound;           /* f: largest impulse (or force) without a load; NULL: none */
+  const nsdae_joint_row *beside; /* f; NULL: none */
+  double *limit;                 /* count: that of each as the problem has it */
+  double terms;                  /* |w| + |W^T v_free|, the largest of a slide */
+  double fastest;                /* the largest velocity of a column without impulses */
+  const int *sense; /* f: +1 or -1 where a slide is known to slide that way; NULL: none */
 } nsdae_contact_slides;
 
 /* The warm start of a problem: the caller's arrays. */

@@ -5,6 +5,7 @@
 
 #include "errors.h"
 #include "listed.h"
+#include "slides.h"
 #include "vector.h"
 
 void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of, nsdae_error *error,
@@ -161,10 +162,21 @@ static int with_friction(const nsdae_island_equations *w, int island)
   return 0;
 }
 
-/* Joints with a load, and those beside polygons, are dense whatever their size. */
+/* Whether all joints are position motors. */
+static int has_motors_alone(const nsdae_island_equations *w, int island)
+{
+  const nsdae_members *m = &w->islands->joint;
+  for (int i = m->first[island]; i < m->first[island + 1]; i++)
+    if (!w->system->frictional_joint[w->islands->joint_number[m->of[i]]].position) return 0;
+  return 1;
+}
+
+/* Joints with a load, and those beside polygons, are dense whatever their size. Position motors
+ * beside cones are rows of these. */
 static int fits_joints(const nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   if (w->islands->blocks == 1 || is_any_size(&l->contacts)) return 1;
+  if (w->system->dims.nt == 2 && with_friction(w, island) && has_motors_alone(w, island)) return 0;
   return count_rows(l, w, island) <= NSDAE_DENSE_ONE &&
          nsdae_members_count(&w->islands->row, island) <= NSDAE_DENSE_JOINTED &&
          nsdae_island_size(w, island) <= NSDAE_DENSE_JOINTED;
@@ -354,6 +366,7 @@ static void close_contacts(nsdae_dense_island *l, const nsdae_island_equations *
   c->part.id = w->id;
   c->warm = w->warm;
   c->slides.bound = w->joint_bound;
+  c->slides.beside = w->beside;
   take_joints(l, w, island);
   nsdae_contacts_close_these(c, nsdae_members_count(members, island),
                              members->of + members->first[island], w->results);
@@ -370,7 +383,8 @@ static int driven(const nsdae_dense_island *l, const nsdae_island_equations *w)
   for (int a = 0; a < c->active_count && !any; a++)
     any = T->w_N[c->active[a]] != 0 || nsdae_largest(nt, T->w_T + c->active[a] * nt) > 0;
   for (int i = 0; i < c->slides.count && !any; i++)
-    any = T->frictional_joint.w[c->slides.number[i]] != 0;
+    any =
+        T->frictional_joint.w[c->slides.number[i]] != 0 || nsdae_slides_beside(c, i).compliance > 0;
   return any;
 }
 

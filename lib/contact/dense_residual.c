@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "slides.h"
 #include "vector.h"
 
 /* W_j^T M^-1 W_j: without constraints the Delassus matrix has it. */
@@ -86,18 +87,22 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
   leave(l, column, columns, rounded, left, residual);
 }
 
-/* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto |Lambda| <= bound + mu |lambda|. */
+/* Of a frictional joint: |d Lambda - P(d Lambda - u)|, P onto |Lambda| <= bound + mu |lambda|. Of a
+ * position motor u and d have what its row has beside xi_T. */
 static void fit_joint(const nsdae_dense_island *l, int i, int rounded,
                       nsdae_natural_residual *residual)
 {
   const nsdae_contacts *c = &l->contacts;
   int j = c->slides.number[i], column = c->columns - c->slides.count + i;
-  double u = c->results->slide_after[j], x = c->results->frictional_joint_impulse[j],
-         d = diagonal(l, column);
-  fit_speed(l, column, u, residual);
+  const nsdae_joint_row beside = nsdae_slides_beside(c, i);
+  double x = c->results->frictional_joint_impulse[j] / beside.scale,
+         free = beside.scale * c->results->slide_after[j] + beside.shift,
+         u = free + beside.compliance * x,
+         d = diagonal(l, column) + (l->kkt.m > 0 ? beside.compliance : 0);
+  fit_speed(l, column, free, residual);
   double mu = c->system->frictional_joint[j].mu,
          load = mu > 0 ? mu * fabs(l->at.lambda[c->slides.constraint[i]]) : 0;
-  double most = d * (load + c->slides.bound[j]);
+  double most = d * (load + nsdae_slides_bound(c, i));
   double left = fabs(d * x - fmax(-most, fmin(most, d * x - u)));
   leave(l, column, 1, rounded, left, residual);
 }

@@ -28,6 +28,7 @@ typedef struct nsdae_island_equations {
   const nsdae_coefficients *law; /* by number */
   const long *id;                /* by number, of a list */
   const double *joint_bound;     /* f: largest impulse of a frictional joint without a load */
+  const nsdae_joint_row *beside; /* f */
   nsdae_contact_warm warm;
   nsdae_factorisation *factorisation;
   const double *M, *r; /* by blocks; nv */

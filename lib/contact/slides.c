@@ -190,9 +190,9 @@ static int set_limits(nsdae_contacts *c, double times)
   c->slides.fastest = fastest;
   for (int j = 0; j < c->slides.count; j++) {
     int column = column_of(c, j);
-    double bound = c->slides.bound ? c->slides.bound[c->slides.number[j]] : 0;
+    double bound = nsdae_slides_bound(c, j);
     double most = times * fastest / AT(c->delassus.G, c->columns, column, column);
-    c->slides.limit[j] = most > 0 && most < bound ? most : bound;
+    c->slides.limit[j] = nsdae_slides_limit(bound, most);
     less += c->slides.limit[j] < bound;
   }
   return less;
@@ -215,7 +215,7 @@ static int reaches_limit(const nsdae_contacts *c)
 {
   for (int j = 0; j < c->slides.count; j++) {
     double limit = c->slides.limit[j];
-    if (limit < c->slides.bound[c->slides.number[j]] &&
+    if (limit < nsdae_slides_bound(c, j) &&
         fabs(c->delassus.impulse[column_of(c, j)]) > (1 - 1e-6) * limit)
       return 1;
   }
@@ -246,7 +246,8 @@ static void scatter(nsdae_contacts *c)
     double sum = impulse_of(c, i, &c->delassus.impulse_size[column]);
     int sticking = !sense_of(c, i) && c->lcp.x[row + LAMBDA_R] > 0 && c->lcp.x[row + XI_L] == 0;
     c->delassus.impulse[column] = sum;
-    c->results->frictional_joint_impulse[c->slides.number[i]] = sum;
+    c->results->frictional_joint_impulse[c->slides.number[i]] =
+        sum * nsdae_slides_beside(c, i).scale;
     c->results->frictional_joint_mode[c->slides.number[i]] =
         sticking ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
   }

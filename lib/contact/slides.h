@@ -23,13 +23,30 @@
  * problem has the bound NSDAE_BOUND_FIRST times the impulse that stops the fastest column, and, if
  * an impulse reaches such a bound, again with NSDAE_BOUND_FURTHER times that.
  *
- * Not built yet: a compliance c of the row, xi_T + c Lambda_T / h + r = 0 within the bound. A motor
- * with gains k_p, k_d and the error e of its position, e' = xi_T, has in a step of length h of
- * implicit Euler the force F = -k_p (e + h xi_T) - k_d xi_T, and with it c = 1 / (k_d + h k_p) and
- * r = k_p e c: stiff gains allow any h. c / h adds to G_jj and r to the offset of its column,
- * before the problem is assembled, by rows as by cones; the natural residual has xi_T + c Lambda_T
- * / h + r in place of xi_T. For event and penalty F = -k_p e - k_d xi_T is known from the state:
- * there is no row, and the roots are |F| = b.
+ * A position motor has F = -k_p e - k_d xi within the bound, of the error e of its coordinate, e' =
+ * xi. Of the error e_m and its rate at the middle of the step, the methods have
+ *
+ *   xi_1 = xi_0 + h F / m,   e_m+1 = e_m + h xi_1
+ *
+ * With eps = e_m - (1 - theta) h xi_0 that is eps_1 = eps + h (theta xi_1 + (1 - theta) xi_0), and
+ * F at theta eps_1 + (1 - theta) eps and the same mean of xi is the theta method (Hairer and
+ * Wanner, "Solving Ordinary Differential Equations II", 1996, section IV.3):
+ *
+ *   F = -k_p (e_m + h theta^2 xi_1 - h (1 - theta)^2 xi_0) - k_d (theta xi_1 + (1 - theta) xi_0)
+ *
+ * Of a root y / h of m y^2 / h^2 + k_d y / h + k_p = 0 an error decays by |1 + (1 - theta) y| / |1
+ * - theta y| in a step: stable for theta >= 1/2, of second order if theta - 1/2 = O(h), and for
+ * large y good if theta is near 1. So theta = (1 + z) / (2 + z) with the stiffness z = h (k_d + h
+ * k_p) / m: the roots of k_d = 0 decay by about 1 / sqrt(z) if z is large. With c = 1 / (theta k_d
+ * + h theta^2 k_p) the row is
+ *
+ *   xi_1 + (c / h) Lambda_T + r = 0 within the bound,
+ *   r = c (k_p (e_m - h (1 - theta)^2 xi_0) + k_d (1 - theta) xi_0)
+ *
+ * 1 / m is W_S^T M^-1 W_S. Soft gains make c / h and r large: the row times s and Lambda_T / s, s^2
+ * = 1 / (1 + m c / h), have the diagonal entry 1 / m and, as offset, about the velocity omega e of
+ * a vibration. W_S is scaled by s, s^2 c / h is added to G_jj and s r to the offset of its column:
+ * nsdae_joint_row. In event and penalty the force is known from the state, and there is no row.
  *
  * Where the direction of sliding s = +-1 is known, l+ is the only row left, its complement l-, and
  * Lambda_T = -s mu (l+ + l-): s mu takes the place of mu, and Lambda_R and xi_L are left out.
@@ -38,6 +55,8 @@
  * paradox: the friction that a slide calls for feeds the normal force without bound. */
 #ifndef NSDAE_SLIDES_H
 #define NSDAE_SLIDES_H
+
+#include <math.h>
 
 #include "contacts.h"
 
@@ -64,6 +83,25 @@ int nsdae_slides_limited(nsdae_contacts *contacts, const double *lambda, double 
 static inline double nsdae_slides_normal(double diagonal, double limit, double fastest)
 {
   return diagonal * limit > fastest && fastest > 0 ? fastest / limit : diagonal;
+}
+
+/* Of the j-th joint of the problem. */
+static inline nsdae_joint_row nsdae_slides_beside(const nsdae_contacts *c, int j)
+{
+  return c->slides.beside ? c->slides.beside[c->slides.number[j]] : (nsdae_joint_row){0, 0, 1};
+}
+
+/* Its bound in the units of its column. */
+static inline double nsdae_slides_bound(const nsdae_contacts *c, int j)
+{
+  return c->slides.bound ? c->slides.bound[c->slides.number[j]] / nsdae_slides_beside(c, j).scale
+                         : 0;
+}
+
+/* The limit of a problem for a bound: most, unless the bound is less or nothing moves. */
+static inline double nsdae_slides_limit(double bound, double most)
+{
+  return most < bound && (most > 0 || isinf(bound)) ? most : bound;
 }
 
 /* Joints with mu > 0. */

@@ -301,7 +301,8 @@ static int find_contacts(nsdae_slop_projection *s, nsdae_problem *p, nsdae_terms
     if (end->gap[j] < reach) s->gap[p->number[a]] = end->gap[j];
   }
   for (int j = 0; j < p->system->dims.f; j++)
-    s->end.stuck[j] = p->results->frictional_joint_mode[j] == NSDAE_MODE_STICK;
+    s->end.stuck[j] = p->results->frictional_joint_mode[j] == NSDAE_MODE_STICK &&
+                      !p->system->frictional_joint[j].position;
   nsdae_contact_islands_find(&s->end.islands, end, near, s->end.number);
   return NSDAE_OK;
 }

@@ -43,7 +43,8 @@ typedef struct nsdae_result {
   double *multiplier;      /* m: mean bilateral force */
   nsdae_impulses impulses; /* by contact and frictional joint */
   nsdae_closed closed;     /* who they are, by list */
-  double carried;          /* of contacts by list: sum of Lambda w, the work of moving surfaces */
+  double carried;          /* of contacts by list: sum of Lambda w, the work of moving surfaces;
+                              less that of position motors along xi_T */
   int given_up;            /* not a step of this method's: implicit is to do it instead */
   int located;             /* the lists below are the method's; else impacts are found from the
                               impulses, and happen at the end */

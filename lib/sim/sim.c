@@ -59,6 +59,22 @@ static int check_rows(const nsdae_system *system, const nsdae_sim_options *optio
 /* At first, of a method that tracks the contacts of a list. */
 enum { SLOTS = 8 };
 
+/* Position motors are rows of time stepping. */
+static void set_position_motors(nsdae_sim *sim)
+{
+  const nsdae_maker *maker = &sim->system->maker;
+  nsdae_gains gains;
+  sim->control.user.rows = sim->method->closes;
+  for (int j = 0; j < sim->model.dims.f; j++) {
+    nsdae_frictional_joint *joint = &sim->model.frictional_joint[j];
+    if (!maker->position(maker->of, j, &gains)) continue;
+    joint->position = sim->method->closes ? NSDAE_POSITION_ROW : NSDAE_POSITION_FORCE;
+    joint->kp = gains.kp;
+    joint->kd = gains.kd;
+    if (sim->method->closes) joint->bound = gains.limit;
+  }
+}
+
 static int copy_controls(nsdae_sim *sim)
 {
   const nsdae_maker *maker = &sim->system->maker;
@@ -69,8 +85,9 @@ static int copy_controls(nsdae_sim *sim)
   if (!c->value) return NSDAE_E_MEMORY;
   if (n > 0) memcpy(c->value, maker->control, n * sizeof *c->value);
   c->before = c->value + n;
-  c->user = (nsdae_maker_user){maker->of, c->value};
+  c->user = (nsdae_maker_user){maker->of, c->value, 0};
   sim->model.user = &c->user;
+  set_position_motors(sim);
   return NSDAE_OK;
 }
 

@@ -136,6 +136,8 @@ static int solve_at_start(const nsdae_step *step)
   if (status < 0) return status;
   nsdae_problem_before(&s->problem, start, start->v, 0);
   nsdae_problem_bound(&s->problem, step->h, start, 0, start);
+  status = nsdae_problem_position(&s->problem, start, step->h, step->h / 2);
+  if (status < 0) return status;
   nsdae_stepper_momentum(&s->system->blocks, start->M, start->v, step->h, start->F, s->r);
   return nsdae_step_impact(step, start, start->M, s->r, s->v);
 }

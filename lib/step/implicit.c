@@ -21,6 +21,7 @@
  * Then no fixed point may exist. If the change of q_1 and v_1 has not been halved for STAGNATION
  * iterations, or is 1 and more for DIVERGED in turn, W_1 and w_1 remain those of the last iterate:
  * the map is continuous again. If it diverges with these, the attempt ends. */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -142,13 +143,16 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   return status;
 }
 
-/* The relative change below which the iteration ends. With frozen contacts that still stagnate it
- * is never less than the error that contact_tol leaves in velocities, 1e2 contact_tol as in
- * worker.c: the problem of an iterate may have several solutions. */
+/* The relative change below which the iteration ends: not less than the rounding of the terms of v,
+ * as in contacts.c; those of stiff motors are larger than v. With frozen contacts that still
+ * stagnate it is never less than the error that contact_tol leaves in velocities, 1e2 contact_tol
+ * as in worker.c: the problem of an iterate may have several solutions. */
 static double settled(const nsdae_step *step, const progress *p)
 {
   const nsdae_stepper *s = step->tools;
-  double noise = nsdae_larger(s->iteration_tol, s->problem.dispatch.solved->noise);
+  const int n = s->system->dims.nv;
+  double rounding = 32 * DBL_EPSILON * nsdae_largest(n, s->size) / (1 + nsdae_largest(n, s->v)),
+         noise = fmax(rounding, nsdae_larger(s->iteration_tol, s->problem.dispatch.solved->noise));
   return fmax(noise, p->frozen && p->since >= STAGNATION ? 1e2 * s->options->contact_tol : 0);
 }
 
@@ -214,8 +218,9 @@ static int attempt(const nsdae_step *step, int all_impacts)
   const nsdae_dims *dims = &s->system->dims;
   progress p = {.moved = INFINITY, .mark = INFINITY, .rank = {dims->m, 0}};
   int impact = 0;
-  int status;
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
+  int status = nsdae_problem_position(&s->problem, step->start, step->h, step->h / 2);
+  if (status < 0) return status;
   nsdae_move(dims->nq, step->start->q, step->h, s->qdot[0], s->q);
   memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);

@@ -5,12 +5,17 @@
  *   M (v_1 - v_0) + Phi_q^T Lambda - W Lambda_c = h F,  Phi_q v_1 + Phi_t = 0,  contact laws
  *   q_1 = q_m + h/2 v_1
  *
+ * Phi_t is that of (t_1, q_m): a driven coordinate moves by h/2 (f'(t_0) + f'(t_1)). With Phi_t at
+ * t_m it would be late by h/2 f', and each projection would shift it by h^2/4 f'' under what it
+ * carries.
+ *
  * Of first order; explicit: one evaluation and one LCP a step. */
+#include <string.h>
+
 #include "stepper.h"
 
 enum {
-  FREE_TERMS =
-      NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T | NSDAE_TERM_GAP,
+  FREE_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP,
   CLOSED_TERMS =
       NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND
 };
@@ -23,6 +28,11 @@ static int to_middle(const nsdae_step *step)
   nsdae_move(s->system->dims.nq, start->q, step->h / 2, s->qdot[0], s->q);
   nsdae_terms_at(&s->middle, start->t + step->h / 2, s->q, start->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->middle, FREE_TERMS);
+  if (status < 0 || s->system->dims.m == 0) return status;
+  nsdae_terms_at(step->end, step->t_end, s->q, start->v);
+  status = nsdae_terms_need(step->end, NSDAE_TERM_PHI_T);
+  memcpy(s->middle.constraint.phi_t, step->end->constraint.phi_t,
+         (size_t)s->system->dims.m * sizeof *s->middle.constraint.phi_t);
   return status;
 }
 
@@ -35,7 +45,7 @@ static int close_contacts(const nsdae_step *step)
   if (status < 0) return status;
   nsdae_problem_before(&step->tools->problem, middle, step->start->v, 0);
   nsdae_problem_bound(&step->tools->problem, step->h, middle, 0, middle);
-  return NSDAE_OK;
+  return nsdae_problem_position(&step->tools->problem, middle, step->h, 0);
 }
 
 static int to_end(const nsdae_step *step)

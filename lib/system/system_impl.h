@@ -17,6 +17,10 @@ typedef struct nsdae_coefficients {
   int told; /* set by somebody, if only to zero */
 } nsdae_coefficients;
 
+/* A position motor of the kit: a row of time stepping with its bound (slides.h); a force of the
+ * other methods. */
+enum nsdae_position_motor { NSDAE_NO_POSITION, NSDAE_POSITION_ROW, NSDAE_POSITION_FORCE };
+
 /* |F_S| <= bound + mu |lambda| + radius |lambda_first, ...|, lambda of its constraint, and of the
  * constraints of its friction circle. */
 typedef struct nsdae_frictional_joint {
@@ -26,6 +30,8 @@ typedef struct nsdae_frictional_joint {
   int told;
   int first, rows; /* of the friction circle; rows = 0: none */
   double radius;
+  enum nsdae_position_motor position; /* in the system of a simulation */
+  double kp, kd;
 } nsdae_frictional_joint;
 
 enum { NSDAE_NAME_KINDS = NSDAE_NAME_SENSOR + 1 };
@@ -180,6 +186,7 @@ static inline int nsdae_system_has_joint_friction(const nsdae_system *system)
 static inline int nsdae_system_joint_rubs(const nsdae_system *system, int j)
 {
   const nsdae_frictional_joint *joint = &system->frictional_joint[j];
+  if (joint->position) return joint->position == NSDAE_POSITION_ROW;
   return joint->mu > 0 || joint->rows > 0 || joint->bounded || system->call.joint_friction_bound;
 }
 

@@ -401,7 +401,7 @@ int nsdae_circles_again(nsdae_circles *c, const double *lambda, int *status)
   for (int j = 0; j < s->dims.f && *status >= 0; j++) {
     double circle = nsdae_terms_circle(s, j, lambda), to = circle + (c->own ? c->own[j] : 0);
     double none = c->part * to + 1e3 * DBL_EPSILON * s->frictional_joint[j].radius * c->size;
-    if (!(fabs(to - c->bound[j]) <= none)) moves = j;
+    if (to != c->bound[j] && !(fabs(to - c->bound[j]) <= none)) moves = j; /* INFINITY */
     c->bound[j] = to;
   }
   if (moves < 0 || c->rounds++ < CIRCLE_ROUNDS) return moves >= 0;
@@ -528,4 +528,19 @@ double nsdae_terms_touch(const nsdae_terms *terms)
   const double *q = terms->q, *end = q + terms->system->dims.nq;
   for (; q < end; q++) size = nsdae_larger(size, 1 + fabs(*q));
   return 8 * DBL_EPSILON * size;
+}
+
+double nsdae_terms_mobility(const nsdae_terms *T, const double *M, const nsdae_rows *rows, int i)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double sum = 0;
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int b = rows->block[p], n = nsdae_blocks_size(blocks, b);
+    const double *W = rows->value + rows->at[p], *of = M + blocks->square[b];
+    for (int l = 0; l < n; l++) {
+      double entry = W[(size_t)l * rows->stride];
+      sum += entry * entry / of[(size_t)l * (size_t)(n + 1)];
+    }
+  }
+  return sum > 0 ? sum : 1;
 }

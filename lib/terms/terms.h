@@ -164,6 +164,10 @@ static inline double nsdae_terms_slide_rate(const nsdae_terms *T, int i, const d
   return nsdae_terms_rate(T, &T->by.frictional_joint, T->frictional_joint.w, i, v);
 }
 
+/* sum W_l^2 / M_ll of row i: W^T M^-1 W of a diagonal M; 1 of a row of zeros. */
+double nsdae_terms_mobility(const nsdae_terms *terms, const double *M, const nsdae_rows *rows,
+                            int i);
+
 /* radius |lambda| of the friction circle of joint j. */
 static inline double nsdae_terms_circle(const nsdae_system *s, int j, const double *lambda)
 {

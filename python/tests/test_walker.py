@@ -27,6 +27,17 @@ def walk(walker, sim, t_end):
     return np.array(q)
 
 
+def test_both_methods():
+    """moreau and implicit agree, and the energy balance of both is closed: no warning."""
+    walker, ends = module(), []
+    for method in ("moreau", "implicit"):
+        sim = nsdae.Sim(walker.walker(), method=method, dt=walker.DT)
+        sim.init()
+        ends.append(walk(walker, sim, 2)[-1])
+        assert sim.stats["warnings"] == 0
+    assert ends[0][0] > 0.6 and np.abs(ends[0][:3] - ends[1][:3]).max() < 0.1
+
+
 def test_walker():
     walker = module()
     with open(PATH, encoding="utf-8") as file:

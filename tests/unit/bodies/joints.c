@@ -342,8 +342,62 @@ static void test_meaning(void **state)
       keeps(meaning[i].d, meaning[i].kind, meaning[i].keeps, meaning[i].rows);
 }
 
+/* A driven hand carries a box by friction. Each projection moves the hand alone, by the error of
+ * the step: the box is shifted by O(dt^2) in all. */
+static double shifted(int method, int projection, double dt)
+{
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  nsdae_record r;
+  nsdae_bodies *b;
+  double q[14], v[12];
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, (const double[]){0, 0, -9.81});
+  double zero = 0;
+  for (int i = 0; i < 2; i++)
+    nsdae_bodies_add(
+        b, &(nsdae_rigid_body){.mass = 1 + i, .inertia = {1, 1, 1}, .position = {0, 0, 0.2 * i}});
+  nsdae_bodies_add_joint(b, &(nsdae_joint){.kind = NSDAE_JOINT_PRISMATIC,
+                                           .body = {NSDAE_GROUND, 0},
+                                           .axis = {1},
+                                           .drive = drive,
+                                           .user = &zero});
+  const nsdae_solid box = {.shape = NSDAE_SHAPE_BOX, .length = {0.2, 0.2, 0.2}};
+  int hand = nsdae_bodies_add_solid(b, 0, &box), carried = nsdae_bodies_add_solid(b, 1, &box);
+  nsdae_bodies_add_contact(b, hand, carried, 2, 0, 0);
+  if (nsdae_bodies_system(b, &system) < 0) fail_msg("%s", nsdae_bodies_error(b)->text);
+  nsdae_bodies_get_start(b, q, v);
+  nsdae_sim_options_default(&options);
+  options.method = method;
+  options.projection = projection;
+  options.dt = dt;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_true(nsdae_sim_init(sim, 0, q, v) >= 0);
+  assert_true(nsdae_sim_run(sim, 1) >= 0);
+  nsdae_sim_get_record(sim, &r);
+  double off = fabs(r.q[7] - r.q[0]);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+  return off;
+}
+
+static void test_carried(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 2; i++)
+    for (int projection = 0; projection <= NSDAE_PROJECTION_SLOP; projection++) {
+      int method = i ? NSDAE_METHOD_MOREAU : NSDAE_METHOD_IMPLICIT;
+      double coarse = shifted(method, projection, 4e-3), fine = shifted(method, projection, 1e-3);
+      assert_at_most(coarse, 1e-5);
+      assert_at_most(fine, coarse / 12 + 1e-12);
+    }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_follow), cmocka_unit_test(test_meaning)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_follow), cmocka_unit_test(test_meaning),
+                                     cmocka_unit_test(test_carried)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -288,69 +288,11 @@ static void test_wrong_vary(void **state)
     }
 }
 
-/* ---- position motors */
-
-/* kp = 50, kd = 2, target 1: J s'' + kd s' + kp (s - 1) = 0 from rest. */
-static double position(int d, int method, double dt)
-{
-  const double t = 1.5, J = 0.5, decay = 2 / (2 * J), w = sqrt(50 / J - decay * decay);
-  nsdae_bodies *b = create(d, 0, 0, 0);
-  int joint = wheel(b, d, 0);
-  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_POSITION, .limit = INFINITY, .target = 1,
-                             .kp = 50, .kd = 2});
-  ending end = run(b, method, dt, t);
-  double swing = exp(-decay * t) * (cos(w * t) + decay / w * sin(w * t));
-  double rate = exp(-decay * t) * (decay * decay + w * w) / w * sin(w * t);
-  return off(d, &end, 1 - swing, rate);
-}
-
-/* At its limit of 2 N m it accelerates with 4 rad/s^2: the target is 1000 rad away, or in space the
- * way of 3 rad. */
-static double saturated(int d, int method, double dt)
-{
-  nsdae_bodies *b = create(d, 0, 0, 0);
-  int joint = wheel(b, d, 0);
-  add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_POSITION, .limit = 2,
-                             .target = d == 2 ? 1000 : 3, .kp = 50});
-  ending end = run(b, method, dt, 1);
-  return off(d, &end, 2, 4);
-}
-
-static void test_position(void **state)
-{
-  (void)state;
-  for (int d = 2; d <= 3; d++) {
-    judge(position, d, 200);
-    judge(saturated, d, 20);
-  }
-}
-
-/* Gains up to 1e8 by the stiff integrator of event, kd = kp / 5: roots a, b of J r^2 + kd r + kp =
- * 0 with b = kp / (J a), s - target = -(b e^(a t) - a e^(b t)) / (b - a) target. In space the
- * target 2 pi - 2.5 is -2.5. */
-static void test_stiff(void **state)
-{
-  (void)state;
-  for (int d = 2; d <= 3; d++)
-    for (double kp = 1e2; kp < 2e8; kp *= 1000) {
-      nsdae_bodies *b = create(d, 0, 0, 0);
-      int joint = wheel(b, d, 0);
-      const double J = 0.5, kd = kp / 5, target = d == 2 ? 9 : -2.5, t = 0.5;
-      add_motor(b, (nsdae_motor){joint, .kind = NSDAE_MOTOR_POSITION, .limit = INFINITY,
-                                 .target = d == 2 ? 9 : 2 * pi - 2.5, .kp = kp, .kd = kd});
-      ending end = run(b, NSDAE_METHOD_EVENT, 0.1, t);
-      double a = -(kd + sqrt(kd * kd - 4 * J * kp)) / (2 * J), slow = kp / (J * a);
-      double rest = (slow * exp(a * t) - a * exp(slow * t)) / (slow - a);
-      assert_near(angle_of(d, end.q), target * (1 - rest), 1e-9);
-    }
-}
-
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_force),       cmocka_unit_test(test_speed),
       cmocka_unit_test(test_stick),       cmocka_unit_test(test_clutch),
-      cmocka_unit_test(test_added_bound), cmocka_unit_test(test_wrong_vary),
-      cmocka_unit_test(test_position),    cmocka_unit_test(test_stiff)};
+      cmocka_unit_test(test_added_bound), cmocka_unit_test(test_wrong_vary)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
