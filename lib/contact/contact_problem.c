@@ -344,11 +344,6 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
   return nsdae_island_dispatch_solve(&p->dispatch, &whole);
 }
 
-int nsdae_problem_solve_mass(nsdae_problem *p, const nsdae_terms *terms, double *r)
-{
-  return nsdae_island_dispatch_solve_mass(&p->dispatch, terms, r);
-}
-
 /* ---- what the impulses did */
 
 void nsdae_problem_add_constraints(const nsdae_problem *p, const nsdae_terms *T, double scale,

@@ -89,8 +89,6 @@ void nsdae_problem_bound(nsdae_problem *problem, double share, const nsdae_terms
 int nsdae_problem_solve(nsdae_problem *problem, const nsdae_terms *terms, const double *M,
                         const double *r, int with_contacts, double *v, double *size,
                         double *lambda);
-/* r := M^-1 r, M of the terms' point and of the last solution; NSDAE_OK or NSDAE_E_MASS. */
-int nsdae_problem_solve_mass(nsdae_problem *problem, const nsdae_terms *terms, double *r);
 
 /* y += scale Phi_q^T lambda, y += scale W Lambda; any_impact, skip_impacts: but not of islands, nor
  * of contacts, with an impact. */

@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "errors.h"
 #include "friction_solver.h"
+#include "listed.h"
 
 /* Islands that a worker takes at a time; contacts that are not worth waking others for; contacts of
  * an island that is solved by all threads together. */
@@ -25,7 +27,13 @@ void nsdae_island_dispatch_release(nsdae_island_dispatch *d)
 {
   nsdae_contact_shares_release(&d->shares);
   nsdae_thread_pool_release(d->pool);
-  for (int i = 0; i < d->workers; i++) nsdae_worker_release(&d->worker[i]);
+  for (int i = 0; i < d->workers; i++) {
+    nsdae_worker *w = &d->worker[i];
+    nsdae_dense_island_release(&w->dense);
+    nsdae_cone_island_release(&w->cones);
+    nsdae_sparse_kkt_release(&w->sparse);
+    nsdae_friction_destroy(&w->solver);
+  }
   free(d->worker);
   nsdae_cone_island_release(&d->kept);
 }
@@ -33,8 +41,15 @@ void nsdae_island_dispatch_release(nsdae_island_dispatch *d)
 void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_contacts *of,
                                    double rank_tol, int least_norm)
 {
-  for (int i = 0; i < d->workers; i++)
-    nsdae_worker_prepare(&d->worker[i], of, rank_tol, least_norm);
+  for (int i = 0; i < d->workers; i++) {
+    nsdae_worker *w = &d->worker[i];
+    nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
+    w->tol = of->lcp.options.tol;
+    w->accept = of->lcp.accept;
+    w->budget = of->lcp.budget;
+    w->least_norm = least_norm;
+    w->sparse.rank_tol = rank_tol;
+  }
 }
 
 void nsdae_island_dispatch_layout(nsdae_island_dispatch *d, const nsdae_system *system,
@@ -43,8 +58,25 @@ void nsdae_island_dispatch_layout(nsdae_island_dispatch *d, const nsdae_system *
   nsdae_contact_islands_layout(&d->islands, system, arena);
   d->factorisation.held = NSDAE_ARENA_INTS(arena, system->dims.m);
   d->factorisation.dropped = 1; /* held is made with the first one */
-  for (int i = 0; i < d->workers; i++) nsdae_worker_layout(&d->worker[i], system, arena);
+  for (int i = 0; i < d->workers; i++) {
+    nsdae_cone_island_layout(&d->worker[i].cones, system, arena);
+    d->worker[i].L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
+  }
   nsdae_cone_island_layout(&d->kept, system, arena);
+}
+
+/* Room for islands of all contacts. */
+static int grow(nsdae_worker *w, const nsdae_system *system, const nsdae_room *contacts,
+                const nsdae_room *rows)
+{
+  int status = nsdae_dense_island_grow(&w->dense, rows);
+  w->all_dense = nsdae_dense_island_fits_all(&w->dense);
+  if (status < 0 || w->all_dense) return status;
+  if (!w->solver) status = nsdae_friction_create(&w->solver);
+  if (status == NSDAE_OK) status = nsdae_cone_island_grow(&w->cones, system, contacts, rows);
+  if (status < 0 || system->tracked || system->blocks.count > 1) return status;
+  if (nsdae_terms_most(system) == NSDAE_ANY_NUMBER) return status;
+  return nsdae_cone_island_reserve(&w->cones, system, w->solver);
 }
 
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *d, const nsdae_system *system,
@@ -52,16 +84,30 @@ int nsdae_island_dispatch_grow(nsdae_island_dispatch *d, const nsdae_system *sys
 {
   int status = NSDAE_OK;
   for (int i = 0; i < d->workers && status == NSDAE_OK; i++)
-    status = nsdae_worker_grow(&d->worker[i], system, contacts, rows);
-  if (status < 0 || nsdae_dense_island_fits_all(&d->worker[0].dense)) return status;
+    status = grow(&d->worker[i], system, contacts, rows);
+  if (status < 0 || d->worker[0].all_dense) return status;
   return nsdae_cone_island_grow(&d->kept, system, contacts, rows);
 }
 
-int nsdae_island_dispatch_reserve(nsdae_island_dispatch *d, const nsdae_terms *terms)
+int nsdae_island_dispatch_reserve(nsdae_island_dispatch *d, const nsdae_terms *T)
 {
+  const nsdae_system *s = T->system;
   int status = NSDAE_OK;
-  for (int i = 0; i < d->workers && status == NSDAE_OK; i++)
-    status = nsdae_worker_reserve(&d->worker[i], terms);
+  for (int i = 0; i < d->workers && status == NSDAE_OK && s->dims.m > 0; i++) {
+    nsdae_worker *w = &d->worker[i];
+    nsdae_kkt *kkt = &w->dense.kkt;
+    const nsdae_kkt_part all = {.blocks = &s->blocks,
+                                .J = &T->by.jacobian,
+                                .block_count = s->blocks.count,
+                                .row_count = s->dims.m,
+                                .block = kkt->each,
+                                .row = kkt->each};
+    if (!kkt->each) continue;
+    w->dense.factored = -1;
+    nsdae_kkt_turn_to(kkt, &s->blocks, s->dims.nv, s->dims.m);
+    status = nsdae_kkt_reserve(kkt, &T->by.jacobian);
+    if (status == NSDAE_OK && !w->all_dense) status = nsdae_sparse_kkt_analyse(&w->sparse, &all);
+  }
   return status;
 }
 
@@ -150,6 +196,14 @@ static int share(nsdae_island_dispatch *d, shared *s, int count, int portion,
   return failed < 0 ? NSDAE_OK : report(d, failed);
 }
 
+/* Nothing is solved yet. */
+static void begin(nsdae_worker *w)
+{
+  if (w->error.status) nsdae_error_clear(&w->error);
+  w->failed = -1;
+  w->solved = (nsdae_solved){.kept = 1};
+}
+
 /* Solves an island by all threads together. */
 static int solve_large(const shared *s, int item)
 {
@@ -191,7 +245,7 @@ static int list_second(nsdae_island_dispatch *d, nsdae_island_equations *whole, 
 static int solve_one(nsdae_island_dispatch *d, nsdae_island_equations *whole)
 {
   nsdae_worker *w = &d->worker[0];
-  nsdae_worker_begin(w);
+  begin(w);
   int status = nsdae_worker_solve(w, whole, 0, 0);
   if (status == NSDAE_NEXT) {
     whole->kept = &d->kept;
@@ -209,7 +263,7 @@ static int solve_one(nsdae_island_dispatch *d, nsdae_island_equations *whole)
 static int solve_all(nsdae_island_dispatch *d, nsdae_island_equations *whole)
 {
   shared s = {d, whole, d->islands.parent};
-  for (int i = 0; i < d->workers; i++) nsdae_worker_begin(&d->worker[i]);
+  for (int i = 0; i < d->workers; i++) begin(&d->worker[i]);
   int status = share(d, &s, d->islands.count, PORTION, first_pass);
   if (status == NSDAE_OK) status = share_second(d, &s, list_second(d, whole, s.second));
   /* which islands were solved beside one that failed depends on the threads */

@@ -31,7 +31,8 @@ void nsdae_island_dispatch_layout(nsdae_island_dispatch *dispatch, const nsdae_s
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_system *system,
                                const nsdae_room *contacts, const nsdae_room *rows);
 
-/* nsdae_worker_reserve of every worker. */
+/* Memory of the sparse factors of the rows of Phi_q at the terms' point, which the islands of these
+ * rows find there: NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_island_dispatch_reserve(nsdae_island_dispatch *dispatch, const nsdae_terms *terms);
 
 /* v and lambda of every island and of free blocks, and the impulses; a status with the record of

@@ -7,68 +7,6 @@
 #include "errors.h"
 #include "listed.h"
 
-void nsdae_worker_prepare(nsdae_worker *w, const nsdae_contacts *of, double rank_tol,
-                          int least_norm)
-{
-  nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
-  w->tol = of->lcp.options.tol;
-  w->accept = of->lcp.accept;
-  w->budget = of->lcp.budget;
-  w->least_norm = least_norm;
-  w->sparse.rank_tol = rank_tol;
-}
-
-void nsdae_worker_layout(nsdae_worker *w, const nsdae_system *system, nsdae_arena *arena)
-{
-  nsdae_cone_island_layout(&w->cones, system, arena);
-  w->L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
-}
-
-int nsdae_worker_grow(nsdae_worker *w, const nsdae_system *system, const nsdae_room *contacts,
-                      const nsdae_room *rows)
-{
-  int status = nsdae_dense_island_grow(&w->dense, rows);
-  w->all_dense = nsdae_dense_island_fits_all(&w->dense);
-  if (status < 0 || w->all_dense) return status;
-  if (!w->solver) status = nsdae_friction_create(&w->solver);
-  if (status == NSDAE_OK) status = nsdae_cone_island_grow(&w->cones, system, contacts, rows);
-  if (status < 0 || system->tracked || system->blocks.count > 1) return status;
-  if (nsdae_terms_most(system) == NSDAE_ANY_NUMBER) return status;
-  return nsdae_cone_island_reserve(&w->cones, system, w->solver);
-}
-
-int nsdae_worker_reserve(nsdae_worker *w, const nsdae_terms *T)
-{
-  const nsdae_system *s = T->system;
-  nsdae_kkt *kkt = &w->dense.kkt;
-  const nsdae_kkt_part all = {.blocks = &s->blocks,
-                              .J = &T->by.jacobian,
-                              .block_count = s->blocks.count,
-                              .row_count = s->dims.m,
-                              .block = kkt->each,
-                              .row = kkt->each};
-  if (s->dims.m == 0 || !kkt->each) return NSDAE_OK;
-  w->dense.factored = -1;
-  nsdae_kkt_turn_to(kkt, &s->blocks, s->dims.nv, s->dims.m);
-  int status = nsdae_kkt_reserve(kkt, &T->by.jacobian);
-  return status < 0 || w->all_dense ? status : nsdae_sparse_kkt_analyse(&w->sparse, &all);
-}
-
-void nsdae_worker_release(nsdae_worker *w)
-{
-  nsdae_dense_island_release(&w->dense);
-  nsdae_cone_island_release(&w->cones);
-  nsdae_sparse_kkt_release(&w->sparse);
-  nsdae_friction_destroy(&w->solver);
-}
-
-void nsdae_worker_begin(nsdae_worker *w)
-{
-  if (w->error.status) nsdae_error_clear(&w->error);
-  w->failed = -1;
-  w->solved = (nsdae_solved){.kept = 1};
-}
-
 /* ---- certificates */
 
 static void count_rank(nsdae_solved *s, int rank, double kept, double left)
@@ -121,10 +59,9 @@ static int has_joints(const nsdae_island_equations *whole, int island)
 }
 
 /* Where a factorisation is not worth keeping. */
-static int fits_blocks(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
+static int fits_blocks(const nsdae_island_equations *whole, int island)
 {
   const nsdae_contact_islands *is = whole->islands;
-  (void)w;
   if (whole->with_contacts || nsdae_members_count(&is->row, island) > 0) return 0;
   for (int i = is->block.first[island]; i < is->block.first[island + 1]; i++)
     if (nsdae_blocks_size(&whole->system->blocks, is->block.of[i]) > NSDAE_CONTACT_WIDTH) return 0;
@@ -149,12 +86,6 @@ static int solve_blocks(nsdae_worker *w, const nsdae_island_equations *whole, in
   for (int i = block->first[island]; i < block->first[island + 1] && status == NSDAE_OK; i++)
     status = nsdae_worker_solve_free(w, whole, block->of[i]);
   return status;
-}
-
-static int fits_one_contact(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
-{
-  (void)w;
-  return whole->with_contacts && nsdae_single_fits(whole, island);
 }
 
 /* The next one if more than rounding is left. */
@@ -269,12 +200,6 @@ static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, i
              : NSDAE_OK;
 }
 
-static int fits_constraints(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
-{
-  (void)w;
-  return !has_contacts(whole, island) && !has_joints(whole, island);
-}
-
 static int solve_constraints(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   int status = factor_sparse(w, whole, island);
@@ -303,11 +228,6 @@ static int cause_of(nsdae_worker *w, const nsdae_island_equations *whole, int is
   return status;
 }
 
-static int fits_dense(const nsdae_worker *w, const nsdae_island_equations *whole, int island)
-{
-  return nsdae_dense_island_fits(&w->dense, whole, island);
-}
-
 static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
@@ -330,30 +250,23 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
   return status;
 }
 
-/* ---- the table */
-
-typedef struct island_solver {
-  int pass;
-  /* NULL: every island */
-  int (*fits)(const nsdae_worker *worker, const nsdae_island_equations *whole, int island);
-  int (*solve)(nsdae_worker *worker, const nsdae_island_equations *whole, int island);
-} island_solver;
-
-static const island_solver solvers[] = {{0, fits_blocks, solve_blocks},
-                                        {0, fits_one_contact, solve_one_contact},
-                                        {0, fits_dense, solve_dense},
-                                        {0, fits_constraints, solve_constraints},
-                                        {1, NULL, solve_cones}};
+/* ---- the first that fits */
 
 int nsdae_worker_solve(nsdae_worker *w, const nsdae_island_equations *whole, int island, int pass)
 {
-  int status = NSDAE_NEXT, contacts = nsdae_members_count(&whole->islands->contact, island);
+  int contacts = nsdae_members_count(&whole->islands->contact, island);
   if (contacts > w->solved.contacts) w->solved.contacts = contacts;
-  /* the first that fits, found sooner */
+  if (pass == 1) return solve_cones(w, whole, island);
+  /* found sooner */
   if (w->all_dense && ((contacts > 1 && whole->with_contacts) || whole->islands->rows > 0))
     return solve_dense(w, whole, island);
-  for (size_t i = 0; status == NSDAE_NEXT && i < sizeof solvers / sizeof *solvers; i++)
-    if (solvers[i].pass == pass && (!solvers[i].fits || solvers[i].fits(w, whole, island)))
-      status = solvers[i].solve(w, whole, island);
-  return status;
+  if (fits_blocks(whole, island)) return solve_blocks(w, whole, island);
+  if (whole->with_contacts && nsdae_single_fits(whole, island)) {
+    int status = solve_one_contact(w, whole, island);
+    if (status != NSDAE_NEXT) return status;
+  }
+  if (nsdae_dense_island_fits(&w->dense, whole, island)) return solve_dense(w, whole, island);
+  if (!has_contacts(whole, island) && !has_joints(whole, island))
+    return solve_constraints(w, whole, island);
+  return NSDAE_NEXT;
 }

@@ -1,4 +1,4 @@
-/* What one thread solves islands with: each by the first solver of a table that fits it.
+/* What one thread solves islands with: each by the first solver that fits it.
  *
  *   pass  solver       island
  *   0     blocks       of small blocks, without constraints, as if no contact were closed
@@ -43,21 +43,6 @@ typedef struct nsdae_worker {
   int least_norm;
   nsdae_solved solved; /* by this worker, in the step at hand */
 } nsdae_worker;
-
-/* of: settings of the contacts of the whole. */
-void nsdae_worker_prepare(nsdae_worker *worker, const nsdae_contacts *of, double rank_tol,
-                          int least_norm);
-void nsdae_worker_layout(nsdae_worker *worker, const nsdae_system *system, nsdae_arena *arena);
-/* Room for islands of all contacts: NSDAE_OK or NSDAE_E_MEMORY. */
-int nsdae_worker_grow(nsdae_worker *worker, const nsdae_system *system, const nsdae_room *contacts,
-                      const nsdae_room *rows);
-/* Memory of the sparse factors of the rows of Phi_q at the terms' point, which the islands of these
- * rows find there: NSDAE_OK or NSDAE_E_MEMORY. */
-int nsdae_worker_reserve(nsdae_worker *worker, const nsdae_terms *terms);
-void nsdae_worker_release(nsdae_worker *worker);
-
-/* Nothing is solved yet. */
-void nsdae_worker_begin(nsdae_worker *worker);
 
 /* Another with what this one did: sums of whole numbers and maxima, in any order the same. */
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one);

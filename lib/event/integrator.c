@@ -125,7 +125,7 @@ int nsdae_event_integrator_make(nsdae_event_integrator *e)
 void nsdae_event_integrator_release(nsdae_event_integrator *e)
 {
   if (e->roots) nsdae_newton_kkt_release(&e->roots->phase->newton);
-  nsdae_smooth_destroy(&e->smooth);
+  nsdae_ida_destroy(&e->smooth.ida);
 }
 
 void nsdae_event_integrator_prepare(nsdae_event_integrator *e)

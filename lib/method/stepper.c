@@ -153,25 +153,14 @@ int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms)
                               nsdae_terms_touch(terms) + 2 * step->h * fastest);
 }
 
-static void count_rank(const nsdae_step *step)
-{
-  const nsdae_solved *s = step->tools->problem.dispatch.solved;
-  nsdae_count_rank(&step->result->counters, s->rank, s->kept, s->left);
-}
-
-int nsdae_step_factor(const nsdae_step *step, const nsdae_terms *terms, int hold)
-{
-  return nsdae_problem_factor(&step->tools->problem, terms, hold);
-}
-
-static int solve(const nsdae_step *step, const nsdae_terms *terms, const double *M, const double *r,
-                 int with_contacts, double *v, double *lambda)
+int nsdae_step_solve(const nsdae_step *step, const nsdae_terms *terms, const double *M,
+                     const double *r, int with_contacts, double *v, double *lambda)
 {
   nsdae_stepper *s = step->tools;
   nsdae_counters *c = &step->result->counters;
   int status = nsdae_problem_solve(&s->problem, terms, M, r, with_contacts, v, s->size, lambda);
   const nsdae_solved *solved = s->problem.dispatch.solved;
-  count_rank(step);
+  nsdae_count_rank(c, solved->rank, solved->kept, solved->left);
   c->islands = solved->islands;
   c->island_contacts = solved->contacts;
   if (solved->lcps == 0 && status == NSDAE_OK) return status;
@@ -181,12 +170,6 @@ static int solve(const nsdae_step *step, const nsdae_terms *terms, const double 
   step->result->single = solved->single;
   if (solved->cones) step->result->cones = solved->cones;
   return status;
-}
-
-int nsdae_step_free(const nsdae_step *step, const nsdae_terms *terms, const double *M,
-                    const double *r, double *v, double *lambda)
-{
-  return solve(step, terms, M, r, 0, v, lambda);
 }
 
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,
@@ -200,7 +183,7 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
   int status;
   do {
     for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
-    status = solve(step, terms, M, r, 1, v, s->impulse);
+    status = nsdae_step_solve(step, terms, M, r, 1, v, s->impulse);
   } while (nsdae_circles_again(&circles, s->impulse, &status));
   if (status == NSDAE_OK && step->result->closed.count > 0)
     step->result->carried = nsdae_problem_carried(&s->problem, terms);

@@ -121,7 +121,7 @@ static void destroy(void *own)
 {
   nsdae_penalty *p = own;
   if (!p) return;
-  nsdae_smooth_destroy(&p->integrator);
+  nsdae_ida_destroy(&p->integrator.ida);
   nsdae_newton_kkt_release(&p->equations.newton);
   nsdae_arena_release(&p->arena);
   free(p);

@@ -148,41 +148,34 @@ double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_para
   return memcpy(&whole, at, sizeof whole), whole;
 }
 
-/* Those that are not every method's. */
+/* Options by the methods that have them; those that are not here are every method's. */
+enum {
+  IMPLICIT = 1 << NSDAE_METHOD_IMPLICIT,
+  PRINTED = 1 << NSDAE_METHOD_IMPLICIT_PRINTED,
+  MOREAU = 1 << NSDAE_METHOD_MOREAU,
+  PENALTY = 1 << NSDAE_METHOD_PENALTY,
+  EVENT = 1 << NSDAE_METHOD_EVENT
+};
+
 static const struct {
-  const char *key;
-  unsigned methods;
+  int methods;
+  const char *keys[6];
 } used[] = {
-    {"baumgarte_alpha", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_IMPLICIT)},
-    {"baumgarte_beta", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_IMPLICIT)},
-    {"iteration_tol", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
-    {"iteration_max", ~(1u << NSDAE_METHOD_MOREAU | 1u << NSDAE_METHOD_PENALTY)},
-    {"contact_tol", ~(1u << NSDAE_METHOD_PENALTY)},
-    {"contact_work", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
-    {"contact_give", 1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_MOREAU},
-    {"polygon", ~(1u << NSDAE_METHOD_PENALTY)},
-    {"rtol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"atol", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"penalty_law", 1u << NSDAE_METHOD_PENALTY},
-    {"penalty_stiffness", 1u << NSDAE_METHOD_PENALTY},
-    {"penalty_exponent", 1u << NSDAE_METHOD_PENALTY},
-    {"friction_velocity", 1u << NSDAE_METHOD_PENALTY},
-    {"integrator", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"step_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"accumulation_time", 1u << NSDAE_METHOD_EVENT},
-    {"events_max", 1u << NSDAE_METHOD_EVENT},
-    {"inner_steps_max", 1u << NSDAE_METHOD_PENALTY | 1u << NSDAE_METHOD_EVENT},
-    {"projection",
-     1u << NSDAE_METHOD_IMPLICIT | 1u << NSDAE_METHOD_IMPLICIT_PRINTED | 1u << NSDAE_METHOD_MOREAU},
-    {"start_tol", 0},
-    {"start_check", 0},
-    {"contacts_max", 0},
-    {"threads", 0},
+    {PRINTED | PENALTY | EVENT, {"baumgarte_alpha", "baumgarte_beta"}},
+    {IMPLICIT | PRINTED | EVENT, {"iteration_tol", "iteration_max"}},
+    {IMPLICIT | PRINTED | MOREAU | EVENT, {"contact_tol", "polygon"}},
+    {IMPLICIT | PRINTED | MOREAU, {"projection"}},
+    {IMPLICIT | MOREAU, {"contact_work", "contact_give"}},
+    {PENALTY | EVENT, {"rtol", "atol", "integrator", "step_max", "inner_steps_max"}},
+    {PENALTY, {"penalty_law", "penalty_stiffness", "penalty_exponent", "friction_velocity"}},
+    {EVENT, {"accumulation_time", "events_max"}},
+    {0, {"start_tol", "start_check", "contacts_max", "threads"}},
 };
 
 int nsdae_sim_option_matters(const char *key, int method)
 {
   for (size_t i = 0; i < sizeof used / sizeof *used; i++)
-    if (strcmp(used[i].key, key) == 0) return (used[i].methods >> method & 1u) != 0;
+    for (const char *const *of = used[i].keys; *of; of++)
+      if (strcmp(*of, key) == 0) return used[i].methods >> method & 1;
   return 1;
 }

@@ -176,10 +176,10 @@ static int try_equations(nsdae_sim *sim, nsdae_result *r)
   nsdae_stepper *s = &sim->stepper;
   nsdae_contacts_remember(&s->contacts, r->memory.whole);
   int status = nsdae_step_close(&step, &r->end);
-  if (status == NSDAE_OK) status = nsdae_step_factor(&step, &r->end, 0);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&sim->stepper.problem, &r->end, 0);
   if (status < 0) return status;
   memset(s->impulse, 0, (size_t)sim->system->dims.m * sizeof *s->impulse);
-  return nsdae_step_free(&step, &r->end, r->end.M, r->end.F, s->v, s->impulse);
+  return nsdae_step_solve(&step, &r->end, r->end.M, r->end.F, 0, s->v, s->impulse);
 }
 
 /* The turns of sensors after a step; before NULL: at the start. */

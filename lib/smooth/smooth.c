@@ -28,11 +28,6 @@ int nsdae_smooth_make(nsdae_smooth *g, int integrator)
   return status == NSDAE_E_UNSUPPORTED && !needed ? NSDAE_OK : status;
 }
 
-void nsdae_smooth_destroy(nsdae_smooth *g)
-{
-  nsdae_ida_destroy(&g->ida);
-}
-
 /* y and y' of the forces that f gives at q, v; the rates of the forces are taken for zero, which no
  * equation has. */
 static int start_ida(nsdae_smooth *g, double t, const double *qv)

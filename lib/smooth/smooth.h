@@ -40,7 +40,6 @@ typedef struct nsdae_smooth {
  * NSDAE_E_UNSUPPORTED if that is ida and the library was built without SUNDIALS. */
 void nsdae_smooth_layout(nsdae_smooth *smooth, nsdae_arena *arena);
 int nsdae_smooth_make(nsdae_smooth *smooth, int integrator);
-void nsdae_smooth_destroy(nsdae_smooth *smooth);
 
 /* The integrator from the next start on: an option `integrator` but auto. */
 static inline void nsdae_smooth_set(nsdae_smooth *smooth, int integrator)

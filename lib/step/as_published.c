@@ -65,8 +65,8 @@ static int acceleration(const nsdae_step *step, nsdae_terms *T, double s, double
     double target = -T->constraint.omega[i] - 2 * alpha * rate - beta * beta * T->constraint.phi[i];
     lambda[i] = s > 0 ? (target + s * last) / (1 + s) : target;
   }
-  if (status == NSDAE_OK) status = nsdae_step_factor(step, T, 0);
-  return status < 0 ? status : nsdae_step_free(step, T, T->M, T->F, a, lambda);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&step->tools->problem, T, 0);
+  return status < 0 ? status : nsdae_step_solve(step, T, T->M, T->F, 0, a, lambda);
 }
 
 /* Iterates on a1 from a0; the terms of the last iterate are those of the end. */
@@ -132,7 +132,7 @@ static int solve_at_start(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_terms *start = step->start;
   int status = nsdae_terms_need(start, CONTACT_TERMS);
-  if (status == NSDAE_OK) status = nsdae_step_factor(step, start, 0);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&step->tools->problem, start, 0);
   if (status < 0) return status;
   nsdae_problem_before(&s->problem, start, start->v, 0);
   nsdae_problem_bound(&s->problem, step->h, start, 0, start);
@@ -161,7 +161,7 @@ static int velocity_at_end(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   nsdae_problem_add_constraints(&s->problem, step->end, -1, 0, s->impulse, s->r);
   nsdae_problem_add_impulse(&s->problem, step->end, 1, 0, s->r);
-  int status = nsdae_problem_solve_mass(&s->problem, step->start, s->r);
+  int status = nsdae_island_dispatch_solve_mass(&s->problem.dispatch, step->start, s->r);
   /* where the matrices did not change, v_1 is v~ and not its rounding: a body at rest stays at rest
    */
   for (int i = 0; i < s->system->dims.nv; i++)

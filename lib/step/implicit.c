@@ -88,7 +88,7 @@ static int impact_velocities(const nsdae_step *step)
   memset(s->r, 0, (size_t)s->system->dims.nv * sizeof *s->r);
   nsdae_blocks_add_product(&s->system->blocks, s->mean.M, step->start->v, s->r);
   for (int i = 0; i < s->system->dims.m; i++) s->rate[i] = -step->end->constraint.phi_t[i];
-  int status = nsdae_step_free(step, step->end, s->mean.M, s->r, s->v_other, s->rate);
+  int status = nsdae_step_solve(step, step->end, s->mean.M, s->r, 0, s->v_other, s->rate);
   if (status == NSDAE_OK) nsdae_problem_before(&s->problem, step->end, s->v_other, 1);
   return status;
 }
@@ -116,7 +116,7 @@ static int factor_mean_mass(const nsdae_step *step, int hold)
   nsdae_stepper *s = step->tools;
   size_t size = s->system->blocks.square[s->system->blocks.count];
   for (size_t i = 0; i < size; i++) s->mean.M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_step_factor(step, step->end, hold);
+  return nsdae_problem_factor(&step->tools->problem, step->end, hold);
 }
 
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */

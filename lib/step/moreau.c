@@ -66,7 +66,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = to_middle(&step);
   if (status == NSDAE_OK) status = close_contacts(&step);
-  if (status == NSDAE_OK) status = nsdae_step_factor(&step, middle, 0);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&step.tools->problem, middle, 0);
   if (status < 0) return status;
   nsdae_stepper_momentum(&s->system->blocks, middle->M, step.start->v, step.h, middle->F, s->r);
   status = nsdae_step_impact(&step, middle, middle->M, s->r, s->v);

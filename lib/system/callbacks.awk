@@ -65,16 +65,12 @@ function comment(c, language, first, next_line, last,   i, lines, line) {
 # ---- what each section holds
 
 function emit(section,   c) {
-  margin = section == "holders" ? "  " : "    "
-  if (section ~ /holders|outputs/) print margin "/* clang-format off */"
+  if (section == "holders") print "  /* clang-format off */"
   if (section == "table") print "| callback | arguments before `user` | shapes |\n|---|---|---|"
   for (c = 1; c <= n; c++) {
     if (section == "types") c_type(c)
     else if (section == "declarations") c_declaration(c)
-    else if (section == "fields") print "  nsdae_" type[c] "_fn " name[c] ";"
-    else if (section == "setters") c_setter(c)
-    else if (section == "outputs") c_outputs(c)
-    else if (section == "calls_in_c") c_call(c)
+    else if (section == "list") c_entry(c)
     else if (section == "holders") cpp_holder(c)
     else if (section == "members") cpp_member(c)
     else if (section == "interfaces") f_interface(c)
@@ -87,7 +83,7 @@ function emit(section,   c) {
     else if (section == "table") f_table(c)
     else { print "callbacks.awk: no section " section > "/dev/stderr"; exit 1 }
   }
-  if (section ~ /holders|outputs/) print margin "/* clang-format on */"
+  if (section == "holders") print "  /* clang-format on */"
 }
 
 # ---- C
@@ -120,26 +116,6 @@ function c_declaration(c,   head, item) {
   print filled(head, item, 2, ");", length(head), 100, "")
 }
 
-# condition in C, of the sizes
-function condition(c,   i, term, count, line) {
-  if (needs[c] == "-") return "1"
-  count = split(needs[c], term, /[*+]/)
-  for (i = 1; i <= count; i++)
-    line = line (i > 1 ? (needs[c] ~ /\*/ ? " && " : " || ") : "") "d->" term[i] " > 0"
-  return line
-}
-
-function why(c,   what) {
-  what["m"] = "constraints (m = 0)"; what["k"] = "contacts (k = 0)"; what["f"] = "frictional joints (f = 0)"
-  what["k*nt"] = "tangential directions (k nt = 0)"; what["k+f"] = "contacts or frictional joints (k = f = 0)"
-  return needs[c] == "-" ? "\"\"" : "\"the system has no " what[needs[c]] "\""
-}
-
-function c_setter(c,   item) {
-  item[1] = name[c]; item[2] = "nsdae_" type[c] "_fn"; item[3] = condition(c); item[4] = why(c)
-  print filled("SETTER(", item, 4, ")", 7, 100, "")
-}
-
 function kind(size) {
   if (size == "nq") return "COORDINATE"
   if (size == "nv") return "VELOCITY"
@@ -148,25 +124,26 @@ function kind(size) {
   return size == "f" ? "FRICTIONAL_JOINT" : "-1"
 }
 
-function c_outputs(c,   i, item, directions) {
-  for (i = 1; i <= outs[c]; i++) {
-    directions = (rows[c, i] cols[c, i]) ~ /\*nt/
-    item[i] = "{\"" out[c, i] "\", " kind(rows[c, i]) ", " kind(cols[c, i]) ", " directions ", " \
-      nullable[c, i] + 0 "}"
-  }
-  item[1] = "{" item[1]
-  print "    {\"" name[c] "\", has_" name[c] ", call_" name[c] ", " outs[c] ","
-  print filled("     ", item, outs[c], "}},", 6, 100, "")
+# what a system must have for it
+function of(c,   what) {
+  what["-"] = "ANY"; what["m"] = "CONSTRAINTS"; what["k"] = "CONTACTS"; what["k*nt"] = "DIRECTIONS"
+  what["f"] = "JOINTS"; what["k+f"] = "SLIDING"
+  return what[needs[c]]
 }
 
-function c_call(c,   i, item, count) {
-  item[++count] = name[c]
-  if (has_v[c]) item[++count] = "at->v"
+# an entry of the list in C: name, type, of, arguments, outputs
+function c_entry(c,   i, item, count, arguments) {
+  if (has_v[c]) arguments = ", at->v"
   for (i = 1; i <= outs[c]; i++) {
-    item[++count] = "out[" i - 1 "]"
-    if (cols[c, i] != "") item[++count] = "ld[" i - 1 "]"
+    arguments = arguments ", out[" i - 1 "]"
+    if (cols[c, i] != "") arguments = arguments ", ld[" i - 1 "]"
   }
-  print filled("CALL(", item, count, ")", 5, 100, "")
+  item[++count] = name[c]; item[++count] = "nsdae_" type[c] "_fn"; item[++count] = of(c)
+  item[++count] = "(" substr(arguments, 3) ")"; item[++count] = outs[c]
+  for (i = 1; i <= outs[c]; i++)
+    item[++count] = (i > 1 ? "" : "{") "{\"" out[c, i] "\", " kind(rows[c, i]) ", " kind(cols[c, i]) \
+      ", " ((rows[c, i] cols[c, i]) ~ /\*nt/) ", " nullable[c, i] + 0 "}" (i < outs[c] ? "" : "}")
+  print filled("  X(", item, count, ")", 4, 98, " \\") " \\"
 }
 
 # ---- C++

@@ -138,51 +138,49 @@ double nsdae_contact_list_velocity(const nsdae_contact_list *l, int i, int d, co
   return u;
 }
 
+/* Contacts from i on to place j, but where their values are. */
+static void copy_contacts(nsdae_contact_list *to, size_t j, const nsdae_contact_list *from,
+                          size_t i, size_t count)
+{
+  memcpy(to->id + j, from->id + i, count * sizeof *to->id);
+  memcpy(to->gap + j, from->gap + i, count * sizeof *to->gap);
+  memcpy(to->law + j, from->law + i, count * sizeof *to->law);
+  memcpy(to->block + 2 * j, from->block + 2 * i, 2 * count * sizeof *to->block);
+  memcpy(to->omega_given + j, from->omega_given + i, count * sizeof *to->omega_given);
+  size_t columns = (size_t)(1 + to->nt);
+  memcpy(to->w + columns * j, from->w + columns * i, columns * count * sizeof *to->w);
+  memcpy(to->omega + columns * j, from->omega + columns * i, columns * count * sizeof *to->omega);
+}
+
 void nsdae_contact_list_copy(nsdae_contact_list *list, const nsdae_contact_list *from, int i,
                              double gap)
 {
-  size_t at = list->taken.values, begin = from->at[2 * (size_t)i], columns = (size_t)(1 + list->nt);
+  size_t at = list->taken.values, begin = from->at[2 * (size_t)i];
   if (take(list, from->block + 2 * (size_t)i) == (size_t)-1) return;
   int new = list->count++;
-  list->id[new] = from->id[i];
+  copy_contacts(list, (size_t) new, from, (size_t)i, 1);
   list->gap[new] = gap;
-  list->law[new] = from->law[i];
-  memcpy(list->block + 2 * (size_t) new, from->block + 2 * (size_t)i, 2 * sizeof *list->block);
-  list->omega_given[new] = from->omega_given[i];
-  memcpy(list->w + (size_t) new *columns, from->w + (size_t)i * columns, columns * sizeof *list->w);
-  memcpy(list->omega + (size_t) new *columns, from->omega + (size_t)i * columns,
-         columns * sizeof *list->omega);
   place_parts(list, new, at);
   memcpy(list->value + at, from->value + begin, (list->taken.values - at) * sizeof *list->value);
 }
 
-enum { CONTACT_ARRAYS = 8, ROW_ARRAYS = 2 };
+/* By contact, and the values. */
+enum { BY_CONTACT = 8 };
 
-static int grow_contacts(nsdae_contact_list *l, size_t entries, size_t values)
-{
-  const nsdae_array each[] = {NSDAE_ARRAY(l->id, 1),
-                              NSDAE_ARRAY(l->block, 2),
-                              NSDAE_ARRAY(l->gap, 1),
-                              NSDAE_ARRAY(l->law, 1),
-                              NSDAE_ARRAY(l->at, 2),
-                              NSDAE_ARRAY(l->w, 1 + l->nt),
-                              NSDAE_ARRAY(l->omega, 1 + l->nt),
-                              NSDAE_ARRAY(l->omega_given, 1)};
-  const nsdae_array value[] = {NSDAE_ARRAY(l->value, 1)};
-  int status = nsdae_arrays_grow(each, CONTACT_ARRAYS, entries);
-  return status < 0 ? status : nsdae_arrays_grow(value, 1, values);
-}
-
-static size_t max_size(size_t a, size_t b)
-{
-  return a > b ? a : b;
-}
+#define CONTACT_ARRAYS(l)                                                                    \
+  {                                                                                          \
+    NSDAE_ARRAY((l)->id, 1), NSDAE_ARRAY((l)->block, 2), NSDAE_ARRAY((l)->gap, 1),           \
+        NSDAE_ARRAY((l)->law, 1), NSDAE_ARRAY((l)->at, 2), NSDAE_ARRAY((l)->w, 1 + (l)->nt), \
+        NSDAE_ARRAY((l)->omega, 1 + (l)->nt), NSDAE_ARRAY((l)->omega_given, 1),              \
+        NSDAE_ARRAY((l)->value, 1)                                                           \
+  }
 
 int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
 {
-  const nsdae_room new = {max_size(l->room.entries, room->entries),
-                          max_size(l->room.values, room->values)};
-  int status = grow_contacts(l, new.entries, new.values);
+  const nsdae_room new = nsdae_room_larger(&l->room, room);
+  const nsdae_array all[] = CONTACT_ARRAYS(l);
+  int status = nsdae_arrays_grow(all, BY_CONTACT, new.entries);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(&all[BY_CONTACT], 1, new.values);
   if (status == NSDAE_OK) l->room = new;
   for (int i = 0; l->shares && l->shares->part && i < nsdae_thread_pool_size(l->shares->pool) &&
                   status == NSDAE_OK;
@@ -196,11 +194,8 @@ int nsdae_contact_list_grow(nsdae_contact_list *l, const nsdae_room *room)
 
 void nsdae_contact_list_release(nsdae_contact_list *l)
 {
-  const nsdae_array all[] = {
-      NSDAE_ARRAY(l->id, 1),    NSDAE_ARRAY(l->block, 2),       NSDAE_ARRAY(l->gap, 1),
-      NSDAE_ARRAY(l->law, 1),   NSDAE_ARRAY(l->at, 2),          NSDAE_ARRAY(l->w, 1),
-      NSDAE_ARRAY(l->omega, 1), NSDAE_ARRAY(l->omega_given, 1), NSDAE_ARRAY(l->value, 1)};
-  nsdae_arrays_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = CONTACT_ARRAYS(l);
+  nsdae_arrays_release(all, BY_CONTACT + 1);
   l->room = (nsdae_room){0};
 }
 
@@ -263,16 +258,9 @@ static int copy_range(void *object, int worker, int range)
   const piece *p = &s->piece[range];
   nsdae_contact_list *to = s->list;
   const nsdae_contact_list *from = &to->shares->part[p->worker];
-  size_t i = p->from.entries, j = p->at.entries, count = p->room.entries,
-         columns = (size_t)(1 + to->nt);
+  size_t i = p->from.entries, j = p->at.entries, count = p->room.entries;
   (void)worker;
-  memcpy(to->id + j, from->id + i, count * sizeof *to->id);
-  memcpy(to->gap + j, from->gap + i, count * sizeof *to->gap);
-  memcpy(to->law + j, from->law + i, count * sizeof *to->law);
-  memcpy(to->block + 2 * j, from->block + 2 * i, 2 * count * sizeof *to->block);
-  memcpy(to->omega_given + j, from->omega_given + i, count * sizeof *to->omega_given);
-  memcpy(to->w + columns * j, from->w + columns * i, columns * count * sizeof *to->w);
-  memcpy(to->omega + columns * j, from->omega + columns * i, columns * count * sizeof *to->omega);
+  copy_contacts(to, j, from, i, count);
   for (size_t k = 0; k < 2 * count; k++)
     to->at[2 * j + k] = from->at[2 * i + k] - p->from.values + p->at.values;
   memcpy(to->value + p->at.values, from->value + p->from.values,
@@ -386,14 +374,19 @@ void nsdae_row_list_close(nsdae_row_list *list)
   open_rows(list, list->rows->count);
 }
 
+/* By entries, and the values. */
+#define ROW_ARRAYS(l)                                                \
+  {                                                                  \
+    NSDAE_ARRAY((l)->rows->block, 1), NSDAE_ARRAY((l)->rows->at, 1), \
+        NSDAE_ARRAY((l)->rows->value, 1)                             \
+  }
+
 int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 {
-  const nsdae_room new = {max_size(l->room.entries, room->entries),
-                          max_size(l->room.values, room->values)};
-  const nsdae_array each[] = {NSDAE_ARRAY(l->rows->block, 1), NSDAE_ARRAY(l->rows->at, 1)};
-  const nsdae_array value[] = {NSDAE_ARRAY(l->rows->value, 1)};
-  int status = nsdae_arrays_grow(each, ROW_ARRAYS, new.entries);
-  if (status == NSDAE_OK) status = nsdae_arrays_grow(value, 1, new.values);
+  const nsdae_room new = nsdae_room_larger(&l->room, room);
+  const nsdae_array all[] = ROW_ARRAYS(l);
+  int status = nsdae_arrays_grow(all, 2, new.entries);
+  if (status == NSDAE_OK) status = nsdae_arrays_grow(&all[2], 1, new.values);
   if (status == NSDAE_OK) l->room = new;
   return status;
 }
@@ -401,8 +394,7 @@ int nsdae_row_list_grow(nsdae_row_list *l, const nsdae_room *room)
 void nsdae_row_list_release(nsdae_row_list *l)
 {
   if (!l->rows) return;
-  const nsdae_array all[] = {NSDAE_ARRAY(l->rows->block, 1), NSDAE_ARRAY(l->rows->at, 1),
-                             NSDAE_ARRAY(l->rows->value, 1)};
-  nsdae_arrays_release(all, sizeof all / sizeof *all);
+  const nsdae_array all[] = ROW_ARRAYS(l);
+  nsdae_arrays_release(all, 3);
   l->room = (nsdae_room){0};
 }

@@ -159,49 +159,34 @@ int nsdae_system_set_user(nsdae_system *system, void *user)
   return status;
 }
 
-static int refuse_callback(nsdae_system *system, const char *callback, const char *why)
+/* What a system must have for a callback. */
+enum { ANY, CONSTRAINTS, CONTACTS, DIRECTIONS, JOINTS, SLIDING };
+
+/* Whether a callback may be set. */
+static int open_callback(nsdae_system *system, const char *name, int given, int of)
 {
-  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, callback, callback, "%s: %s", callback, why);
+  static const char *const what[] = {[CONSTRAINTS] = "constraints (m = 0)",
+                                     [CONTACTS] = "contacts (k = 0)",
+                                     [DIRECTIONS] = "tangential directions (k nt = 0)",
+                                     [JOINTS] = "frictional joints (f = 0)",
+                                     [SLIDING] = "contacts or frictional joints (k = f = 0)"};
+  if (!system) return NSDAE_E_ARGUMENT;
+  const nsdae_dims *d = &system->dims;
+  const int count[] = {1, d->m, d->k, d->k * d->nt, d->f, d->k + d->f};
+  if (given && count[of] > 0) return nsdae_system_open(system, name);
+  return nsdae_system_refuse(system, NSDAE_E_ARGUMENT, name, name, "%s: %s%s", name,
+                             given ? "the system has no " : "it is NULL", given ? what[of] : "");
 }
 
-/* One setter per callback: has says, by the sizes d, whether the system has such a term at all. */
-#define SETTER(name, type, has, why)                                \
-  int nsdae_system_set_##name(nsdae_system *system, type name)      \
-  {                                                                 \
-    if (!system) return NSDAE_E_ARGUMENT;                           \
-    const nsdae_dims *d = &system->dims;                            \
-    (void)d;                                                        \
-    if (!name) return refuse_callback(system, #name, "it is NULL"); \
-    if (!(has)) return refuse_callback(system, #name, why);         \
-    int status = nsdae_system_open(system, #name);                  \
-    if (status == NSDAE_OK) system->call.name = name;               \
-    return status;                                                  \
+#define SETTER(name, type, of, ...)                              \
+  int nsdae_system_set_##name(nsdae_system *system, type name)   \
+  {                                                              \
+    int status = open_callback(system, #name, name != NULL, of); \
+    if (status == NSDAE_OK) system->call.name = name;            \
+    return status;                                               \
   }
 
-/* callbacks.list: setters */
-SETTER(mass, nsdae_mass_fn, 1, "")
-SETTER(force, nsdae_force_fn, 1, "")
-SETTER(force_damping, nsdae_force_damping_fn, 1, "")
-SETTER(force_stiffness, nsdae_force_stiffness_fn, 1, "")
-SETTER(constraint, nsdae_constraint_fn, d->m > 0, "the system has no constraints (m = 0)")
-SETTER(constraint_jacobian, nsdae_constraint_jacobian_fn, d->m > 0,
-       "the system has no constraints (m = 0)")
-SETTER(constraint_bias, nsdae_constraint_bias_fn, d->m > 0, "the system has no constraints (m = 0)")
-SETTER(gap, nsdae_gap_fn, d->k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_normal, nsdae_gap_normal_fn, d->k > 0, "the system has no contacts (k = 0)")
-SETTER(gap_tangent, nsdae_gap_tangent_fn, d->k > 0 && d->nt > 0,
-       "the system has no tangential directions (k nt = 0)")
-SETTER(contact_bias, nsdae_contact_bias_fn, d->k > 0, "the system has no contacts (k = 0)")
-SETTER(contact_acceleration, nsdae_contact_acceleration_fn, d->k > 0 || d->f > 0,
-       "the system has no contacts or frictional joints (k = f = 0)")
-SETTER(frictional_joint_tangent, nsdae_frictional_joint_fn, d->f > 0,
-       "the system has no frictional joints (f = 0)")
-SETTER(joint_friction_bound, nsdae_joint_friction_bound_fn, d->f > 0,
-       "the system has no frictional joints (f = 0)")
-SETTER(kinematics, nsdae_kinematics_fn, 1, "")
-SETTER(potential, nsdae_potential_fn, 1, "")
-SETTER(contact_speed, nsdae_contact_speed_fn, 1, "")
-/* callbacks.list: end */
+NSDAE_CALLBACKS(SETTER)
 
 static int bad_coefficient(nsdae_system *system, const char *setter, const char *name, double value,
                            const char *range)

@@ -41,33 +41,55 @@ typedef struct nsdae_label {
   char rate[NSDAE_UNIT_SIZE + 2]; /* unit/s: what a velocity has that is a coordinate's rate */
 } nsdae_label;
 
+/* Of each callback: name, type, what a system must have for it, arguments behind t and q; how many
+ * outputs it has, and they (nsdae_output). */
+/* clang-format off */
+#define NSDAE_CALLBACKS(X) \
+  /* callbacks.list: list */ \
+  X(mass, nsdae_mass_fn, ANY, (out[0], ld[0]), 1, {{"M", VELOCITY, VELOCITY, 0, 0}}) \
+  X(force, nsdae_force_fn, ANY, (at->v, out[0]), 1, {{"F", VELOCITY, -1, 0, 0}}) \
+  X(force_damping, nsdae_force_damping_fn, ANY, (at->v, out[0], ld[0]), 1, \
+    {{"D", VELOCITY, VELOCITY, 0, 0}}) \
+  X(force_stiffness, nsdae_force_stiffness_fn, ANY, (at->v, out[0], ld[0]), 1, \
+    {{"K", VELOCITY, VELOCITY, 0, 0}}) \
+  X(constraint, nsdae_constraint_fn, CONSTRAINTS, (out[0]), 1, {{"phi", CONSTRAINT, -1, 0, 0}}) \
+  X(constraint_jacobian, nsdae_constraint_jacobian_fn, CONSTRAINTS, (out[0], ld[0]), 1, \
+    {{"J", CONSTRAINT, VELOCITY, 0, 0}}) \
+  X(constraint_bias, nsdae_constraint_bias_fn, CONSTRAINTS, (at->v, out[0], out[1]), 2, \
+    {{"phi_t", CONSTRAINT, -1, 0, 0}, {"omega", CONSTRAINT, -1, 0, 0}}) \
+  X(gap, nsdae_gap_fn, CONTACTS, (out[0]), 1, {{"g", CONTACT, -1, 0, 0}}) \
+  X(gap_normal, nsdae_gap_normal_fn, CONTACTS, (out[0], ld[0]), 1, \
+    {{"W", VELOCITY, CONTACT, 0, 0}}) \
+  X(gap_tangent, nsdae_gap_tangent_fn, DIRECTIONS, (out[0], ld[0]), 1, \
+    {{"W", VELOCITY, CONTACT, 1, 0}}) \
+  X(contact_bias, nsdae_contact_bias_fn, CONTACTS, (out[0], out[1]), 2, \
+    {{"w_n", CONTACT, -1, 0, 0}, {"w_t", CONTACT, -1, 1, 1}}) \
+  X(contact_acceleration, nsdae_contact_acceleration_fn, SLIDING, \
+    (at->v, out[0], out[1], out[2]), 3, {{"omega_n", CONTACT, -1, 0, 1}, \
+    {"omega_t", CONTACT, -1, 1, 1}, {"omega_s", FRICTIONAL_JOINT, -1, 0, 1}}) \
+  X(frictional_joint_tangent, nsdae_frictional_joint_fn, JOINTS, (out[0], ld[0], out[1]), 2, \
+    {{"W", VELOCITY, FRICTIONAL_JOINT, 0, 0}, {"w_s", FRICTIONAL_JOINT, -1, 0, 0}}) \
+  X(joint_friction_bound, nsdae_joint_friction_bound_fn, JOINTS, (at->v, out[0]), 1, \
+    {{"bound", FRICTIONAL_JOINT, -1, 0, 0}}) \
+  X(kinematics, nsdae_kinematics_fn, ANY, (at->v, out[0]), 1, {{"qdot", COORDINATE, -1, 0, 0}}) \
+  X(potential, nsdae_potential_fn, ANY, (out[0]), 1, {{"energy", -1, -1, 0, 0}}) \
+  X(contact_speed, nsdae_contact_speed_fn, ANY, (at->v, out[0]), 1, {{"speed", -1, -1, 0, 0}}) \
+  /* callbacks.list: end */
+/* clang-format on */
+
+#define FIELD(name, type, ...) type name;
+
 /* Those that are not set are NULL. */
 typedef struct nsdae_calls {
-  /* callbacks.list: fields */
-  nsdae_mass_fn mass;
-  nsdae_force_fn force;
-  nsdae_force_damping_fn force_damping;
-  nsdae_force_stiffness_fn force_stiffness;
-  nsdae_constraint_fn constraint;
-  nsdae_constraint_jacobian_fn constraint_jacobian;
-  nsdae_constraint_bias_fn constraint_bias;
-  nsdae_gap_fn gap;
-  nsdae_gap_normal_fn gap_normal;
-  nsdae_gap_tangent_fn gap_tangent;
-  nsdae_contact_bias_fn contact_bias;
-  nsdae_contact_acceleration_fn contact_acceleration;
-  nsdae_frictional_joint_fn frictional_joint_tangent;
-  nsdae_joint_friction_bound_fn joint_friction_bound;
-  nsdae_kinematics_fn kinematics;
-  nsdae_potential_fn potential;
-  nsdae_contact_speed_fn contact_speed;
-  /* callbacks.list: end */
+  NSDAE_CALLBACKS(FIELD)
   nsdae_mass_blocks_fn mass_blocks;
   nsdae_constraint_rows_fn constraint_rows;
   nsdae_joint_friction_rows_fn joint_friction_rows;
   nsdae_force_blocks_fn force_damping_blocks, force_stiffness_blocks;
   nsdae_contacts_fn contacts;
 } nsdae_calls;
+
+#undef FIELD
 
 struct nsdae_system {
   nsdae_dims dims;

@@ -59,28 +59,20 @@ int nsdae_terms_mass_blocks(nsdae_terms *T)
   return status < 0 ? name_column(T, status) : NSDAE_OK;
 }
 
-int nsdae_terms_constraint_rows(nsdae_terms *T)
+int nsdae_terms_rows(nsdae_terms *T, nsdae_row_list *list)
 {
   const nsdae_system *s = T->system;
-  nsdae_row_list *list = &T->by.rows;
+  int constraints = list->kind == NSDAE_NAME_CONSTRAINT;
+  double t = nsdae_terms_time(T);
   list->error = T->error;
   nsdae_row_list_clear(list);
-  T->evals->jacobian++;
-  int code = s->call.constraint_rows(nsdae_terms_time(T), T->q, list, s->user);
+  T->evals->jacobian += constraints;
+  int code = constraints
+                 ? s->call.constraint_rows(t, T->q, list, s->user)
+                 : s->call.joint_friction_rows(t, T->q, list, T->frictional_joint.w, s->user);
   nsdae_row_list_close(list);
-  return listed(T, code, list->status, "constraint_rows", &list->room, &list->taken);
-}
-
-int nsdae_terms_joint_rows(nsdae_terms *T)
-{
-  const nsdae_system *s = T->system;
-  nsdae_row_list *list = &T->by.joint_rows;
-  list->error = T->error;
-  nsdae_row_list_clear(list);
-  int code =
-      s->call.joint_friction_rows(nsdae_terms_time(T), T->q, list, T->frictional_joint.w, s->user);
-  nsdae_row_list_close(list);
-  return listed(T, code, list->status, "joint_friction_rows", &list->room, &list->taken);
+  return listed(T, code, list->status, constraints ? "constraint_rows" : "joint_friction_rows",
+                &list->room, &list->taken);
 }
 
 int nsdae_terms_contacts(nsdae_terms *T, double reach)

@@ -61,8 +61,8 @@ int nsdae_terms_find(nsdae_terms *terms, double reach, const nsdae_contact_list 
 
 /* The callbacks of terms.c. */
 int nsdae_terms_mass_blocks(nsdae_terms *terms);
-int nsdae_terms_constraint_rows(nsdae_terms *terms);
-int nsdae_terms_joint_rows(nsdae_terms *terms); /* and w of the frictional joints */
+/* of Phi_q; of frictional joints, with their w */
+int nsdae_terms_rows(nsdae_terms *terms, nsdae_row_list *list);
 
 /* Room for lists of contacts and of rows, of Phi_q and of frictional joints; NSDAE_OK or
  * NSDAE_E_MEMORY. */

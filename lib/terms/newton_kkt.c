@@ -32,7 +32,7 @@ int nsdae_newton_kkt_make(nsdae_newton_kkt *b)
 
 void nsdae_newton_kkt_release(nsdae_newton_kkt *b)
 {
-  nsdae_newton_matrix_release(&b->matrix);
+  nsdae_block_pairs_release(&b->matrix.pairs);
   nsdae_kkt_release(&b->kkt);
 }
 

@@ -43,7 +43,8 @@ typedef struct nsdae_newton_matrix {
 /* Takes the arrays; system is set before. */
 void nsdae_newton_matrix_layout(nsdae_newton_matrix *matrix, nsdae_arena *arena);
 
-/* A pattern without couplings, which is that of a system of one block. NSDAE_OK or NSDAE_E_MEMORY.
+/* A pattern without couplings, which is that of a system of one block; its pairs are released by
+ * nsdae_block_pairs_release. NSDAE_OK or NSDAE_E_MEMORY.
  */
 int nsdae_newton_matrix_make(nsdae_newton_matrix *matrix);
 
@@ -58,8 +59,6 @@ int nsdae_newton_matrix_grow(nsdae_newton_matrix *matrix);
 /* A and coupling at the terms' point. NSDAE_OK, NSDAE_E_CALLBACK, NSDAE_E_NONFINITE,
  * NSDAE_E_ARGUMENT: a block that there is not. */
 int nsdae_terms_newton_matrix(nsdae_terms *terms, double cj, nsdae_newton_matrix *matrix);
-
-void nsdae_newton_matrix_release(nsdae_newton_matrix *matrix);
 
 /* ---- newton_kkt.c */
 

@@ -18,11 +18,6 @@ void nsdae_newton_matrix_layout(nsdae_newton_matrix *N, nsdae_arena *arena)
   N->X = NSDAE_ARENA_DOUBLES(arena, dense ? (long)d->nv * d->nv : 0);
 }
 
-void nsdae_newton_matrix_release(nsdae_newton_matrix *N)
-{
-  nsdae_block_pairs_release(&N->pairs);
-}
-
 /* ---- callbacks */
 
 /* A += scale (X + X^T) / 2 with X = D or K of a system without blocks */

@@ -297,7 +297,8 @@ static int rows_at(nsdae_terms *T, unsigned term, nsdae_rows *of, nsdae_gap_norm
 static int jacobian(nsdae_terms *T)
 {
   const nsdae_system *s = T->system;
-  if (s->call.constraint_rows) return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_constraint_rows(T));
+  if (s->call.constraint_rows)
+    return there(T, NSDAE_TERM_JACOBIAN, nsdae_terms_rows(T, &T->by.rows));
   T->evals->jacobian++;
   return rows_at(T, NSDAE_TERM_JACOBIAN, &T->by.jacobian, s->call.constraint_jacobian,
                  "constraint_jacobian", s->call.constraint, "constraint", 0);
@@ -349,7 +350,7 @@ static int frictional_joint(nsdae_terms *T)
   const char *callback = nsdae_system_joint_friction_name(s);
   zero(w, f);
   if (s->call.joint_friction_rows) {
-    int status = nsdae_terms_joint_rows(T);
+    int status = nsdae_terms_rows(T, &T->by.joint_rows);
     return status < 0 ? status : outcome(T, NSDAE_TERM_SLIDE, 0, callback, w, f, 1);
   }
   clear_rows(T, &T->by.frictional_joint); /* may be missing if no joint has friction */

@@ -264,11 +264,6 @@ double nsdae_event_yield(const nsdae_event_phase *p, int i)
   return 1 / f[p->rows.place[i]];
 }
 
-double nsdae_event_determinant(const nsdae_event_phase *p, int *sign)
-{
-  return nsdae_border_determinant(&p->border, sign);
-}
-
 double nsdae_event_force_that_gives(const nsdae_event_phase *p, int force, double a)
 {
   const nsdae_system *s = p->setting->system;

@@ -144,9 +144,6 @@ double nsdae_event_dry_friction(const nsdae_event_phase *phase, int j);
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
 double nsdae_event_yield(const nsdae_event_phase *phase, int i);
 
-/* With the same: log |det A| of the border; its sign. */
-double nsdae_event_determinant(const nsdae_event_phase *phase, int *sign);
-
 /* With the same: the force of that number that alone gives its row the acceleration a,
  * a / (w^T K^-1 w); 0 if it has no row, or one that gives way to nothing. */
 double nsdae_event_force_that_gives(const nsdae_event_phase *phase, int force, double a);

@@ -88,7 +88,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   if (root->kind == NSDAE_ROOT_JAM) {
     /* det A / det A(t_0), less 1/2 with relations. */
     int sign;
-    double part = exp(nsdae_event_determinant(p, &sign) - root->start);
+    double part = exp(nsdae_border_determinant(&p->border, &sign) - root->start);
     return root->rate * sign * part - (has_row(p, NSDAE_ROW_RELATED) ? RELATIONS_LEFT : 0);
   }
   const nsdae_frictional_joint *joint = &s->frictional_joint[i];
@@ -269,7 +269,7 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   if (root->kind == NSDAE_ROOT_JAM) {
     int sign;
     root->state = NSDAE_ROOT_LIVE;
-    root->start = nsdae_event_determinant(p, &sign);
+    root->start = nsdae_border_determinant(&p->border, &sign);
     root->rate = sign;
     return;
   }

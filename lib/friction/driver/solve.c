@@ -62,7 +62,7 @@ void nsdae_friction_destroy(nsdae_friction_solver **solver)
   nsdae_arena_release(&(*solver)->global_memory);
   nsdae_arena_release(&(*solver)->island_memory);
   nsdae_fc_system_release(&(*solver)->system);
-  nsdae_fc_farkas_release(&(*solver)->farkas);
+  nsdae_arena_release(&(*solver)->farkas.memory);
   nsdae_fc_condensed_release(&(*solver)->condensed);
   nsdae_friction_destroy(&(*solver)->contacts);
   free(*solver);

@@ -136,24 +136,6 @@ static int holds(nsdae_fc_farkas *f, int k)
   return 1;
 }
 
-/* Multiples of the least entry, where all are so within rounding, times 1 to LARGEST. */
-static int simplify(double *l, int k)
-{
-  enum { LARGEST = 64 };
-  double least = INFINITY;
-  for (int e = 0; e < k; e++) least = fmin(least, l[e]);
-  for (int times = 1; times <= LARGEST; times++) {
-    int whole = 1;
-    for (int e = 0; e < k && whole; e++) {
-      double x = l[e] / least * times;
-      whole = x < 1e9 && fabs(x - round(x)) < 1e-7 * x;
-    }
-    for (int e = 0; e < k && whole; e++) l[e] = round(l[e] / least * times);
-    if (whole) return 1;
-  }
-  return 0;
-}
-
 /* ---- proof by a bound on the error of the combination */
 
 /* Rows in which a chosen column is not zero, into kept; how many; -1 if scaling the chosen columns
@@ -288,8 +270,11 @@ int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *
   double *exact = f->exact + f->cone.n;
   for (int e = 0; e < k; e++) exact[e] = f->cone.z[f->chosen[e]] * f->by[f->chosen[e]];
   /* ---- the proof */
-  if (k == 0 || !(holds(f, k) || (simplify(exact, k) && holds(f, k)) || is_verified(f, k)))
-    return 0;
+  if (k == 0) return 0;
+  if (!holds(f, k)) {
+    nsdae_to_integers(k, exact);
+    if (!holds(f, k) && !is_verified(f, k)) return 0;
+  }
   /* ---- in the rows of the whole, its largest entry about one */
   double most = nsdae_fc_power_of_two(nsdae_largest(k, exact));
   memset(l, 0, (size_t)fc->global->view.m * sizeof *l);
@@ -298,9 +283,4 @@ int nsdae_fc_farkas_find(nsdae_fc_farkas *f, const nsdae_fc_scaled *fc, double *
     l[fc->global->view.row[f->item[j]]] += f->sign[j] * (exact[e] / most);
   }
   return 1;
-}
-
-void nsdae_fc_farkas_release(nsdae_fc_farkas *f)
-{
-  nsdae_arena_release(&f->memory);
 }

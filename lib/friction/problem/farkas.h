@@ -25,6 +25,4 @@ typedef struct nsdae_fc_farkas {
  * 1 proved, 0 not; NSDAE_E_MEMORY. */
 int nsdae_fc_farkas_find(nsdae_fc_farkas *proof, const nsdae_fc_scaled *fc, double *l);
 
-void nsdae_fc_farkas_release(nsdae_fc_farkas *proof);
-
 #endif

@@ -129,7 +129,8 @@ static size_t part(const nsdae_friction_problem *p, int item, int block)
   return (size_t)other * (size_t)nsdae_fc_rows(p, item);
 }
 
-void nsdae_fc_view_count(nsdae_fc_view *view)
+/* What the problem in view->p has. */
+static void count(nsdae_fc_view *view)
 {
   const nsdae_friction_problem *p = view->p;
   view->items = p->contacts + p->bilateral;
@@ -149,7 +150,7 @@ void nsdae_fc_view_count(nsdae_fc_view *view)
 static int check_data(const nsdae_friction_problem *p, nsdae_error *error)
 {
   nsdae_fc_view view = {.p = p};
-  nsdae_fc_view_count(&view);
+  count(&view);
   size_t nv = (size_t)view.nv, m = (size_t)view.m;
   for (int i = 0; i < p->contacts; i++) {
     if (nsdae_fc_rows(p, i) == 1) continue;
@@ -179,7 +180,7 @@ int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error)
 void nsdae_fc_view_layout(nsdae_fc_view *view, nsdae_arena *arena)
 {
   const nsdae_friction_problem *p = view->p;
-  nsdae_fc_view_count(view);
+  count(view);
   view->row = NSDAE_ARENA_INTS(arena, view->items + 1);
   view->offset = NSDAE_ARENA_INTS(arena, p->blocks + 1);
   view->mass_at = nsdae_arena_take(arena, (long)p->blocks + 1, sizeof(size_t));

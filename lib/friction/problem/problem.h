@@ -21,9 +21,6 @@ typedef struct nsdae_fc_view {
 /* Checks all that the public header asks of a problem, except of M and of the symmetry of W. */
 int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error);
 
-/* Counts what the problem in view->p has. */
-void nsdae_fc_view_count(nsdae_fc_view *view);
-
 /* Takes the arrays for the problem in view->p, which has been checked; fills them. */
 void nsdae_fc_view_layout(nsdae_fc_view *view, nsdae_arena *arena);
 void nsdae_fc_view_fill(nsdae_fc_view *view);

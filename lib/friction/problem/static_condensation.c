@@ -16,11 +16,6 @@ enum { NUMBERS = 8 };
  * that read it. */
 enum { PAIRS = 20 };
 
-static inline int least(int a, int b)
-{
-  return a < b ? a : b;
-}
-
 static inline int most(int a, int b)
 {
   return a > b ? a : b;
@@ -86,12 +81,12 @@ static void find_envelope(nsdae_fc_condensed *c)
   for (int i = 0; i < c->rows; i++) {
     c->S.first[i] = i;
     for (int e = p->first[p->contacts + i]; e < p->first[p->contacts + i + 1]; e++)
-      c->S.first[i] = least(c->S.first[i], c->S.touching[c->S.start[p->block[e]]]);
+      c->S.first[i] = nsdae_fewer(c->S.first[i], c->S.touching[c->S.start[p->block[e]]]);
     c->S.at[i + 1] = c->S.at[i] + (size_t)(i + 1 - c->S.first[i]);
   }
   for (int i = c->rows - 1, low = c->rows, end = c->rows; i >= 0; i--) {
     c->S.end[i] = end;
-    low = least(low, c->S.first[i]);
+    low = nsdae_fewer(low, c->S.first[i]);
     if (low == i) end = i;
   }
   c->sizes[0] = c->S.at[c->rows];
@@ -125,7 +120,7 @@ static int coupled(const nsdae_fc_condensed *c, int i, int j)
   for (int e = c->column[row[i]]; e < c->column[row[i] + 1]; e++)
     for (int f = c->column[row[j]]; f < c->column[row[j] + 1]; f++) {
       const nsdae_fc_condensed_part *a = &c->part[e], *b = &c->part[f];
-      if (a->block == b->block || most(a->low, b->low) < least(a->high, b->high)) return 1;
+      if (a->block == b->block || most(a->low, b->low) < nsdae_fewer(a->high, b->high)) return 1;
     }
   return 0;
 }
@@ -230,7 +225,7 @@ static double response(const nsdae_fc_condensed *c, int k, int l)
   for (int e = c->column[k]; e < c->column[k + 1]; e++)
     for (int f = c->column[l]; f < c->column[l + 1]; f++) {
       const nsdae_fc_condensed_part *a = &c->part[e], *b = &c->part[f];
-      int low = most(a->low, b->low), high = least(a->high, b->high);
+      int low = most(a->low, b->low), high = nsdae_fewer(a->high, b->high);
       if (a->block == b->block) sum += nsdae_dot(c->global->view.p->size[a->block], a->J, b->J);
       if (low < high)
         sum -= nsdae_dot(high - low, c->T + a->at + (low - a->low), c->T + b->at + (low - b->low));

@@ -7,6 +7,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "vector.h"
+
 /* Nonadjacent doubles hold at least two of the 2098 binary places each. */
 enum { LONGEST = 1056 };
 
@@ -34,6 +36,20 @@ enum { NONE = -10000, SPAN = 900 };
 static int power_of(double a, double u)
 {
   return a == 0 || u == 0 ? NONE : ilogb(a) + ilogb(u);
+}
+
+void nsdae_to_integers(int n, double *w)
+{
+  enum { LARGEST = 4096 };
+  double most = nsdae_largest(n, w), factor = 0;
+  for (int k = 1, whole = 0; k <= LARGEST && !whole; k++) {
+    factor = k / most;
+    whole = 1;
+    for (int i = 0; i < n && whole; i++)
+      whole = !(fabs(factor * w[i] - round(factor * w[i])) > 1e-6);
+    if (!whole && k == LARGEST) factor = 0x1p24 / most;
+  }
+  for (int i = 0; i < n; i++) w[i] = round(factor * w[i]);
 }
 
 int nsdae_exact_sign(int n, const double *a, int stride, const double *u)

@@ -40,22 +40,6 @@ static int holds(const nsdae_lcp_work *w, const double *u)
   return 1;
 }
 
-/* Data that are small integers have a w whose entries are in the ratio of integers: those, the
- * least ones, or else 24 places below the largest entry. */
-static void simplify(int n, double *w)
-{
-  enum { LARGEST = 4096 };
-  double most = nsdae_largest(n, w), factor = 0;
-  for (int k = 1, whole = 0; k <= LARGEST && !whole; k++) {
-    factor = k / most;
-    whole = 1;
-    for (int i = 0; i < n && whole; i++)
-      whole = !(fabs(factor * w[i] - round(factor * w[i])) > 1e-6);
-    if (!whole && k == LARGEST) factor = 0x1p24 / most;
-  }
-  for (int i = 0; i < n; i++) w[i] = round(factor * w[i]);
-}
-
 /* ---- nearest point */
 
 /* u from the nearest point with columns so tilted; in w->room.cover. */
@@ -85,7 +69,7 @@ static int separates(nsdae_lcp_work *w, double eta)
   }
   if (nsdae_cone_separate(&cone, w->room.wide + 2 * (size_t)w->n * (size_t)w->n) != 0) return 0;
   if (norm(w->n, w->room.cover) < 1e-12) return 0;
-  if (eta == 0) simplify(w->n, w->room.cover);
+  if (eta == 0) nsdae_to_integers(w->n, w->room.cover);
   for (int i = 0; i < w->n; i++) {
     w->room.cover[i] *= w->scaled.row[i];
     if (eta == 0 && w->room.allowed[i]) w->room.cover[i] = fmax(w->room.cover[i], 0);

@@ -29,4 +29,8 @@ enum { NSDAE_SIGN_UNKNOWN = 2 };
  * NSDAE_SIGN_UNKNOWN where products are too far apart in size for it, or a factor is not finite. */
 int nsdae_exact_sign(int n, const double *a, int stride, const double *u);
 
+/* Data that are small integers have a w whose entries are in the ratio of integers: w becomes
+ * those, the least ones, or else is rounded 24 places below its largest entry. */
+void nsdae_to_integers(int n, double *w);
+
 #endif

@@ -45,7 +45,7 @@ static inline void solver_island_make(solver_island *s, const nsdae_friction_pro
 static inline void solver_island_release(solver_island *s)
 {
   nsdae_fc_system_release(&s->system);
-  nsdae_fc_farkas_release(&s->farkas);
+  nsdae_arena_release(&s->farkas.memory);
   nsdae_arena_release(&s->memory);
   nsdae_arena_release(&s->global_memory);
 }

@@ -283,7 +283,7 @@ static int begin(fixture *f, uint64_t seed, int shape, int with)
 
 static void end(fixture *f)
 {
-  nsdae_newton_matrix_release(&f->newton);
+  nsdae_block_pairs_release(&f->newton.pairs);
   nsdae_terms_release(&f->terms);
   nsdae_arena_release(&f->arena);
   nsdae_system_destroy(&f->system);
@@ -391,7 +391,7 @@ static void test_growth(void **state)
   for (int shown = 0; shown < LINKS; shown += 5) {
     memset(&f, 0, sizeof f);
     assert_int_equal(begin(&f, 5, RANDOM, BY_BLOCKS | DAMPING | STIFFNESS), NSDAE_OK);
-    nsdae_newton_matrix_release(&f.newton);
+    nsdae_block_pairs_release(&f.newton.pairs);
     f.p.shown = shown;
     assert_int_equal(nsdae_newton_matrix_start(&f.newton, &f.terms), NSDAE_OK);
     int before = f.newton.coupling.count, rounds = 0;
@@ -421,7 +421,7 @@ static void test_memory(void **state)
     int status = NSDAE_E_MEMORY;
     for (long at = 0; status != NSDAE_OK; at++) {
       assert_int_equal(begin(&f, 2, RANDOM, with), NSDAE_OK);
-      nsdae_newton_matrix_release(&f.newton);
+      nsdae_block_pairs_release(&f.newton.pairs);
       allocator_reset(at);
       status = nsdae_newton_matrix_start(&f.newton, &f.terms);
       allocator_reset(-1);
