@@ -347,6 +347,8 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .controls = b->force.target.count,
                        .control = b->force.target.at,
                        .fixed = nsdae_motor_fixed};
+  for (int i = 0; i < b->limit.count; i++)
+    maker.turns |= *nsdae_primitive_unit(&nsdae_limit_at(b, i)->value) == 'r'; /* rad */
   nsdae_bodies_sense(b, &maker);
   nsdae_system_set_maker(system, &maker);
 }
