@@ -198,14 +198,15 @@ module nsdae_f_bodies
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_body_from_solids, &
             nsdae_bodies_add_scene, &
-            nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material
+            nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material, &
+            nsdae_bodies_set_colour
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
     ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor add_sensor
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
-    ! headers: functions nsdae_bodies_ add_scene set_name material
+    ! headers: functions nsdae_bodies_ add_scene set_name set_colour material
     ! headers: functions nsdae_solid_ inertia
     ! headers: functions nsdae_body_ from_solids
     ! headers: functions nsdae_scene_ read
@@ -280,6 +281,16 @@ contains
     character(kind=c_char) :: c_name(len_trim(name) + 1)
     call to_chars(name, c_name)
     status = c_set_name(at(bodies), kind, i, c_name)
+  end function
+
+  ! Colour '#rrggbb' of a body or a solid in pictures and files.
+  integer(c_int) function nsdae_bodies_set_colour(bodies, kind, i, colour) result(status)
+    type(nsdae_bodies), intent(in) :: bodies
+    integer(c_int), intent(in) :: kind, i
+    character(len=*), intent(in) :: colour
+    character(kind=c_char) :: c_colour(len_trim(colour) + 1)
+    call to_chars(colour, c_colour)
+    status = c_set_colour(at(bodies), kind, i, c_colour)
   end function
 
   ! Number of the material of this name.

@@ -343,6 +343,8 @@ def _put_sizes(file: Any, group: str, shapes: list[Any]) -> None:
             raise ValueError(f"{what} has {len(row)} numbers; it has at most 3")
         return np.array(row + [0.0] * (3 - len(row)))
 
+    if any(s.colour for s in shapes):
+        _put(file, f"{group}/colour", _text(s.colour for s in shapes), "", "#rrggbb; empty: none")
     _put(file, f"{group}/size", np.array([padded(s.size, "size") for s in shapes]), "m", "by the shape")
     points = [padded(p, "a point") for s in shapes for p in s.points]
     _put(file, f"{group}/points", np.array([len(s.points) for s in shapes], dtype="i4"), "1",
@@ -514,13 +516,17 @@ def _read_placed(file: Any, shape: Any) -> list[Any]:
     first = np.concatenate([[0], np.cumsum(group["points"][...])])
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
     columns = zip(*(group[name][...].tolist() for name in ("name", "shape", "size", "dimension", "position", "turn")))
-    made = []
+    made, colours = [], _colours(group)
     for i, (name, kind, size, dimension, position, turn) in enumerate(columns):
         where = [f"q{position + j}" for j in range(dimension)]
         made.append(shape(str(_str(name)), SHAPES[kind], size, where, f"q{turn}" if dimension == 2 and turn >= 0 else "",
                           [f"q{turn + j}" for j in range(4)] if dimension == 3 and turn >= 0 else [], [],
-                          points=point[first[i] : first[i + 1]].tolist()))
+                          points=point[first[i] : first[i + 1]].tolist(), colour=colours[i]))
     return made
+
+
+def _colours(group: Any) -> list[str]:
+    return [str(_str(text)) for text in group["colour"][...]] if "colour" in group else [""] * len(group["name"])
 
 
 def _read_shapes(file: Any, shape: Any) -> list[Any]:
@@ -543,7 +549,8 @@ def _read_named(file: Any, shape: Any) -> list[Any]:
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
     columns = zip(texts("name"), texts("shape"), group["size"][...].tolist(), several("x", "y", "z"), texts("angle"),
                   several(*(f"quaternion_{a}" for a in "wxyz")), several(*(f"end_{a}" for a in "xyz")))
-    return [shape(*row, points=point[first[i] : first[i + 1]].tolist()) for i, row in enumerate(columns)]
+    return [shape(*row, points=point[first[i] : first[i + 1]].tolist(), colour=colour)
+            for i, (row, colour) in enumerate(zip(columns, _colours(group)))]
 
 
 def read(file: Any, shape: Any) -> dict[str, Any]:

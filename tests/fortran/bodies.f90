@@ -90,6 +90,7 @@ contains
     call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
     call is_int(nsdae_bodies_add(bodies, nsdae_rigid_body(mass=1d0, inertia=[0d0, 0d0, 1d0])), 0_c_int, 'body')
     call is_int(nsdae_bodies_set_name(bodies, NSDAE_NAMED_BODY, 0_c_int, 'crank '), NSDAE_OK, 'name')
+    call is_int(nsdae_bodies_set_colour(bodies, NSDAE_NAMED_BODY, 0_c_int, '#c23b22'), NSDAE_OK, 'colour')
     call is_int(nsdae_bodies_material(bodies, 'ice'), 63_c_int, 'ice')
     call is_int(nsdae_bodies_material(bodies, 'steel'), 62_c_int, 'steel')
     call is_int(nsdae_bodies_material(bodies, 'ice'), 63_c_int, 'ice again')
