@@ -105,7 +105,7 @@ module nsdae_f_bodies
   ! A quantity that nsdae_sim_get_sensor reads; name: of characters that end with c_null_char, null:
   ! none.
   type, bind(C), public :: nsdae_sensor
-    type(c_ptr) :: name = c_null_ptr
+    type(c_ptr) :: name = c_null_ptr  ! the argument name of nsdae_bodies_add_sensor gives it
     integer(c_int) :: kind = NSDAE_SENSOR_COORDINATE
     integer(c_int) :: body = 0
     integer(c_int) :: joint = 0, coordinate = 0
@@ -243,7 +243,23 @@ contains
   ! Each adds one thing: its number, or a status < 0, which is remembered: later calls return it too,
   ! and so does nsdae_bodies_system, so that it is enough to look there.
   ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
-  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor add_sensor
+  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
+
+  ! Adds a sensor, with this name if it is given.
+  integer(c_int) function nsdae_bodies_add_sensor(bodies, sensor, name) result(number)
+    type(nsdae_bodies), intent(in) :: bodies
+    type(nsdae_sensor), intent(in) :: sensor
+    character(len=*), intent(in), optional :: name
+    type(nsdae_sensor) :: given
+    character(kind=c_char), allocatable, target :: c_name(:)
+    given = sensor
+    if (present(name)) then
+      allocate (c_name(len_trim(name) + 1))
+      call to_chars(name, c_name)
+      given%name = c_loc(c_name)
+    end if
+    number = c_add_sensor(at(bodies), given)
+  end function
 
   ! Adds a force callback on the point of a body, in space at the start.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)

@@ -256,7 +256,6 @@ contains
     type(nsdae_motor) :: motor
     real(c_double) :: is, values(NSDAE_VALUES_MAX)
     type(nsdae_sensor) :: sensor
-    character(kind=c_char), target :: name(5) = ['r', 'a', 'c', 'k', c_null_char]
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
@@ -291,10 +290,8 @@ contains
     motor%target = 0
     call is_int(nsdae_bodies_add_motor(bodies, motor), 1_c_int, 'dry friction')
     sensor%joint = 1
-    sensor%name = c_loc(name)
-    call is_int(nsdae_bodies_add_sensor(bodies, sensor), 0_c_int, 'sensor')
+    call is_int(nsdae_bodies_add_sensor(bodies, sensor, 'rack '), 0_c_int, 'sensor')
     sensor%kind = NSDAE_SENSOR_VELOCITY
-    sensor%name = c_null_ptr
     sensor%body = 1
     call is_int(nsdae_bodies_add_sensor(bodies, sensor), 1_c_int, 'sensor')
     call start(bodies, system, sim)
