@@ -164,7 +164,7 @@ def drawn_bodies(bodies, frames, spatial, scale, styles):
             points, parts = ground(solid.shape, colour, scale) if body.shape == "plane" else mesh(solid.shape, colour)
         else:
             pose, (points, parts) = planar_pose(body), outline(body, own or PALE if body.shape == "plane" else colour, scale)
-        drawn.append({"name": body.name, "fixed": own is None, "colour": colour, "plane": body.shape == "plane",
+        drawn.append({"name": body.name, "fixed": bool(is_fixed(whole) or is_thread(whole)), "colour": colour, "plane": body.shape == "plane",
                       "points": rounded(points, scale), "parts": [styles.numbered(*part) for part in parts],
                       "pose": rounded(pose, scale)})
     return sorted(drawn, key=lambda b: (not b["plane"], not b["fixed"]))

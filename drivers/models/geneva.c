@@ -103,6 +103,11 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
       p->world, CRANK,
       &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = p->pin, .position = {a}});
   for (int i = 0; i < p->slots; i++) nsdae_bodies_add_contact(p->world, i, pin, 0, 0, 0);
+  nsdae_bodies_add_sensor(
+      p->world, &(nsdae_sensor){.name = "wheel", .kind = NSDAE_SENSOR_COORDINATE, .joint = wheel});
+  nsdae_bodies_add_sensor(
+      p->world,
+      &(nsdae_sensor){.name = "pin_force", .kind = NSDAE_SENSOR_CONTACT_FORCE, .body = CRANK});
   return world_end(p->world, NSDAE_OK, system, error);
 }
 

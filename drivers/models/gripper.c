@@ -87,6 +87,9 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
                                                   .user = p});
   add_finger(p, LEFT, -1);
   add_finger(p, RIGHT, 1);
+  nsdae_bodies_add_sensor(
+      p->world,
+      &(nsdae_sensor){.name = "grip", .kind = NSDAE_SENSOR_PAIR_FORCE, .solid = {LEFT, BOX}});
   return world_end(p->world, NSDAE_OK, system, error);
 }
 

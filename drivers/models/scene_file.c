@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 static int read_scene(void *base, double *dt, nsdae_error *error)
@@ -21,6 +22,43 @@ static int read_scene(void *base, double *dt, nsdae_error *error)
   return status;
 }
 
+/* "KIND:BODY,KIND:BODY": each has the name KIND_BODY in the file. */
+static int add_sensors(scene_file *p, nsdae_error *error)
+{
+  static const struct {
+    const char *name;
+    int kind;
+  } kinds[] = {{"contact_force", NSDAE_SENSOR_CONTACT_FORCE},
+               {"position", NSDAE_SENSOR_POSITION},
+               {"orientation", NSDAE_SENSOR_ORIENTATION},
+               {"velocity", NSDAE_SENSOR_VELOCITY},
+               {"angular_velocity", NSDAE_SENSOR_ANGULAR_VELOCITY},
+               {"acceleration", NSDAE_SENSOR_ACCELERATION},
+               {"kinetic_energy", NSDAE_SENSOR_KINETIC_ENERGY}};
+  enum { KINDS = sizeof kinds / sizeof *kinds };
+  char kind[32], name[64];
+  for (const char *at = p->sensors; *at;) {
+    int body = -1, used = 0, i = 0;
+    sscanf(at, "%31[a-z_]:%d%n", kind, &body, &used);
+    while (used > 0 && i < KINDS && strcmp(kinds[i].name, kind) != 0) i++;
+    if (used == 0 || i == KINDS || (at[used] && at[used] != ',') || body < 0 ||
+        body >= p->scene.bodies) {
+      snprintf(error->text, sizeof error->text,
+               "sensors: '%.40s' is not KIND:BODY with a body of 0 .. %d and a kind of "
+               "contact_force, position, orientation, velocity, angular_velocity, acceleration, "
+               "kinetic_energy",
+               at, p->scene.bodies - 1);
+      return error->status = NSDAE_E_ARGUMENT;
+    }
+    snprintf(name, sizeof name, "%s_%d", kind, body);
+    nsdae_sensor s = {.name = name, .kind = kinds[i].kind, .body = body};
+    memcpy(s.point, p->scene.body[body].position, sizeof s.point);
+    nsdae_bodies_add_sensor(p->world, &s);
+    at += used + (at[used] == ',');
+  }
+  return NSDAE_OK;
+}
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   scene_file *p = base;
@@ -28,6 +66,8 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   int status = nsdae_bodies_create(3, &p->world, error);
   if (status < 0) return status;
   nsdae_bodies_add_scene(p->world, &p->scene);
+  status = add_sensors(p, error);
+  if (status < 0) return status;
   status = nsdae_bodies_system(p->world, system);
   if (status < 0) *error = *nsdae_bodies_error(p->world);
   p->deepest_ever = p->cpu = p->cpu_worst = 0;
@@ -75,10 +115,13 @@ static void conclude(const void *base)
            1e3 * p->cpu / (double)p->steps, 1e3 * p->cpu_worst, p->worst);
 }
 
-static const nsdae_param entries[] = {{"file", "", "the scene: a CSV file", NSDAE_PARAM_TEXT,
-                                       offsetof(scene_file, file), 0, 0, 0, 0, NULL}};
+static const nsdae_param entries[] = {
+    {"file", "", "the scene: a CSV file", NSDAE_PARAM_TEXT, offsetof(scene_file, file), 0, 0, 0, 0,
+     NULL},
+    {"sensors", "", "KIND:BODY,... in the file, such as contact_force:3", NSDAE_PARAM_TEXT,
+     offsetof(scene_file, sensors), 0, 0, 0, 0, NULL}};
 
-static const nsdae_params table = {entries, 1};
+static const nsdae_params table = {entries, 2};
 static scene_file parameters;
 
 const driver_model scene_file_model = {.name = "scene",

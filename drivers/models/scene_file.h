@@ -5,7 +5,7 @@
 #include "driver.h"
 
 typedef struct scene_file {
-  char file[NSDAE_PARAM_TEXT_SIZE];
+  char file[NSDAE_PARAM_TEXT_SIZE], sensors[NSDAE_PARAM_TEXT_SIZE];
   nsdae_scene scene;
   nsdae_bodies *world;
   double deepest, deepest_ever; /* penetration now, and the largest so far [m] */

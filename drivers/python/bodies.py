@@ -16,8 +16,9 @@ SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "b
 # size [3] and points [p, 3] in the body's own frame; position [n, 3] or, if it never moves, [3];
 # rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None. columns: of q, that place
 # it; rigid: the columns that place and that rotate it, equal for the shapes of one rigid body.
-Body = namedtuple("Body", "name shape size points position rotation end columns rigid",
-                  defaults=(None, None, (), None))
+# colour: "#rrggbb" or "".
+Body = namedtuple("Body", "name shape size points position rotation end columns rigid colour",
+                  defaults=(None, None, (), None, ""))
 
 
 def is_fixed(body):
@@ -30,12 +31,21 @@ def is_thread(body):
 
 
 def colours_of(bodies):
-    """Of each body; None if it is fixed or a thread. Shapes of one rigid body have one colour."""
+    """Of each body its own; None if it is fixed or a thread. Shapes of one rigid body have one colour."""
     number, colours = {}, []
     for body in bodies:
         grey = is_fixed(body) or is_thread(body)
-        colours.append(None if grey else COLOURS[number.setdefault(body.rigid or body.name, len(number)) % len(COLOURS)])
+        chosen = None if grey else COLOURS[number.setdefault(body.rigid or body.name, len(number)) % len(COLOURS)]
+        colours.append(body.colour or chosen)
     return colours
+
+
+def given_colours(group, count):
+    """Texts "#rrggbb" or "" of the dataset `colour` of a group, if it has one."""
+    given = [text(value) for value in group["colour"]] if "colour" in group else [""] * count
+    if len(given) != count or not all(re.fullmatch("(#[0-9a-fA-F]{6})?", colour) for colour in given):
+        raise Problem(f"its {group.name}/colour is not one of #rrggbb for each body")
+    return given
 
 
 def about_z(angle):
@@ -125,8 +135,8 @@ def named(file, time, q):
     if first is None or not len(group["size"]) == len(table["name"]) == len(first) - 1:
         raise Problem("its /bodies do not fit together")
     return [body_of({column: table[column][i] for column in COLUMNS}, group["size"][i], point[first[i] : first[i + 1]],
-                    names, coordinates)
-            for i in range(len(table["name"]))]
+                    names, coordinates)._replace(colour=colour)
+            for i, colour in enumerate(given_colours(group, len(table["name"])))]
 
 
 def shaped(file, q):
@@ -149,12 +159,12 @@ def shaped(file, q):
     flat, spatial = (dimension == 2) & (turn >= 0), (dimension == 3) & (turn >= 0)
     rotation[:, flat] = about_z(q[:, turn[flat]])
     rotation[:, spatial] = by_quaternion(q[:, turn[spatial, None] + np.arange(4)])
-    bodies = []
+    bodies, colour = [], given_colours(group, len(name))
     for i in range(len(name)):
         turns = tuple(range(turn[i], turn[i] + (1 if dimension[i] == 2 else 4))) if turn[i] >= 0 else ()
         columns = tuple(sorted({*range(position[i], position[i] + dimension[i]), *turns}))
         bodies.append(Body(name[i], SHAPES[kind[i]], size[i], point[first[i] : first[i + 1]], where[:, i],
-                           rotation[:, i] if turns else None, None, columns, (columns, turns)))
+                           rotation[:, i] if turns else None, None, columns, (columns, turns), colour[i]))
     return bodies
 
 

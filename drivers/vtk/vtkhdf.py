@@ -15,7 +15,7 @@ import sys
 import h5py
 import numpy as np
 
-from bodies import columns_of, read_motion, times_of
+from bodies import colours_of, columns_of, read_motion, times_of
 from contacts import Origins, contacts_of, step_length
 from shapes import placed, solids_of
 from trajectory import Parser, Problem, has_list, open_trajectory, replace, tell
@@ -88,7 +88,14 @@ def begin(file, size):
     return root
 
 
-def image(time, bodies):
+GREY = "#a9aeb5"  # of what is fixed
+
+
+def rgb(colours):
+    return np.array([list(bytes.fromhex((colour or GREY)[1:])) for colour in colours], "u1")
+
+
+def image(time, bodies, colours=()):
     """The file's bytes. Made in memory: HDF5 itself crashes after a write that found the disk full."""
     size = points_of(bodies)
     connectivity, offsets, number = topology(bodies)
@@ -101,7 +108,9 @@ def image(time, bodies):
         data.create_dataset("body", data=number, dtype="i4")
         name_bodies(data, [b.name for b in bodies])
         data["dark"] = np.concatenate([np.array(b.shape.dark or [0] * len(b.shape.polygons), "i4") for b in bodies])
-        write_steps(root, time, size, body=0, dark=0)
+        if len(colours):
+            data["colour"] = rgb(colours)[number]
+        write_steps(root, time, size, body=0, dark=0, **({"colour": 0} if len(colours) else {}))
     return whole.getbuffer()
 
 
@@ -172,7 +181,7 @@ def convert(file, arguments):
     bodies, q = read_motion(file, arguments.file, arguments.point, records)
     solids = solids_of(bodies)
     check_size(arguments.file, arguments.every, len(records), points_of(solids))
-    replace(arguments.output, image(time[records], solids))
+    replace(arguments.output, image(time[records], solids, colours_of(bodies) if any(b.colour for b in bodies) else ()))
     tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
     if has_list(file) and not arguments.point:
         found = list(contact_lines(file, bodies, q, records))

@@ -420,6 +420,9 @@ enum nsdae_named { NSDAE_NAMED_BODY, NSDAE_NAMED_SOLID };
  * and _ - . which no other body or solid has; copied. kind: enum nsdae_named. Returns NSDAE_OK or
  * the errors above. */
 NSDAE_API int nsdae_bodies_set_name(nsdae_bodies *bodies, int kind, int i, const char *name);
+/* Colour "#rrggbb" of a body or a solid in pictures and trajectory files, once; copied. A solid
+ * without one has that of its body. Returns NSDAE_OK or the errors above. */
+NSDAE_API int nsdae_bodies_set_colour(nsdae_bodies *bodies, int kind, int i, const char *colour);
 /* Number of the material of this name, for nsdae_solid and nsdae_bodies_set_pair; name as above.
  * The first name is number 63, the next one 62, and so on. Returns the number or the errors above.
  */

@@ -815,6 +815,11 @@ public:
     demand(nsdae_bodies_set_name(c(), kind, i, name.c_str()));
     return *this;
   }
+  /* nsdae_bodies_set_colour: "#rrggbb". */
+  void set_colour(int kind, int i, const std::string &colour)
+  {
+    demand(nsdae_bodies_set_colour(c(), kind, i, colour.c_str()));
+  }
   /* nsdae_bodies_material. */
   int material(const std::string &name) { return demand(nsdae_bodies_material(c(), name.c_str())); }
   /* nsdae_bodies_set_gravity. */

@@ -53,6 +53,7 @@ typedef struct nsdae_body {
   const char *quaternion[4]; /* w, x, y, z: rotates its frame into space, of any length > 0; give
                                 all four or none, and not with angle */
   const char *end[3];        /* SEGMENT only: its other end; give at least one coordinate */
+  const char *colour;        /* "#rrggbb"; none: the programs choose */
 } nsdae_body;
 
 #ifdef __cplusplus

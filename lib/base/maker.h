@@ -60,6 +60,7 @@ typedef struct nsdae_maker {
   const double *control; /* [controls] at first */
   /* NULL, or why a simulation cannot set control i. */
   const char *(*fixed)(const void *of, int i);
+  int turns; /* a contact of the list may have a rotation as its gap */
   nsdae_maker_sensors sensors;
   /* Whether frictional joint j is a position motor, with its gains; the errors e [f] of these, 0 or
    * what a drive returned. */

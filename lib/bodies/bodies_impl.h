@@ -96,8 +96,9 @@ typedef struct nsdae_bodies_pair {
   double mu, e_n, e_t;
 } nsdae_bodies_pair;
 
-/* Name of a body or a solid (enum nsdae_named), or of material NSDAE_MATERIALS - 1 - i. */
-enum { NSDAE_NAMED_MATERIAL = NSDAE_NAMED_SOLID + 1, NSDAE_WORD = 24 };
+/* Name of a body or a solid (enum nsdae_named), or of material NSDAE_MATERIALS - 1 - i; colour of a
+ * body or a solid. */
+enum { NSDAE_NAMED_MATERIAL = NSDAE_NAMED_SOLID + 1, NSDAE_COLOUR_OF, NSDAE_WORD = 24 };
 typedef struct nsdae_bodies_name {
   int kind, i;
   char text[NSDAE_WORD];
@@ -317,7 +318,7 @@ static inline int nsdae_is_moment(double largest, double other0, double other1)
   return largest <= (other0 + other1) * (1 + 1e-5);
 }
 
-/* Name of object i of a kind, or NULL. */
+/* Name of object i of a kind, or NULL; NSDAE_COLOUR_OF + kind: its colour. */
 const char *nsdae_bodies_name_of(const nsdae_bodies *bodies, int kind, int i);
 
 /* L := J omega in body axes. */

@@ -65,7 +65,7 @@ static int set_names(const nsdae_bodies *b, nsdae_system *system)
 }
 
 /* joint0_0, joint0_1, ... and coupler0, ... in the units of their coordinates; a frictional joint
- * is named after its joint or motor. */
+ * is named after its joint or motor; fixed limits are limit0, rope1, ... */
 static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
 {
   const nsdae_bodies_constraint *c = b->constraint.at;
@@ -86,6 +86,13 @@ static int set_joint_names(const nsdae_bodies *b, nsdae_system *system)
     snprintf(name, sizeof name, motor ? "motor%d" : "joint%d", motor ? s[i].motor : s[i].joint);
     status = nsdae_system_set_name(system, NSDAE_NAME_FRICTIONAL_JOINT, i, name,
                                    nsdae_primitive_unit(&s[i].along));
+  }
+  int limits = nsdae_bodies_has_list(b) ? 0 : b->limit.count;
+  for (int i = 0; i < limits && status == NSDAE_OK; i++) {
+    const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
+    snprintf(name, sizeof name, l->joint == NSDAE_ROPE ? "rope%d" : "limit%d", i);
+    status = nsdae_system_set_name(system, NSDAE_NAME_CONTACT, b->feature.count + i, name,
+                                   nsdae_primitive_unit(&l->value));
   }
   return status;
 }

@@ -349,6 +349,8 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .fixed = nsdae_motor_fixed,
                        .position = nsdae_motor_position,
                        .errors = nsdae_motor_errors};
+  for (int i = 0; i < b->limit.count; i++)
+    maker.turns |= *nsdae_primitive_unit(&nsdae_limit_at(b, i)->value) == 'r'; /* rad */
   nsdae_bodies_sense(b, &maker);
   nsdae_system_set_maker(system, &maker);
 }

@@ -234,6 +234,9 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
     set_position(&p, b, s->body, s->origin);
     set_frame(&p, b, s->body, flat ? 0 : atan2(s->R[1], s->R[0]), flat ? no_turn : s->turn);
   }
+  p.body.colour = nsdae_bodies_name_of(b, NSDAE_COLOUR_OF + NSDAE_NAMED_SOLID, i);
+  if (!p.body.colour)
+    p.body.colour = nsdae_bodies_name_of(b, NSDAE_COLOUR_OF + NSDAE_NAMED_BODY, s->body);
   int status =
       show(&p, system, nsdae_bodies_name_of(b, NSDAE_NAMED_SOLID, i),
            nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, s->body), nsdae_solid_name(s->shape), i);
@@ -256,6 +259,7 @@ static int show_bare(const nsdae_bodies *b, nsdae_system *system)
     if (seen[i]) continue;
     set_position(&p, b, i, centre);
     set_frame(&p, b, i, 0, no_turn);
+    p.body.colour = nsdae_bodies_name_of(b, NSDAE_COLOUR_OF + NSDAE_NAMED_BODY, i);
     status = show(&p, system, nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, i), NULL, "body", i);
   }
   free(seen);

@@ -1,4 +1,4 @@
-/* Names of bodies, solids and materials. */
+/* Names of bodies, solids and materials; colours of bodies and solids. */
 #include <string.h>
 
 #include "bodies_impl.h"
@@ -36,28 +36,48 @@ static int add(nsdae_bodies *b, int kind, int i, const char *text)
   return NSDAE_OK;
 }
 
-int nsdae_bodies_set_name(nsdae_bodies *b, int kind, int i, const char *name)
+/* Whether there is a body or a solid i that has no text of this kind yet. */
+static int check_object(nsdae_bodies *b, int kind, int i, const char *argument, int of)
 {
-  int status = nsdae_bodies_open(b, name, "name");
-  if (status < 0) return status;
   const char *what = kind == NSDAE_NAMED_SOLID ? "solid" : "body";
   int count = kind == NSDAE_NAMED_SOLID ? b->solid.count : b->body.count;
   if (kind != NSDAE_NAMED_BODY && kind != NSDAE_NAMED_SOLID)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "name", "kind", i,
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, argument, "kind", i,
                                "kind = %d is not one of enum nsdae_named", kind);
   if (i < 0 || i >= count)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "i", i, "there are %d, from 0", count);
+  if (nsdae_bodies_name_of(b, of + kind, i))
+    return nsdae_bodies_refuse(b, NSDAE_E_STATE, what, argument, i, "it has the %s '%s' already",
+                               argument, nsdae_bodies_name_of(b, of + kind, i));
+  return NSDAE_OK;
+}
+
+int nsdae_bodies_set_name(nsdae_bodies *b, int kind, int i, const char *name)
+{
+  int status = nsdae_bodies_open(b, name, "name");
+  if (status == NSDAE_OK) status = check_object(b, kind, i, "name", 0);
+  if (status < 0) return status;
+  const char *what = kind == NSDAE_NAMED_SOLID ? "solid" : "body";
   status = check_name(b, what, i, name);
   if (status < 0) return status;
-  if (nsdae_bodies_name_of(b, kind, i))
-    return nsdae_bodies_refuse(b, NSDAE_E_STATE, what, "name", i, "it has the name '%s' already",
-                               nsdae_bodies_name_of(b, kind, i));
   for (int j = 0; j < b->name.count; j++)
-    if (name_at(b, j)->kind != NSDAE_NAMED_MATERIAL && strcmp(name_at(b, j)->text, name) == 0)
+    if (name_at(b, j)->kind < NSDAE_NAMED_MATERIAL && strcmp(name_at(b, j)->text, name) == 0)
       return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "name", i, "the name '%s' is %s %d",
                                  name, name_at(b, j)->kind == NSDAE_NAMED_SOLID ? "solid" : "body",
                                  name_at(b, j)->i);
   return add(b, kind, i, name);
+}
+
+int nsdae_bodies_set_colour(nsdae_bodies *b, int kind, int i, const char *colour)
+{
+  int status = nsdae_bodies_open(b, colour, "colour");
+  if (status == NSDAE_OK) status = check_object(b, kind, i, "colour", NSDAE_COLOUR_OF);
+  if (status < 0) return status;
+  if (*colour == '#' && strlen(colour) == 7 && strspn(colour + 1, "0123456789abcdefABCDEF") == 6)
+    return add(b, NSDAE_COLOUR_OF + kind, i, colour);
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, kind == NSDAE_NAMED_SOLID ? "solid" : "body",
+                             "colour", i, "colour = '%.40s' must be # and six hexadecimal digits",
+                             colour);
 }
 
 int nsdae_bodies_material(nsdae_bodies *b, const char *name)

@@ -105,7 +105,7 @@ module nsdae_f_bodies
   ! A quantity that nsdae_sim_get_sensor reads; name: of characters that end with c_null_char, null:
   ! none.
   type, bind(C), public :: nsdae_sensor
-    type(c_ptr) :: name = c_null_ptr
+    type(c_ptr) :: name = c_null_ptr  ! the argument name of nsdae_bodies_add_sensor gives it
     integer(c_int) :: kind = NSDAE_SENSOR_COORDINATE
     integer(c_int) :: body = 0
     integer(c_int) :: joint = 0, coordinate = 0
@@ -198,14 +198,15 @@ module nsdae_f_bodies
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_body_from_solids, &
             nsdae_bodies_add_scene, &
-            nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material
+            nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material, &
+            nsdae_bodies_set_colour
 
   interface
     ! headers: functions nsdae_bodies_ create destroy add add_joint add_spring add_torsion add_load add_solid
     ! headers: functions nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor add_sensor
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
-    ! headers: functions nsdae_bodies_ add_scene set_name material
+    ! headers: functions nsdae_bodies_ add_scene set_name set_colour material
     ! headers: functions nsdae_solid_ inertia
     ! headers: functions nsdae_body_ from_solids
     ! headers: functions nsdae_scene_ read
@@ -242,7 +243,23 @@ contains
   ! Each adds one thing: its number, or a status < 0, which is remembered: later calls return it too,
   ! and so does nsdae_bodies_system, so that it is enough to look there.
   ! headers: wrappers nsdae_bodies_ add add_joint add_spring add_torsion
-  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor add_sensor
+  ! headers: wrappers nsdae_bodies_ add_limit add_rope add_coupler add_joint_spring add_motor
+
+  ! Adds a sensor, with this name if it is given.
+  integer(c_int) function nsdae_bodies_add_sensor(bodies, sensor, name) result(number)
+    type(nsdae_bodies), intent(in) :: bodies
+    type(nsdae_sensor), intent(in) :: sensor
+    character(len=*), intent(in), optional :: name
+    type(nsdae_sensor) :: given
+    character(kind=c_char), allocatable, target :: c_name(:)
+    given = sensor
+    if (present(name)) then
+      allocate (c_name(len_trim(name) + 1))
+      call to_chars(name, c_name)
+      given%name = c_loc(c_name)
+    end if
+    number = c_add_sensor(at(bodies), given)
+  end function
 
   ! Adds a force callback on the point of a body, in space at the start.
   integer(c_int) function nsdae_bodies_add_load(bodies, body, point, load, user) result(number)
@@ -280,6 +297,16 @@ contains
     character(kind=c_char) :: c_name(len_trim(name) + 1)
     call to_chars(name, c_name)
     status = c_set_name(at(bodies), kind, i, c_name)
+  end function
+
+  ! Colour '#rrggbb' of a body or a solid in pictures and files.
+  integer(c_int) function nsdae_bodies_set_colour(bodies, kind, i, colour) result(status)
+    type(nsdae_bodies), intent(in) :: bodies
+    integer(c_int), intent(in) :: kind, i
+    character(len=*), intent(in) :: colour
+    character(kind=c_char) :: c_colour(len_trim(colour) + 1)
+    call to_chars(colour, c_colour)
+    status = c_set_colour(at(bodies), kind, i, c_colour)
   end function
 
   ! Number of the material of this name.

@@ -18,6 +18,7 @@ module nsdae_f_shape
     real(c_double) :: size(3) = 0
     real(c_double), allocatable :: point(:, :)  ! (3, points), of polygons and paths
     character(len=256) :: position(3) = '', angle = '', quaternion(4) = '', end(3) = ''
+    character(len=8) :: colour = ''
   end type
 
   ! The struct of the C header.
@@ -26,7 +27,7 @@ module nsdae_f_shape
   ! The texts of a body, each ended by a null character.
   type, public :: nsdae_body_words
     character(kind=c_char) :: name(65), position(257, 3), angle(257), quaternion(257, 4), &
-                              end(257, 3)
+                              end(257, 3), colour(9)
   end type
 
   public :: nsdae_system_add_body, nsdae_system_get_bodies, body_of
@@ -71,6 +72,7 @@ contains
     body%shape = from%shape
     body%size = from%size
     body%angle = from_c(from%angle)
+    body%colour = from_c(from%colour)
     do i = 1, 4
       body%quaternion(i) = from_c(from%quaternion(i))
     end do
@@ -90,8 +92,10 @@ contains
     integer :: i
     call to_chars(from%name, text%name)
     call to_chars(from%angle, text%angle)
+    call to_chars(from%colour, text%colour)
     body%name = c_loc(text%name)
     body%angle = c_loc(text%angle)
+    body%colour = c_loc(text%colour)
     body%shape = from%shape
     body%size = from%size
     if (allocated(from%point)) then

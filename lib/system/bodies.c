@@ -5,7 +5,7 @@
 
 #include "system_impl.h"
 
-enum { TEXTS = 12 };
+enum { TEXTS = 13 };
 
 /* Gives the copy points and texts of its own; *owned is their memory. 0 where there is none. */
 static int own(nsdae_body *copy)
@@ -20,6 +20,7 @@ static int own(nsdae_body *copy)
     text[5 + i] = &copy->end[i];
   }
   for (int i = 0; i < 4; i++) text[8 + i] = &copy->quaternion[i];
+  text[12] = &copy->colour;
   for (int i = 0; i < TEXTS; i++) all += *text[i] ? strlen(*text[i]) + 1 : 0;
   char *memory = malloc(all > 0 ? all : 1);
   if (!memory) return 0;

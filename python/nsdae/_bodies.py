@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 import warnings
@@ -77,6 +78,8 @@ class Solid(NamedTuple):
         touches nothing, as a shape for pictures alone.
     name : str
         In messages, pictures and files: letters, digits, "_", "-", ".".
+    colour : str
+        In pictures and files: "#rrggbb". The default is that of its body.
     """
 
     shape: str
@@ -91,6 +94,7 @@ class Solid(NamedTuple):
     group: int = 0
     exclude: int = 0
     name: str = ""
+    colour: str = ""
 
     def _given(self) -> dict[str, Any]:
         length = self.length
@@ -198,6 +202,7 @@ class Bodies:
         self._system: System | None = None
         self._user_rows: Any = None
         self._names: dict[int, str] = {}
+        self._colours: dict[int, str] = {}
         self.scene: Scene | None = None
         if len(gravity):
             self._core.set_gravity(self._vector("gravity", gravity))
@@ -224,7 +229,7 @@ class Bodies:
         return list(map(float, array.reshape(-1))), [0.0] * 3
 
     def add(self, mass: float, inertia: Any, position: Any = (), *, angle: float = 0, quaternion: Any = (),
-            velocity: Any = (), spin: Any = (), name: str = "") -> int:
+            velocity: Any = (), spin: Any = (), name: str = "", colour: str = "") -> int:
         """Adds a body.
 
         Parameters
@@ -246,6 +251,8 @@ class Bodies:
             Angular velocity at the start, in space about the body's own axes [rad/s].
         name : str
             In messages, pictures and files: letters, digits, "_", "-", ".".
+        colour : str
+            In pictures and files: "#rrggbb".
 
         Returns
         -------
@@ -261,6 +268,9 @@ class Bodies:
         if name:
             self._core.set_name(_BODY, number, name)
             self._names[number] = name
+        if colour:
+            self._core.set_colour(_BODY, number, colour)
+            self._colours[number] = colour
         return number
 
     def add_from_solids(self, solids: Sequence[Solid], density: Any, position: Any = (), *, angle: float = 0,
@@ -594,6 +604,8 @@ class Bodies:
         number = self._core.add_solid(body, {**solid._given(), "material": self._material(solid.material)})
         if solid.name:
             self._core.set_name(_SOLID, number, solid.name)
+        if solid.colour:
+            self._core.set_colour(_SOLID, number, solid.colour)
         self._solids.append((body, solid))
         return number
 
@@ -744,7 +756,9 @@ class Bodies:
         def name(i: int, body: int, solid: Solid) -> str:
             return solid.name or f"{self._names.get(body, '')} {solid.shape} {i}".lstrip()
 
-        return [place(name(i, body, solid), body, solid) for i, (body, solid) in enumerate(self._solids)]
+        made = [place(name(i, body, solid), body, solid) for i, (body, solid) in enumerate(self._solids)]
+        return [dataclasses.replace(shape, colour=solid.colour or self._colours.get(body, ""))
+                for shape, (body, solid) in zip(made, self._solids)]
 
 
 def read_scene(path: str | os.PathLike[str]) -> Bodies:

@@ -27,8 +27,8 @@ RECORDS = (
     ("v", "v", "of the model", "velocities", ("time", "velocity")),
     ("multiplier", "multiplier", "of the model: force of each constraint",
      "mean bilateral force over the step that ends here", ("time", "constraint")),
-    ("frictional_joint/impulse", "frictional_joint_impulse", "N s",
-     "friction impulse of each frictional joint, of the step that ends here; about an axis [N m s]", ("time", JOINT)),
+    ("frictional_joint/impulse", "frictional_joint_impulse", "N s|N m s",
+     "friction impulse of each frictional joint, of the step that ends here", ("time", JOINT)),
     ("frictional_joint/mode", "frictional_joint_mode", "1", "0 frictionless, 1 slip, 2 stick", ("time", JOINT)),
     ("energy/kinetic", "kinetic", "J", "v^T M v / 2", ("time",)),
     ("energy/potential", "potential", "J", "potential energy of the model", ("time",)),
@@ -38,7 +38,7 @@ RECORDS = (
     ("certificate/lcp_residual", "lcp_residual", "1",
      "scaled natural residual of the step's complementarity problem", ("time",)),
     ("certificate/constraint_drift", "constraint_drift", "of the model", "max |Phi|", ("time",)),
-    ("certificate/penetration", "penetration", "m", "largest overlap over the contacts", ("time",)),
+    ("certificate/penetration", "penetration", "m|rad", "largest overlap over the contacts", ("time",)),
 )
 # dataset, field of the certificate, unit, description, axis without which it is left out
 CERTIFICATE = (
@@ -46,7 +46,7 @@ CERTIFICATE = (
     ("energy/unexplained", "unexplained", "J",
      "change of energy + dissipated - work so far: < 0 is a loss of the method, > 0 a gain", ""),
     ("certificate/penetration_contact", "penetration_contact", "1", "contact of the largest overlap" + WHICH, "contact"),
-    ("certificate/pull", "pull", "N s", "largest impulse by which a contact pulls", "contact"),
+    ("certificate/pull", "pull", "N s|N m s", "largest impulse by which a contact pulls", "contact"),
     ("certificate/pull_contact", "pull_contact", "1", "that contact" + WHICH, "contact"),
     ("certificate/cone_excess", "cone_excess", "N s", "largest friction impulse beyond mu times the normal impulse",
      "contact"),
@@ -60,10 +60,10 @@ CERTIFICATE = (
 )
 IMPACTS = (
     ("id", "1", "id of the contact"), ("block", "1", "blocks of the contact; -1: the ground"),
-    ("normal_impulse", "N s", "normal impulse"),
-    ("tangential_impulse", "N s", "tangential impulse"), ("velocity_before", "m/s", "normal velocity before"),
-    ("velocity_after", "m/s", "normal velocity after"),
-    ("peak_force", "N", "largest normal force of a continuous contact; 0 for a rigid one"),
+    ("normal_impulse", "N s|N m s", "normal impulse"),
+    ("tangential_impulse", "N s", "tangential impulse"), ("velocity_before", "m/s|rad/s", "normal velocity before"),
+    ("velocity_after", "m/s|rad/s", "normal velocity after"),
+    ("peak_force", "N|N m", "largest normal force of a continuous contact; 0 for a rigid one"),
     ("accumulation", "1", "1 where the entry stands for infinitely many impacts that end at its time in rest"),
 )
 CHANGES = (
@@ -74,9 +74,9 @@ CHANGES = (
 # field, unit, description, scale of its last dimension
 CONTACTS = (
     ("block", "1", "blocks of the contact; -1: the ground", ("side",)),
-    ("gap", "m", "normal distance, negative in overlap; of a contact list at the last evaluation; of a limit about an axis [rad]",
+    ("gap", "m|rad", "normal distance, negative in overlap; of a contact list at the last evaluation",
      ()),
-    ("normal_impulse", "N s", "normal impulse of the step that ends here; of a limit about an axis [N m s]", ()),
+    ("normal_impulse", "N s|N m s", "normal impulse of the step that ends here", ()),
     ("tangential_impulse", "N s", "tangential impulse of the step that ends here", ("tangent",)),
     ("mode", "1", "0 open, 1 slip, 2 stick", ()),
 )
@@ -192,6 +192,14 @@ def _text(values: Any) -> Any:
     return np.array([str(value) for value in values], dtype=object)
 
 
+def _unit(file: Any, path: str, unit: str) -> str:
+    """The unit "A|B" of a dataset is A of displacements, B of rotations, "A, B" of both."""
+    length, _, turn = unit.partition("|")
+    names = f"{JOINT if path.startswith('frictional_joint/') else 'contacts/contact'}_unit"
+    turns = {_str(text) == "rad" for text in file[names][...]} if turn and names in file else {False}
+    return ", ".join(text for text, is_turn in ((length, False), (turn, True)) if is_turn in turns)
+
+
 def _put(file: Any, path: str, values: Any, unit: str, description: str, scales: tuple[str, ...] = ()) -> Any:
     import h5py
     values = np.asarray(values)
@@ -200,7 +208,7 @@ def _put(file: Any, path: str, values: Any, unit: str, description: str, scales:
     made = file.create_dataset(path, data=values, dtype=kind,
                                maxshape=(None,) + values.shape[1:] if rows else None,
                                chunks=(rows,) + values.shape[1:] if rows else None)
-    made.attrs["units"], made.attrs["description"] = unit, description
+    made.attrs["units"], made.attrs["description"] = _unit(file, path, unit), description
     for dimension, scale in enumerate(scales):
         if scale != path:
             made.dims[dimension].attach_scale(file[scale])
@@ -215,8 +223,7 @@ def _put_names(trajectory: Trajectory, file: Any) -> None:
         if not rows:
             continue
         _put(file, path, _text(name for name, _ in rows), "", f"names of the {kind}s", (path,))
-        if "/" not in path:
-            _put(file, f"{path}_unit", _text(unit for _, unit in rows), "", "units of these", (path,))
+        _put(file, f"{path}_unit", _text(unit for _, unit in rows), "", "units of these", (path,))
     nt = trajectory.tangential_impulse.shape[-1]
     if nt:
         _put(file, "tangent", _text(f"tangent{i}" for i in range(nt)), "", "names of the tangential directions",
@@ -336,6 +343,8 @@ def _put_sizes(file: Any, group: str, shapes: list[Any]) -> None:
             raise ValueError(f"{what} has {len(row)} numbers; it has at most 3")
         return np.array(row + [0.0] * (3 - len(row)))
 
+    if any(s.colour for s in shapes):
+        _put(file, f"{group}/colour", _text(s.colour for s in shapes), "", "#rrggbb; empty: none")
     _put(file, f"{group}/size", np.array([padded(s.size, "size") for s in shapes]), "m", "by the shape")
     points = [padded(p, "a point") for s in shapes for p in s.points]
     _put(file, f"{group}/points", np.array([len(s.points) for s in shapes], dtype="i4"), "1",
@@ -507,13 +516,17 @@ def _read_placed(file: Any, shape: Any) -> list[Any]:
     first = np.concatenate([[0], np.cumsum(group["points"][...])])
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
     columns = zip(*(group[name][...].tolist() for name in ("name", "shape", "size", "dimension", "position", "turn")))
-    made = []
+    made, colours = [], _colours(group)
     for i, (name, kind, size, dimension, position, turn) in enumerate(columns):
         where = [f"q{position + j}" for j in range(dimension)]
         made.append(shape(str(_str(name)), SHAPES[kind], size, where, f"q{turn}" if dimension == 2 and turn >= 0 else "",
                           [f"q{turn + j}" for j in range(4)] if dimension == 3 and turn >= 0 else [], [],
-                          points=point[first[i] : first[i + 1]].tolist()))
+                          points=point[first[i] : first[i + 1]].tolist(), colour=colours[i]))
     return made
+
+
+def _colours(group: Any) -> list[str]:
+    return [str(_str(text)) for text in group["colour"][...]] if "colour" in group else [""] * len(group["name"])
 
 
 def _read_shapes(file: Any, shape: Any) -> list[Any]:
@@ -536,7 +549,8 @@ def _read_named(file: Any, shape: Any) -> list[Any]:
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
     columns = zip(texts("name"), texts("shape"), group["size"][...].tolist(), several("x", "y", "z"), texts("angle"),
                   several(*(f"quaternion_{a}" for a in "wxyz")), several(*(f"end_{a}" for a in "xyz")))
-    return [shape(*row, points=point[first[i] : first[i + 1]].tolist()) for i, row in enumerate(columns)]
+    return [shape(*row, points=point[first[i] : first[i + 1]].tolist(), colour=colour)
+            for i, (row, colour) in enumerate(zip(columns, _colours(group)))]
 
 
 def read(file: Any, shape: Any) -> dict[str, Any]:

@@ -46,6 +46,8 @@ class Shape:
         x, y, z of the other end of a segment.
     points : sequence
         Corners of a polygon or path, or of the triangles of a polyhedron, in its own frame: x, y or x, y, z each.
+    colour : str
+        "#rrggbb"; empty: chosen by the program.
 
     Notes
     -----
@@ -67,6 +69,7 @@ class Shape:
     quaternion: Sequence[str | float] = ()
     end: Sequence[str | float] = ()
     points: Sequence[Sequence[float]] = ()
+    colour: str = ""
 
 
 @dataclass

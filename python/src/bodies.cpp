@@ -276,6 +276,11 @@ void bodies::set_name(int kind, int i, const std::string &name)
   demand(nsdae_bodies_set_name(handle, kind, i, text(name, "name")));
 }
 
+void bodies::set_colour(int kind, int i, const std::string &colour)
+{
+  demand(nsdae_bodies_set_colour(handle, kind, i, text(colour, "colour")));
+}
+
 int bodies::material(const std::string &name)
 {
   return demand(nsdae_bodies_material(handle, text(name, "material")));
@@ -466,6 +471,7 @@ void bind_bodies(nb::module_ &m)
       .def("set_gravity", &bodies::set_gravity)
       .def("set_user_rows", &bodies::set_user_rows)
       .def("set_name", &bodies::set_name)
+      .def("set_colour", &bodies::set_colour)
       .def("material", &bodies::material)
       .def("add_scene", &bodies::add_scene)
       .def("system", &bodies::make_system)

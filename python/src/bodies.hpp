@@ -51,6 +51,7 @@ public:
   void set_pair(int material0, int material1, double mu, double e_n, double e_t);
   void set_gravity(triple g);
   void set_name(int kind, int i, const std::string &name);
+  void set_colour(int kind, int i, const std::string &colour);
   int material(const std::string &name);
   // Sizes nq, nv, m, k, f; callbacks: name, function or None, address, user.
   void set_user_rows(std::array<int, 5> sizes, nb::list callbacks);

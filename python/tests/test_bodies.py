@@ -1,7 +1,9 @@
 """Mechanisms of bodies from Python."""
 
 import math
+import warnings
 
+import h5py
 import numpy as np
 import pytest
 
@@ -495,3 +497,38 @@ def test_names():
         if wrong:
             with pytest.raises(nsdae.ArgumentError, match="name"):
                 world.add(1, 1, name=wrong)
+
+
+def test_colours(tmp_path):
+    """Of bodies and solids, in the shapes, in files of both writers, and in pictures."""
+    from nsdae.pictures.bodies import colours_of, read_motion
+
+    def world(listed):
+        made = Bodies(2, gravity=(0, -10))
+        first = made.add(mass=1, inertia=1, colour="#c23b22")
+        made.add_solid(first, Solid("disc", radius=0.1))
+        made.add_solid(first, Solid("disc", radius=0.1, position=(1, 0), colour="#0000FF"))
+        made.add_solid(made.add(mass=1, inertia=1, position=(5, 0)), Solid("disc", radius=0.1))
+        made.add_solid(GROUND, Solid("plane", position=(0, -9)))
+        if listed:
+            made.set_pair(0, 0)
+        return made
+
+    expected = ["#c23b22", "#0000FF", "", ""]
+    for listed in (False, True):
+        path = tmp_path / f"{listed}.h5"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", nsdae.ModelWarning)
+            run = nsdae.solve(world(listed), 0.1)
+            nsdae.solve(world(listed), 0.1, output=path)
+        saved = tmp_path / "saved.h5"
+        run.save(saved)
+        for file in (saved, path):
+            shapes = {shape.name: shape.colour for shape in nsdae.load(file).shapes}
+            assert [shapes[shape.name] for shape in run.shapes] == expected
+            with h5py.File(file) as data:
+                bodies, _ = read_motion(data, str(file), None, np.arange(2))
+            assert [colour for colour in colours_of(bodies) if colour in expected] == expected[:2] or listed
+            assert {body.colour for body in bodies} == set(expected)
+    with pytest.raises(nsdae.ArgumentError, match="six hexadecimal digits"):
+        Bodies(2).add(mass=1, inertia=1, colour="red")

@@ -230,7 +230,7 @@ def test_a_saved_run_is_laid_out_as_the_programs_lay_it_out(tmp_path):
 
     ball = nsdae.System(nq=1, k=1, e_n=0.9, mass=mass, force=force, gap=gap, gap_normal=gap_normal,
                         contact_bias=contact_bias, contact_acceleration=contact_acceleration,
-                        potential=lambda t, q: G * q[0], names={"coordinate": [("y", "m")], "contact": ["floor"],
+                        potential=lambda t, q: G * q[0], names={"coordinate": [("y", "m")], "contact": [("floor", "m")],
                                                                 "velocity": [theirs.names["velocity"][0]]})
     own = nsdae.solve(ball, 1.5, [1], model="bouncing-ball", parameters=theirs.parameters, dt=theirs.options["dt"],
                       projection="none", shapes=theirs.shapes)

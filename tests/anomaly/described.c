@@ -42,14 +42,16 @@ static void add_joints(nsdae_bodies *b, int dimension)
                          NSDAE_JOINT_CYLINDRICAL, NSDAE_JOINT_SPHERICAL, NSDAE_JOINT_UNIVERSAL};
   for (int i = 0; i < 6; i++)
     nsdae_bodies_add_joint(
-        b, &(nsdae_joint){.kind = dimension == 2 ? planar[i] : spatial[i],
-                          .body = {i - 1, i},
-                          .point = {3.0 * i - 1, 0.5 * i, 0},
-                          .end = {3.0 * i, 0.5 * i, 0},
-                          .axis = {1, 0, 0},
-                          .cross = {0, 1, 0},
-                          .ratio = 2,
-                          .mu = planar[i] == NSDAE_JOINT_SLOT && dimension == 2 ? 0.2 : 0});
+        b,
+        &(nsdae_joint){.kind = dimension == 2 ? planar[i] : spatial[i],
+                       .body = {i - 1, i},
+                       .point = {3.0 * i - 1, 0.5 * i, 0},
+                       .end = {3.0 * i, 0.5 * i, 0},
+                       .axis = {1, 0, 0},
+                       .cross = {0, 1, 0},
+                       .ratio = 2,
+                       .mu = i == 0 || (planar[i] == NSDAE_JOINT_SLOT && dimension == 2) ? 0.2 : 0,
+                       .radius = i == 0 ? 0.1 : 0});
   nsdae_bodies_add_spring(
       b, &(nsdae_spring){.body = {-1, 2}, .point = {0, 9, 0}, .end = {6, 1, 0}, .stiffness = 3});
   nsdae_bodies_add_torsion(b, &(nsdae_torsion){.body = {0, 1}, .axis = {0, 0, 1}, .damping = 1});
@@ -94,6 +96,19 @@ static void add_solids(nsdae_bodies *b, int dimension)
   }
 }
 
+/* Of every kind, half of them with a name; a body and a solid have names and colours. */
+static void add_sensors(nsdae_bodies *b)
+{
+  char name[] = "a";
+  for (int kind = NSDAE_SENSOR_COORDINATE; kind <= NSDAE_SENSOR_POTENTIAL_ENERGY; kind++, name[0]++)
+    nsdae_bodies_add_sensor(
+        b, &(nsdae_sensor){.name = kind % 2 ? name : NULL, .kind = kind, .solid = {0, 1}});
+  for (int kind = NSDAE_NAMED_BODY; kind <= NSDAE_NAMED_SOLID; kind++) {
+    nsdae_bodies_set_name(b, kind, 1, kind ? "tip" : "crank");
+    nsdae_bodies_set_colour(b, kind, 1, "#c23b22");
+  }
+}
+
 static int describe(int dimension, int own)
 {
   nsdae_bodies *b = NULL;
@@ -108,6 +123,7 @@ static int describe(int dimension, int own)
   add_bodies(b);
   add_joints(b, dimension);
   add_solids(b, dimension);
+  add_sensors(b);
   if (own) nsdae_bodies_set_user_rows(b, &(nsdae_user_rows){.dims = {.nq = 1}, .mass = own_mass});
   status = nsdae_bodies_system(b, &s);
   if (status < 0) {

@@ -26,12 +26,40 @@ static long stride(long n)
 
 typedef struct fixture {
   bead bead;
+  nsdae_bodies *bodies; /* NULL: the bead */
   nsdae_system *system;
   nsdae_sim *sim;
 } fixture;
 
+static int sensed; /* a wheel with sensors of 1, 3 and 4 values in place of the bead */
+
+static void open_wheel(fixture *f)
+{
+  double q0[7], v0[6];
+  assert_int_equal(nsdae_bodies_create(3, &f->bodies, NULL), NSDAE_OK);
+  nsdae_bodies_add(f->bodies,
+                   &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}, .spin = {0, 0, 9}});
+  nsdae_bodies_add_joint(f->bodies, &(nsdae_joint){.body = {NSDAE_GROUND}, .axis = {0, 0, 1}});
+  nsdae_bodies_add_sensor(f->bodies,
+                          &(nsdae_sensor){.name = "turned", .kind = NSDAE_SENSOR_COORDINATE});
+  nsdae_bodies_add_sensor(f->bodies, &(nsdae_sensor){.kind = NSDAE_SENSOR_RATE});
+  nsdae_bodies_add_sensor(f->bodies,
+                          &(nsdae_sensor){.name = "force", .kind = NSDAE_SENSOR_REACTION_FORCE});
+  nsdae_bodies_add_sensor(f->bodies,
+                          &(nsdae_sensor){.name = "pose", .kind = NSDAE_SENSOR_ORIENTATION});
+  assert_int_equal(nsdae_bodies_system(f->bodies, &f->system), NSDAE_OK);
+  nsdae_bodies_get_start(f->bodies, q0, v0);
+  assert_int_equal(nsdae_sim_create(f->system, NULL, &f->sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(f->sim, 0, q0, v0), NSDAE_OK);
+}
+
 static void open_fixture(fixture *f)
 {
+  f->bodies = NULL;
+  if (sensed) {
+    open_wheel(f);
+    return;
+  }
   double q0[3], v0[3];
   bead_default(&f->bead);
   bead_start(&f->bead, q0, v0);
@@ -44,6 +72,7 @@ static void close_fixture(fixture *f)
 {
   nsdae_sim_destroy(&f->sim);
   nsdae_system_destroy(&f->system);
+  nsdae_bodies_destroy(&f->bodies);
 }
 
 static int write_rows(fixture *f, nsdae_trajectory *t, int steps)
@@ -197,11 +226,19 @@ static void test_listed(void **state)
   }
 }
 
+static void test_sensors(void **state)
+{
+  sensed = 1;
+  test_create(state);
+  test_resume(state);
+  sensed = 0;
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_create), cmocka_unit_test(test_resume),
                                      cmocka_unit_test(test_read_params),
-                                     cmocka_unit_test(test_listed)};
+                                     cmocka_unit_test(test_sensors), cmocka_unit_test(test_listed)};
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   remove(path);

@@ -97,6 +97,16 @@ static void add_balls(nsdae_bodies *heap)
   }
 }
 
+/* Sensors of a contact force and of a place, read in the run. */
+static int look(const nsdae_record *record, nsdae_error *error, void *user)
+{
+  double value[NSDAE_VALUES_MAX];
+  (void)record, (void)error;
+  for (int i = 0; i < 2; i++)
+    if (nsdae_sim_get_sensor(user, i, value) < 0) return NSDAE_E_STATE;
+  return 0;
+}
+
 /* The same of balls that fall into a heap: contacts by list, which grows in the run, islands on two
  * threads. */
 static int live_in_heap(life *l, random_system *unused)
@@ -117,10 +127,14 @@ static int live_in_heap(life *l, random_system *unused)
   nsdae_bodies_add_solid(heap, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
   nsdae_bodies_set_pair(heap, 0, 0, 0.5, 0, 0);
   add_balls(heap);
+  nsdae_bodies_add_sensor(heap,
+                          &(nsdae_sensor){.name = "push", .kind = NSDAE_SENSOR_CONTACT_FORCE});
+  nsdae_bodies_add_sensor(heap, &(nsdae_sensor){.kind = NSDAE_SENSOR_POSITION, .body = 1});
   if (status == NSDAE_OK) status = nsdae_bodies_system(heap, &system);
   if (status == NSDAE_OK) status = nsdae_sim_create(system, &options, &sim, NULL);
   l->made = the_process.calls;
   if (status == NSDAE_OK) status = nsdae_bodies_get_start(heap, q0, v0);
+  if (status == NSDAE_OK) status = nsdae_sim_observe(sim, look, sim);
   if (status == NSDAE_OK) status = nsdae_sim_init(sim, 0, q0, v0);
   if (status == NSDAE_OK) {
     status = nsdae_sim_run(sim, 0.15);

@@ -840,6 +840,7 @@ static void test_couplers()
   rope.body[1] = 1;
   rope.length = 3;
   EXPECT(world.rope(rope) == 2);
+  world.set_colour(NSDAE_NAMED_BODY, 0, "#c23b22");
   nsdae_joint_spring damper = nsdae_joint_spring();
   damper.damping = 1e-6;
   EXPECT(world.joint_spring(damper) == 0);

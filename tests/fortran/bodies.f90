@@ -90,6 +90,7 @@ contains
     call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
     call is_int(nsdae_bodies_add(bodies, nsdae_rigid_body(mass=1d0, inertia=[0d0, 0d0, 1d0])), 0_c_int, 'body')
     call is_int(nsdae_bodies_set_name(bodies, NSDAE_NAMED_BODY, 0_c_int, 'crank '), NSDAE_OK, 'name')
+    call is_int(nsdae_bodies_set_colour(bodies, NSDAE_NAMED_BODY, 0_c_int, '#c23b22'), NSDAE_OK, 'colour')
     call is_int(nsdae_bodies_material(bodies, 'ice'), 63_c_int, 'ice')
     call is_int(nsdae_bodies_material(bodies, 'steel'), 62_c_int, 'steel')
     call is_int(nsdae_bodies_material(bodies, 'ice'), 63_c_int, 'ice again')
@@ -255,7 +256,6 @@ contains
     type(nsdae_motor) :: motor
     real(c_double) :: is, values(NSDAE_VALUES_MAX)
     type(nsdae_sensor) :: sensor
-    character(kind=c_char), target :: name(5) = ['r', 'a', 'c', 'k', c_null_char]
     type(nsdae_system) :: system
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
@@ -290,10 +290,8 @@ contains
     motor%target = 0
     call is_int(nsdae_bodies_add_motor(bodies, motor), 1_c_int, 'dry friction')
     sensor%joint = 1
-    sensor%name = c_loc(name)
-    call is_int(nsdae_bodies_add_sensor(bodies, sensor), 0_c_int, 'sensor')
+    call is_int(nsdae_bodies_add_sensor(bodies, sensor, 'rack '), 0_c_int, 'sensor')
     sensor%kind = NSDAE_SENSOR_VELOCITY
-    sensor%name = c_null_ptr
     sensor%body = 1
     call is_int(nsdae_bodies_add_sensor(bodies, sensor), 1_c_int, 'sensor')
     call start(bodies, system, sim)

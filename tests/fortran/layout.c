@@ -192,6 +192,7 @@ static const entry entries[] = {
     SIZE(nsdae_body)
     AT(nsdae_body, shape) AT(nsdae_body, size) AT(nsdae_body, points) AT(nsdae_body, point)
     AT(nsdae_body, position) AT(nsdae_body, angle) AT(nsdae_body, quaternion) AT(nsdae_body, end)
+    AT(nsdae_body, colour)
     SIZE(nsdae_lcp_problem)
     AT(nsdae_lcp_problem, A) AT(nsdae_lcp_problem, lda) AT(nsdae_lcp_problem, b)
     SIZE(nsdae_lcp_options)

@@ -631,6 +631,7 @@ contains
     call same_place('nsdae_body%angle', c_loc(x), c_loc(x%angle))
     call same_place('nsdae_body%quaternion', c_loc(x), c_loc(x%quaternion))
     call same_place('nsdae_body%end', c_loc(x), c_loc(x%end))
+    call same_place('nsdae_body%colour', c_loc(x), c_loc(x%colour))
   end subroutine
 
   subroutine lcp_problem_fields()

@@ -24,9 +24,8 @@ static nsdae_bodies *wheel(const char *name)
   return b;
 }
 
-static void run_into(int resumed, double t_end)
+static void run_into(nsdae_bodies *b, int resumed, double t_end)
 {
-  nsdae_bodies *b = wheel("turned");
   nsdae_system *system;
   nsdae_sim *sim;
   nsdae_sim_options o;
@@ -34,7 +33,7 @@ static void run_into(int resumed, double t_end)
   nsdae_trajectory_info info = {.model = "wheel"};
   nsdae_error error;
   double q[7], v[6];
-  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_bodies_get_start(b, q, v);
   nsdae_sim_options_default(&o);
   o.method = NSDAE_METHOD_EVENT;
@@ -51,14 +50,9 @@ static void run_into(int resumed, double t_end)
   nsdae_bodies_destroy(&b);
 }
 
-static void read(hid_t file, const char *name, const char *unit, int width, double *value)
+static void expect_units(hid_t file, const char *name, const char *unit)
 {
-  hsize_t size[2] = {0, 1};
   char *text = NULL;
-  assert_true(H5LTget_dataset_info(file, name, size, NULL, NULL) >= 0);
-  assert_int_equal(size[0], ROWS);
-  assert_int_equal(size[1], width);
-  assert_true(H5LTread_dataset_double(file, name, value) >= 0);
   hid_t set = H5Dopen2(file, name, H5P_DEFAULT), attribute = H5Aopen(set, "units", H5P_DEFAULT);
   hid_t type = H5Aget_type(attribute);
   assert_true(H5Aread(attribute, type, &text) >= 0);
@@ -69,12 +63,22 @@ static void read(hid_t file, const char *name, const char *unit, int width, doub
   H5Dclose(set);
 }
 
+static void read(hid_t file, const char *name, const char *unit, int width, double *value)
+{
+  hsize_t size[2] = {0, 1};
+  assert_true(H5LTget_dataset_info(file, name, size, NULL, NULL) >= 0);
+  assert_int_equal(size[0], ROWS);
+  assert_int_equal(size[1], width);
+  assert_true(H5LTread_dataset_double(file, name, value) >= 0);
+  expect_units(file, name, unit);
+}
+
 static void test_file(void **state)
 {
   (void)state;
   double turned[ROWS], velocity[3 * ROWS], pose[4 * ROWS];
-  run_into(0, 0.6);
-  run_into(1, 1);
+  run_into(wheel("turned"), 0, 0.6);
+  run_into(wheel("turned"), 1, 1);
   hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   assert_true(file >= 0);
   read(file, "/sensor/turned", "rad", 1, turned);
@@ -96,8 +100,33 @@ static void test_file(void **state)
   remove(path);
 }
 
+/* Units of gaps and impulses of limits and motors, of rotations, of displacements, and of both. */
+static void test_units(void **state)
+{
+  (void)state;
+  for (int both = 0; both <= 1; both++)
+    for (int list = 0; list <= 1; list++) {
+      nsdae_bodies *b = create(3, 0, 0, 0);
+      int joint = hang(b, 3, NSDAE_JOINT_CYLINDRICAL, (nsdae_rigid_body){.spin = {0, 0, 1}});
+      for (int i = 1 - both; i < 2; i++) {
+        nsdae_bodies_add_limit(b, &(nsdae_limit){joint, i, -2, 2, 1});
+        nsdae_bodies_add_motor(b, &(nsdae_motor){joint, i, NSDAE_MOTOR_SPEED, .limit = 1e-3});
+      }
+      if (list) nsdae_bodies_set_pair(b, 0, 0, 0, 0, 0);
+      run_into(b, 0, 1);
+      hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+      assert_true(file >= 0);
+      expect_units(file, "/frictional_joint/impulse", both ? "N s, N m s" : "N m s");
+      expect_units(file, "/contacts/gap", both || list ? "m, rad" : "rad");
+      expect_units(file, "/contacts/normal_impulse", both || list ? "N s, N m s" : "N m s");
+      expect_units(file, "/impact/velocity_before", both || list ? "m/s, rad/s" : "rad/s");
+      H5Fclose(file);
+      remove(path);
+    }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_file)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_file), cmocka_unit_test(test_units)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

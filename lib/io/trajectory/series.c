@@ -1,5 +1,8 @@
 #include "series.h"
 
+#include "system_impl.h"
+
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,9 +62,28 @@ void nsdae_series_release(nsdae_series *series)
 
 /* ---- creating and opening */
 
-void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES],
-                         hid_t rows)
+enum { UNITS_SIZE = 32 };
+
+/* The units "A|B" of a column are A, B or "A, B", as its contacts or frictional joints are. */
+static const char *units_of(const nsdae_column *c, const nsdae_system *s, char text[UNITS_SIZE])
 {
+  const char *other = strchr(c->units, '|');
+  if (!other) return c->units;
+  int joints = c->width == NSDAE_WIDTH_F, count = joints ? s->dims.f : s->dims.k, turns = 0;
+  int kind = joints ? NSDAE_NAME_FRICTIONAL_JOINT : NSDAE_NAME_CONTACT;
+  for (int i = 0; i < count; i++) turns += strcmp(nsdae_system_get_unit(s, kind, i), "rad") == 0;
+  if (count > 0 && turns == count) return other + 1;
+  int both =
+      turns > 0 || (!joints && s->maker.turns && count == 0); /* in a list they are unknown */
+  snprintf(text, UNITS_SIZE, "%.*s%s%s", (int)(other - c->units), c->units, both ? ", " : "",
+           both ? other + 1 : "");
+  return text;
+}
+
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_system *system,
+                         const hid_t axes[NSDAE_AXES], hid_t rows)
+{
+  char units[UNITS_SIZE];
   for (int i = 0; i < series->columns; i++) {
     nsdae_series_column *c = &series->column[i];
     nsdae_h5_layout layout = {.rank = c->rank + 1,
@@ -70,8 +92,8 @@ void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NS
                               .deflate = series->deflate};
     for (int d = 0; d < c->rank; d++)
       layout.size[d + 1] = layout.most[d + 1] = layout.chunk[d + 1] = (hsize_t)c->shape[d];
-    c->set =
-        nsdae_h5_dataset(h5, c->of->path, value_type(c), &layout, c->of->units, c->of->description);
+    c->set = nsdae_h5_dataset(h5, c->of->path, value_type(c), &layout,
+                              units_of(c->of, system, units), c->of->description);
     if (i == 0 && rows < 0)
       nsdae_h5_make_scale(h5, c->set, series->table->scale);
     else

@@ -48,7 +48,7 @@ typedef struct nsdae_column {
   int pointer;   /* the field points to the row instead of being it */
   nsdae_value value;
   nsdae_width width;
-  const char *units, *description;
+  const char *units, *description; /* "N s|N m s": of displacements, of rotations */
 } nsdae_column;
 
 typedef struct nsdae_table {
@@ -115,8 +115,8 @@ void nsdae_series_release(nsdae_series *series);
 
 /* Makes the datasets. The scale of their rows is `rows`, or the first of them if rows < 0; those of
  * the other dimensions are the axes. */
-void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const hid_t axes[NSDAE_AXES],
-                         hid_t rows);
+void nsdae_series_create(nsdae_series *series, nsdae_h5 *h5, const nsdae_system *system,
+                         const hid_t axes[NSDAE_AXES], hid_t rows);
 
 /* Opens the datasets of a file, which must have the table's shapes; the rows of the shortest. */
 hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5);

@@ -17,8 +17,9 @@ static int is_given(const char *text)
   return text && *text;
 }
 
-/* The texts of a body, in the order of their columns. The first two are no formulas. */
-enum { TEXTS = 13, FORMULAS = 2, SHAPE = 1 };
+/* The texts of a body, in the order of their columns. The first two and the last are no formulas.
+ */
+enum { TEXTS = 14, FORMULAS = 2, SHAPE = 1, COLOUR = 13 };
 
 #define PLACE      "formula of the place of the body's origin"
 #define QUATERNION "formula: the quaternion that turns the body's frame; empty: none"
@@ -43,6 +44,8 @@ static const struct column {
     {"/bodies/end_x", "end", offsetof(nsdae_body, end[0]), "m", END},
     {"/bodies/end_y", "end", offsetof(nsdae_body, end[1]), "m", END},
     {"/bodies/end_z", "end", offsetof(nsdae_body, end[2]), "m", END},
+    {"/bodies/colour", "colour", offsetof(nsdae_body, colour), "",
+     "#rrggbb; empty: none"}, /* if any has one */
 };
 
 /* As it is given, or NULL. */
@@ -122,9 +125,16 @@ static const char *points_fault(const nsdae_body *b)
   return NULL;
 }
 
+static int is_colour(const char *text)
+{
+  return *text == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
+}
+
 static int check_shape(nsdae_h5 *h5, const nsdae_body *body, int i)
 {
   const nsdae_body *b = &body[i];
+  if (is_given(b->colour) && !is_colour(b->colour))
+    return refuse_shape(h5, body, i, "colour", "it must be # and six hexadecimal digits");
   if (b->shape < 0 || b->shape >= SHAPES)
     return refuse_shape(h5, body, i, "shape", "there is no such shape");
   const char *of_size = size_fault(b->shape, b->size), *of_points = points_fault(b);
@@ -146,7 +156,7 @@ static void check_place(nsdae_h5 *h5, const nsdae_body *body, int i,
   if (!segment && ends > 0) refuse_shape(h5, body, i, "end", "only a segment has one");
   if (segment && (parts > 0 || is_given(b->angle)))
     refuse_shape(h5, body, i, "angle", "a segment lies between its ends");
-  for (int c = FORMULAS; c < TEXTS && h5->status == NSDAE_OK; c++) {
+  for (int c = FORMULAS; c < COLOUR && h5->status == NSDAE_OK; c++) {
     char reason[NSDAE_FORMULA_REASON];
     const char *text = given_text(b, c);
     if (is_given(text) && nsdae_formula_check(text, names, reason) < 0)
@@ -168,7 +178,7 @@ void nsdae_bodies_check(nsdae_h5 *h5, int n, const nsdae_body *body,
 static const char *text_of(const nsdae_body *b, int column)
 {
   const char *text = given_text(b, column);
-  int place = column < 5 || (column >= 10 && b->shape == NSDAE_SHAPE_SEGMENT);
+  int place = column < 5 || (column >= 10 && column < COLOUR && b->shape == NSDAE_SHAPE_SEGMENT);
   return is_given(text) ? text : place ? "0" : "";
 }
 
@@ -217,13 +227,25 @@ static void write_points(column_set *s)
                  "corners of polygons, paths and triangles of polyhedra in their bodies' frames");
 }
 
+static void write_text(column_set *s, const char *path, int c)
+{
+  for (int i = 0; i < s->n; i++) s->text[i] = text_of(s->body[i], c);
+  nsdae_h5_vector(s->h5, path, H5T_C_S1, (hsize_t)s->n, s->text, columns[c].units,
+                  columns[c].description);
+}
+
+/* If a body has one. */
+static void write_colours(column_set *s)
+{
+  char path[NSDAE_H5_PATH];
+  int any = 0;
+  for (int i = 0; i < s->n; i++) any |= is_given(s->body[i]->colour);
+  if (any) write_text(s, nsdae_h5_join(path, s->group, "colour"), COLOUR);
+}
+
 static void write_texts(column_set *s)
 {
-  for (int c = 0; c < TEXTS; c++) {
-    for (int i = 0; i < s->n; i++) s->text[i] = text_of(s->body[i], c);
-    nsdae_h5_vector(s->h5, columns[c].path, H5T_C_S1, (hsize_t)s->n, s->text, columns[c].units,
-                    columns[c].description);
-  }
+  for (int c = 0; c < COLOUR; c++) write_text(s, columns[c].path, c);
 }
 
 /* ---- what is placed by coordinates alone */
@@ -299,6 +321,7 @@ static void write_group(nsdae_h5 *h5, int n, const nsdae_body *const *body,
     else
       write_texts(&s);
     write_points(&s);
+    write_colours(&s);
   }
   free(s.text);
   free(s.number);

@@ -116,7 +116,7 @@ static void make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   nsdae_series *series = t->rows.series;
   for (int i = 0; i < NSDAE_TABLES; i++) {
     int of_records = nsdae_tables[i].by_contact && !sizes.varies;
-    nsdae_series_create(&series[i], h5, axes,
+    nsdae_series_create(&series[i], h5, nsdae_sim_get_system(t->sim), axes,
                         of_records ? series[NSDAE_RECORDS].column[0].set : -1);
   }
   write_contacts(h5, sizes.axis[NSDAE_WIDTH_K], sizes.varies, axes[NSDAE_WIDTH_K]);

@@ -18,18 +18,24 @@ static nsdae_bodies *begin(void)
 static void test_shown(void **state)
 {
   static const char *const names[] = {"crank disc 0", "tip", "spring 0"};
+  static const char *const colours[] = {"#c23B22", "#000001"};
   nsdae_bodies *b = begin();
   nsdae_system *system;
   int n;
   (void)state;
   assert_int_equal(nsdae_bodies_set_name(b, NSDAE_NAMED_BODY, 0, "crank"), NSDAE_OK);
   assert_int_equal(nsdae_bodies_set_name(b, NSDAE_NAMED_SOLID, 1, "tip"), NSDAE_OK);
+  for (int i = 0; i < 2; i++) /* of a body is that of its solids, unless they have one */
+    assert_int_equal(nsdae_bodies_set_colour(b, NSDAE_NAMED_BODY, i, colours[0]), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_set_colour(b, NSDAE_NAMED_SOLID, 1, colours[1]), NSDAE_OK);
   nsdae_bodies_add_spring(b, &(nsdae_spring){.body = {0, 1}, .end = {1}, .stiffness = 1});
   nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
   assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
   const nsdae_body *shapes = nsdae_system_get_bodies(system, &n);
   assert_int_equal(n, 3);
   for (int i = 0; i < n; i++) assert_string_equal(shapes[i].name, names[i]);
+  for (int i = 0; i < 2; i++) assert_string_equal(shapes[i].colour, colours[i]);
+  assert_null(shapes[2].colour);
   /* ---- two centres at one place */
   nsdae_sim *sim;
   assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
@@ -92,9 +98,25 @@ static void test_refused(void **state)
   }
 }
 
+static void test_colours_refused(void **state)
+{
+  static const char *const wrong[] = {"red", "", "#12345", "#1234567", "#12345g", NULL};
+  (void)state;
+  for (int i = 0; i < 6; i++) {
+    nsdae_bodies *b = begin();
+    assert_int_equal(nsdae_bodies_set_colour(b, NSDAE_NAMED_SOLID, 1, wrong[i]), NSDAE_E_ARGUMENT);
+    nsdae_bodies_destroy(&b);
+  }
+  nsdae_bodies *b = begin();
+  assert_int_equal(nsdae_bodies_set_colour(b, NSDAE_NAMED_BODY, 1, "#123456"), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_set_colour(b, NSDAE_NAMED_BODY, 1, "#123456"), NSDAE_E_STATE);
+  nsdae_bodies_destroy(&b);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_shown), cmocka_unit_test(test_materials),
-                                     cmocka_unit_test(test_refused)};
+                                     cmocka_unit_test(test_refused),
+                                     cmocka_unit_test(test_colours_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
