@@ -496,20 +496,24 @@ static int is_at_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
   return 1;
 }
 
-/* A warm start within tol has a residual up to tol, which moves bodies at rest for ever. If it is
- * taken as it is and no body moves, Newton's method solves it to rounding, once: from then on the
- * impulses are those of rest. Walls take 4 to 7 steps of it. In heaps bodies that roll slowly
- * remain: it is not done again until a contact is new or moves. */
+/* A residual within tol moves bodies at rest for ever. If a warm start is taken as it is and no
+ * body moves, Newton's method solves it to rounding, once: from then on the impulses are those of
+ * rest. Walls take 4 to 7 steps of it. In heaps bodies that roll slowly remain: it is not done
+ * again until a contact is new or moves. A fine tol is refined to rounding whenever no body moves.
+ */
 static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
                       double budget)
 {
-  if (work->info.sweeps + work->info.iterations > 0 || !(work->info.residual > NSDAE_STILL) ||
-      has_rested(c, w) || !is_at_rest(c, w, work))
+  const int coarse = work->tol > NSDAE_STILL;
+  if ((coarse && (work->info.sweeps + work->info.iterations > 0 || has_rested(c, w))) ||
+      !(work->info.residual > (coarse ? NSDAE_STILL : c->m * DBL_EPSILON)) ||
+      !is_at_rest(c, w, work))
     return NSDAE_OK;
   work->rested = 1;
   c->options.stages = NSDAE_FRICTION_WARM;
   c->options.max_iterations = STEPS;
-  int status = solve_to(c, work, 1e-2 * NSDAE_STILL, budget);
+  if (!coarse) c->options.refine = REFINE;
+  int status = solve_to(c, work, fmin(1e-2 * NSDAE_STILL, work->tol), budget);
   return status == NSDAE_E_LCP && work->info.residual <= work->tol ? NSDAE_OK : status;
 }
 
