@@ -228,33 +228,40 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
   return 1;
 }
 
-/* A contact of two solids whose force on solid `on` is added. */
+/* A contact of two solids and its force on solid `on`: along the directions of its feature or, if
+ * another one is nearer at the end of the step, of that with the least gap. */
+enum { ANY = -1 }; /* in place of a number */
 typedef struct pressed {
   const nsdae_bodies *b;
   nsdae_meeting met;
   int on;
   long number;
-  double impulse[3], *sum;
+  double impulse[3], gap, force[3];
 } pressed;
 
-static int add_force(void *to, const nsdae_feature *f)
+static int find_force(void *to, const nsdae_feature *f)
 {
-  const pressed *p = to;
+  pressed *p = to;
   nsdae_closest closest;
   nsdae_contact c;
-  if (f->number != p->number) return 0;
-  if (!nsdae_feature_closest(f, &p->met, &closest)) return -1; /* it opened */
+  int d = p->b->dimension, go_on = p->number == ANY ? 0 : -1;
+  if (p->number != ANY && f->number != p->number) return 0;
+  if (!nsdae_feature_closest(f, &p->met, &closest)) return go_on;
   const nsdae_couple two = nsdae_feature_couple(f, &p->met);
   const nsdae_still still = nsdae_closest_still(&closest, &two);
-  int d = p->b->dimension, side = two.solid[0]->body == NSDAE_GROUND;
+  if (still.gap >= p->gap) return go_on;
+  p->gap = still.gap;
   nsdae_bodies_contact_rows(d, &two, &still, d, &c);
+  int side = two.solid[0]->body == NSDAE_GROUND;
   double sign = two.solid[side] == nsdae_solid_at(p->b, p->on) ? 1 : -1;
-  for (int j = 0; j < d; j++)
-    for (int i = 0; i < d; i++) p->sum[i] += sign * p->impulse[j] * c.direction[side][j][i];
-  return -1;
+  for (int i = 0; i < d; i++) {
+    p->force[i] = 0;
+    for (int j = 0; j < d; j++) p->force[i] += sign * p->impulse[j] * c.direction[side][j][i];
+  }
+  return go_on;
 }
 
-static void add_contact(pressed *p, const int solid[2], const nsdae_record *r)
+static void add_contact(pressed *p, const int solid[2], const nsdae_record *r, double *sum)
 {
   const nsdae_solid_of *solids = p->b->solid.at;
   int turned = nsdae_pair_is_turned(&solids[solid[0]], &solids[solid[1]]);
@@ -263,7 +270,11 @@ static void add_contact(pressed *p, const int solid[2], const nsdae_record *r)
                               nsdae_bodies_pose(p->b, s[1]->body, r->q, NULL)};
   const nsdae_couple two = {{s[0], s[1]}, {&pose[0], &pose[1]}};
   nsdae_meet(&two, INFINITY, &p->met);
-  nsdae_pair_features(solids, solid[0], solid[1], &p->met, add_force, p);
+  p->gap = INFINITY;
+  nsdae_pair_features(solids, solid[0], solid[1], &p->met, find_force, p);
+  p->number = ANY;
+  if (!(p->gap < INFINITY)) nsdae_pair_features(solids, solid[0], solid[1], &p->met, find_force, p);
+  for (int i = 0; i < p->b->dimension && p->gap < INFINITY; i++) sum[i] += p->force[i];
 }
 
 /* Of a pair the solid 1; of a body its solid. -1: it is of neither. */
@@ -283,7 +294,7 @@ static void contact_force(const nsdae_bodies *b, const nsdae_sensor *s, const ns
                           double *value)
 {
   const nsdae_contact_set *c = &r->contacts;
-  pressed p = {.b = b, .sum = value};
+  pressed p = {.b = b};
   int solid[2], nt = nsdae_bodies_nt(b);
   for (int i = 0; i < c->count && r->duration > 0; i++) {
     if (c->normal_impulse[i] == 0 || !nsdae_bodies_pair_of(b, c->id[i], solid, &p.number)) continue;
@@ -291,7 +302,7 @@ static void contact_force(const nsdae_bodies *b, const nsdae_sensor *s, const ns
     if (p.on < 0) continue;
     p.impulse[0] = c->normal_impulse[i] / r->duration;
     for (int j = 0; j < nt; j++) p.impulse[1 + j] = c->tangential_impulse[i * nt + j] / r->duration;
-    add_contact(&p, solid, r);
+    add_contact(&p, solid, r, value);
   }
 }
 

@@ -1,7 +1,7 @@
-/* Time of a step of a heap of spheres with friction, every step solved to 1e-4, beside MuJoCo's CG
- * with elliptic cones, whose contacts are soft; then how the cost grows with the contacts, and what
- * a hundred thousand take. Medians of the processor's time of steps, once the heap has settled.
- * With an argument: heaps up to that many contacts. */
+/* Time of a step of a heap of spheres with friction, every step at rest solved to 1e-4, beside
+ * MuJoCo's CG with elliptic cones, whose contacts are soft; then how the cost grows with the
+ * contacts, and what a hundred thousand take. Medians of the processor's time of steps, once the
+ * heap has settled. With an argument: heaps up to that many contacts. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

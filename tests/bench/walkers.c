@@ -142,24 +142,32 @@ static double run_all(job *total, int threads)
   return status ? NAN : taken;
 }
 
+/* Throughput by wall time; the ratio by CPU time, which another load of the machine does not
+ * change. */
 static void compare(job base, double dt, int threads)
 {
-  double time[2][RUNS], median[2];
+  double wall[2][RUNS], cpu[2][RUNS], median[2];
   char title[64];
   base.dt = dt;
   job j[2] = {base, base};
   j[1].peer = 1;
   for (int k = 0; k < 2; k++) j[k].measure = 1, run_all(&j[k], threads), j[k].measure = 0;
   for (int i = 0; i < RUNS; i++)
-    for (int k = 0; k < 2; k++) time[k][i] = run_all(&j[k], threads);
+    for (int k = 0; k < 2; k++) {
+      double began = ratio_cpu();
+      wall[k][i] = run_all(&j[k], threads);
+      cpu[k][i] = isnan(wall[k][i]) ? NAN : ratio_cpu() - began;
+    }
   for (int k = 0; k < 2; k++) {
-    const double simulated = base.last * base.end / (median[k] = ratio_median(RUNS, time[k]));
-    printf("  %-6s %7.0f steps/s, %4.0f simulated s/s; trunk %.3f m high, feet %.1e m deep, joints "
-           "%.1e m open\n",
-           k ? "MuJoCo" : "nsdae", simulated / dt, simulated, j[k].height, j[k].deepest,
-           j[k].drift);
+    const double simulated = base.last * base.end / ratio_median(RUNS, wall[k]);
+    median[k] = ratio_median(RUNS, cpu[k]) * dt / (base.last * base.end);
+    printf("  %-6s %5.1f us a step, %7.0f steps/s, %4.0f simulated s/s; trunk %.3f m high, feet "
+           "%.1e m "
+           "deep, joints %.1e m open\n",
+           k ? "MuJoCo" : "nsdae", 1e6 * median[k], simulated / dt, simulated, j[k].height,
+           j[k].deepest, j[k].drift);
   }
-  printf("  ratio of times %.2f\n", median[0] / median[1]);
+  printf("  ratio of CPU times %.2f\n", median[0] / median[1]);
   snprintf(title, sizeof title, "walkers in threads, dt %g ms", 1e3 * dt);
   ratio_add(title, median[0], "MuJoCo", median[1]);
 }

@@ -5,6 +5,7 @@
 #include <nsdae/nsdae.h>
 
 #include "support/hung_bodies.h"
+#include "support/random.h"
 
 static const double pi = 3.14159265358979324, g = 10;
 
@@ -140,8 +141,8 @@ static void test_pendulum(void **state)
 
 /* ---- contacts */
 
-/* A box of 2 kg on a floor, and one of 1 kg on it, pushed by 3 N within friction: by fixed contacts
- * and by list. */
+/* A box of 2 kg on a floor, and one of 1 kg on it, smaller or of the same size, pushed by 3 N
+ * within friction: by fixed contacts and by list. */
 static int push(double t, const double x[3], const double v[3], double force[3], double moment[3],
                 void *user)
 {
@@ -154,9 +155,10 @@ static void test_boxes(void **state)
 {
   (void)state;
   for (int i = 0; i < METHODS; i++)
-    for (int list = 0; list <= 1; list++) {
-      int penalty = methods[i] == NSDAE_METHOD_PENALTY;
-      if (penalty) continue; /* it has no stick */
+    for (int kind = 0; kind < 4; kind++) {
+      int list = kind % 2;
+      double less = kind < 2 ? 0.2 : 0;
+      if (methods[i] == NSDAE_METHOD_PENALTY) continue; /* it has no stick */
       nsdae_bodies *b = create(3, 0, 0, -g);
       const double centre[3] = {0, 0, 0.5};
       int floor =
@@ -165,11 +167,11 @@ static void test_boxes(void **state)
       for (int k = 0; k < 2; k++) {
         nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 2 - k,
                                                 .inertia = {1, 1, 1},
-                                                .position = {0, 0, k ? 1.4 : 0.5}});
+                                                .position = {0, 0, k ? 1.5 - less / 2 : 0.5}});
         box[k] = nsdae_bodies_add_solid(
             b, k,
             &(nsdae_solid){.shape = NSDAE_SHAPE_BOX,
-                           .length = {1 - 0.2 * k, 1 - 0.2 * k, 1 - 0.2 * k}});
+                           .length = {1 - less * k, 1 - less * k, 1 - less * k}});
       }
       nsdae_bodies_add_load(b, 0, centre, push, NULL);
       if (list) {
@@ -195,6 +197,56 @@ static void test_boxes(void **state)
       assert_vector(&m, none, 0, 0, 0, 0);
       release(&m);
     }
+}
+
+/* The force of a step is that of the momentum, m (v_1 - v_0) / h + m g: of a ball that bounces off
+ * a floor to rounding, in each step; of boxes that tumble on each other up to the turning of their
+ * contacts in a step. */
+static void test_momentum(void **state)
+{
+  enum { BODIES = 4, STEPS = 700 };
+  const double side[3] = {0.3, 0.4, 0.5}, h = 1e-3;
+  (void)state;
+  for (int kind = 0; kind < 8; kind++) {
+    int list = kind % 2, box = kind / 2 % 2, method = kind < 4 ? 0 : 2, solid[BODIES + 1];
+    uint64_t seed = 7;
+    double mass = 0, worst = 0, sum = 0, before[BODIES][3];
+    nsdae_bodies *b = create(3, 0, 0, -g);
+    nsdae_record r;
+    solid[BODIES] =
+        nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+    for (int i = 0; i < BODIES; i++) {
+      nsdae_rigid_body body = {.position = {box ? 0 : i, 0, 0.6 + i}};
+      nsdae_solid of = {.shape = box ? NSDAE_SHAPE_BOX : NSDAE_SHAPE_SPHERE, .radius = 0.2 * !box};
+      for (int j = 0; j < 4; j++) body.quaternion[j] = random_between(&seed, -1, 1);
+      for (int j = 0; j < 3 && box; j++) of.length[j] = side[j];
+      nsdae_solid_inertia(&of, 20, &body.mass, body.inertia, NULL);
+      mass = body.mass;
+      nsdae_bodies_add(b, &body);
+      solid[i] = nsdae_bodies_add_solid(b, i, &of);
+      for (int j = 0; j < i && !list; j++)
+        nsdae_bodies_add_contact(b, solid[i], solid[j], 0.5, 0.5, 0);
+      if (!list) nsdae_bodies_add_contact(b, solid[BODIES], solid[i], 0.5, 0.5, 0);
+      add(b, (nsdae_sensor){.kind = NSDAE_SENSOR_CONTACT_FORCE, .body = i});
+    }
+    if (list) nsdae_bodies_set_pair(b, 0, 0, 0.5, 0.5, 0);
+    machine m = start(b, methods[method], h);
+    for (int k = 0; k < STEPS; k++) {
+      nsdae_sim_get_record(m.sim, &r);
+      for (int i = 0; i < BODIES; i++) memcpy(before[i], r.v + 6 * i, sizeof before[i]);
+      assert_true(nsdae_sim_step(m.sim) >= 0);
+      nsdae_sim_get_record(m.sim, &r);
+      for (int i = 0; i < BODIES; i++)
+        for (int j = 0; j < 3; j++) {
+          double force = mass * (r.v[6 * i + j] - before[i][j]) / h + (j == 2 ? mass * g : 0);
+          double error = fabs(read(&m, i)[j] - force);
+          worst = fmax(worst, error / (mass * g));
+          sum += error / (mass * g) / (STEPS * BODIES);
+        }
+    }
+    assert_true(box ? sum < 0.05 : worst < 1e-8);
+    release(&m);
+  }
 }
 
 /* A disc of the plane in a corner at 45 degrees: each side carries m g / sqrt 2. */
@@ -404,9 +456,9 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_hanging_weight), cmocka_unit_test(test_pendulum),
-      cmocka_unit_test(test_boxes),          cmocka_unit_test(test_corner),
-      cmocka_unit_test(test_turns),          cmocka_unit_test(test_points),
-      cmocka_unit_test(test_energies),       cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_names)};
+      cmocka_unit_test(test_boxes),          cmocka_unit_test(test_momentum),
+      cmocka_unit_test(test_corner),         cmocka_unit_test(test_turns),
+      cmocka_unit_test(test_points),         cmocka_unit_test(test_energies),
+      cmocka_unit_test(test_refused),        cmocka_unit_test(test_names)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
