@@ -138,7 +138,17 @@ int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double
   if (!isfinite(angle))
     return nsdae_bodies_refuse(b, NSDAE_E_NONFINITE, what, "angle", index,
                                "angle = %g is not a finite number", angle);
-  return check_finite(b, what, "quaternion", index, quaternion, 4);
+  int status = check_finite(b, what, "quaternion", index, quaternion, 4),
+      planar = b->dimension == 2;
+  const double *p = quaternion;
+  if (status == NSDAE_OK && planar && (p[1] != 0 || p[2] != 0 || p[3] != 0))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "quaternion", index,
+                               "quaternion (%g, %g, %g, %g) has no effect in the plane: give angle",
+                               p[0], p[1], p[2], p[3]);
+  if (status == NSDAE_OK && !planar && angle != 0)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "angle", index,
+                               "angle = %g has no effect in space: give quaternion", angle);
+  return status;
 }
 
 /* The tensor J of a body is int (r.r 1 - r r^T) dm, so its principal moments are

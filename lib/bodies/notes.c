@@ -48,10 +48,6 @@ static int note_body(nsdae_bodies *b, int i)
   if (planar && (J[0] != 0 || J[1] != 0))
     return note_numbers(b, i, "inertia", J, 3,
                         "has three numbers: the plane uses inertia[2] alone");
-  if (planar && length != 0)
-    return note_numbers(b, i, "quaternion", p, 4, "is not used in the plane: give angle");
-  if (!planar && body->angle != 0)
-    return note_numbers(b, i, "angle", &body->angle, 1, "is not used in space: give quaternion");
   if (!planar && length != 0 && fabs(length - 1) > 0.5)
     return note_numbers(
         b, i, "quaternion", p, 4,

@@ -121,6 +121,17 @@ static int choose_contacts(nsdae_sim *sim, double length)
   return NSDAE_OK;
 }
 
+/* Velocities of the new place. With moreau they are those of the middle of the step, and this is
+ * half of the force that turns them: with a friction circle they stay, since friction needs all of
+ * it. */
+static int project_velocities(nsdae_sim *sim)
+{
+  int circles = 0;
+  for (int j = 0; j < sim->system->dims.f; j++)
+    circles |= sim->system->frictional_joint[j].rows > 0;
+  return circles ? NSDAE_OK : nsdae_project_velocities(&sim->projection, &sim->next->result.end);
+}
+
 /* The option projection, of the time-stepping methods: the end of the step is moved to the
  * constraints, and the contacts that were closed in it to touching, or to the depth that they had;
  * what that does to the energy is work on the system. */
@@ -134,7 +145,7 @@ static int project(nsdae_sim *sim, double length)
   if (status == NSDAE_OK) status = nsdae_project_positions(p, &r->end, 0);
   if (status == NSDAE_OK && p->contacts.any) status = list_closed(sim, length);
   if (status == NSDAE_OK) status = energy(&r->end, &moved);
-  if (status == NSDAE_OK) status = nsdae_project_velocities(p, &r->end);
+  if (status == NSDAE_OK) status = project_velocities(sim);
   if (status == NSDAE_OK) status = energy(&r->end, &after);
   if (status < 0) return status;
   r->work += after - before;
@@ -209,7 +220,7 @@ static int move_by(nsdae_sim *sim, double deepest, int drifted, double h)
   if (status == NSDAE_OK && sim->system->dims.m > 0)
     status = nsdae_project_positions(&sim->projection, end, 0);
   if (status == NSDAE_OK) status = energy(end, &moved);
-  if (status == NSDAE_OK) status = nsdae_project_velocities(&sim->projection, end);
+  if (status == NSDAE_OK) status = project_velocities(sim);
   if (status == NSDAE_OK) status = energy(end, &after);
   if (status < 0) return status;
   r->counters.moved = islands > 0;

@@ -81,13 +81,15 @@ static void add_solids(nsdae_bodies *b, int dimension)
   int before = -1;
   for (int i = 0; i < 4; i++) {
     int shape = dimension == 2 ? planar[i] : spatial[i], round = i == 1 || i == 2;
+    int turn = dimension == 3;
     int solid =
         nsdae_bodies_add_solid(b, i,
                                &(nsdae_solid){.shape = shape,
                                               .radius = round ? 0.2 : 0,
                                               .length = {1, 1, 1},
-                                              .angle = 0.3 * i + 0.1,
-                                              .quaternion = {1, 0.3 * i + 0.1, 0.2, 0.4 - 0.1 * i},
+                                              .angle = dimension == 2 ? 0.3 * i + 0.1 : 0,
+                                              .quaternion = {1, turn * (0.3 * i + 0.1), turn * 0.2,
+                                                             turn * (0.4 - 0.1 * i)},
                                               .points = 4,
                                               .point = corners});
     nsdae_bodies_add_contact(b, solid, floor_, 0.3, 0.5, 0);

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <nsdae/nsdae.h>
 
@@ -70,6 +71,8 @@ static void add_body(witness *w)
     b.velocity[i] = uniform(-1, 1);
   }
   for (int i = 0; i < 4; i++) b.quaternion[i] = uniform(-1, 1);
+  if (w->d == 2) memset(b.quaternion, 0, sizeof b.quaternion);
+  if (w->d == 3) b.angle = 0;
   for (int i = w->d == 2 ? 2 : 0; i < 3; i++) b.spin[i] = uniform(-3, 3);
   nsdae_bodies_add(w->bodies, &b);
 }
@@ -87,6 +90,8 @@ static void add_solid(witness *w, int body, int shape)
                      .angle = uniform(-3, 3)};
   for (int i = 0; i < w->d; i++) s->position[i] = uniform(-1, 1);
   for (int i = 0; i < 4; i++) s->quaternion[i] = uniform(-1, 1);
+  if (w->d == 2) memset(s->quaternion, 0, sizeof s->quaternion);
+  if (w->d == 3) s->angle = 0;
   w->body[w->solids++] = body;
   nsdae_bodies_add_solid(w->bodies, body, s);
 }

@@ -61,6 +61,8 @@ static void add_body(nsdae_bodies *b, int d)
   vector(d, 2, body.position);
   vector(d, 1, body.velocity);
   for (int i = 0; i < 4; i++) body.quaternion[i] = uniform(-1, 1);
+  if (d == 2) memset(body.quaternion, 0, sizeof body.quaternion);
+  if (d == 3) body.angle = 0;
   for (int i = d == 2 ? 2 : 0; i < 3; i++) body.spin[i] = uniform(-1, 1);
   assert_true(nsdae_bodies_add(b, &body) >= 0);
 }
@@ -198,6 +200,8 @@ static int add_solid(nsdae_bodies *b, int d, int body, int shape)
   }
   vector(d, 0.5, s.position);
   for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
+  if (d == 2) memset(s.quaternion, 0, sizeof s.quaternion);
+  if (d == 3) s.angle = 0;
   return nsdae_bodies_add_solid(b, body, &s);
 }
 

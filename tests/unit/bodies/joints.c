@@ -301,6 +301,8 @@ static void keeps(int d, int kind, int flags, int rows)
     draw(d, 1, body.position);
     draw(d, 1, body.velocity);
     for (int k = 0; k < 4; k++) body.quaternion[k] = uniform(-1, 1);
+    if (d == 2) memset(body.quaternion, 0, sizeof body.quaternion);
+    if (d == 3) body.angle = 0;
     for (int k = d == 2 ? 2 : 0; k < 3; k++) body.spin[k] = uniform(-2, 2);
     nsdae_bodies_add(b, &body);
   }

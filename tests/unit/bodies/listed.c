@@ -41,6 +41,7 @@ static nsdae_solid random_solid(int d)
   if (uniform(0, 1) < 0.3) s.exclude = 1 << (int)uniform(0, 3);
   for (int i = 0; i < d; i++) s.position[i] = uniform(-0.5, 0.5);
   for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
+  if (d == 2) memset(s.quaternion, 0, sizeof s.quaternion);
   return s;
 }
 
@@ -54,6 +55,8 @@ static nsdae_bodies *scene(int d, int bodies)
     nsdae_rigid_body body = {.mass = 1, .inertia = {1, 1, 1}, .angle = uniform(-3, 3)};
     for (int j = 0; j < d; j++) body.position[j] = uniform(-4, 4);
     for (int j = 0; j < 4; j++) body.quaternion[j] = uniform(-1, 1);
+    if (d == 2) memset(body.quaternion, 0, sizeof body.quaternion);
+    if (d == 3) body.angle = 0;
     assert_int_equal(nsdae_bodies_add(b, &body), i);
   }
   for (int i = -1; i < bodies; i++)

@@ -48,6 +48,8 @@ static void add_solid(nsdae_bodies *b, int body)
   if (s.hollow) s.radius = 3;
   for (int i = 0; i < d; i++) s.position[i] = uniform(-0.5, 0.5);
   for (int i = 0; i < 4; i++) s.quaternion[i] = uniform(-1, 1);
+  if (d == 2) memset(s.quaternion, 0, sizeof s.quaternion);
+  if (d == 3) s.angle = 0;
   assert_true(nsdae_bodies_add_solid(b, body, &s) >= 0);
 }
 
@@ -63,6 +65,8 @@ static nsdae_bodies *mechanism(int d, int number, int form)
     for (int j = 0; j < d; j++) body.velocity[j] = uniform(-1, 1);
     for (int j = d == 2 ? 2 : 0; j < 3; j++) body.spin[j] = uniform(-2, 2);
     for (int j = 0; j < 4; j++) body.quaternion[j] = uniform(-1, 1);
+    if (d == 2) memset(body.quaternion, 0, sizeof body.quaternion);
+    if (d == 3) body.angle = 0;
     assert_int_equal(nsdae_bodies_add(b, &body), i);
   }
   for (int i = -1; i < BODIES; i++)

@@ -168,6 +168,41 @@ static void test_impacts(void **state)
   }
 }
 
+/* ---- a rotor on a sled that slides on a floor with friction: in space, with constraints that
+ * drift and are projected */
+
+static double sled(int method, double dt)
+{
+  nsdae_bodies *b = create(3, 0, 0, -9.81);
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 5,
+                                          .inertia = {0.2, 0.3, 0.4},
+                                          .position = {0, 0, 0.1},
+                                          .velocity = {2, 0.3, 0}});
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
+                                          .inertia = {0.02, 0.02, 0.02},
+                                          .position = {0.2, 0, 0.4},
+                                          .velocity = {2, 0.3, -2},
+                                          .spin = {0, 10, 0}});
+  nsdae_bodies_add_joint(
+      b, &(nsdae_joint){
+             .body = {0, 1}, .point = {0, 0, 0.4}, .axis = {0, 1, 0}, .mu = mu, .radius = 0.05});
+  nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_BOX, .length = {0.6, 0.4, 0.2}});
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  nsdae_bodies_add_contact(b, 1, 0, 0.2, 0, 0);
+  return run(b, method, dt, 0.5).v[10];
+}
+
+static void test_sled(void **state)
+{
+  (void)state;
+  double rate = sled(NSDAE_METHOD_EVENT, 1e-2), error[2];
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+    for (int i = 0; i < 2; i++) error[i] = fabs(sled(method, 2e-3 / (1 + 3 * i)) - rate);
+    assert_at_most(error[1], error[0] / 2.5);
+    assert_at_most(error[1], method == NSDAE_METHOD_IMPLICIT ? 1e-3 : 0.3);
+  }
+}
+
 /* ---- a rotor whose pin has so large a friction circle that no torque solves the equations: with
  * time stepping an impulse stops it, the other methods return an error */
 
@@ -204,8 +239,9 @@ static void test_no_answer(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_slips), cmocka_unit_test(test_circle),
-                                     cmocka_unit_test(test_linkage), cmocka_unit_test(test_impacts),
-                                     cmocka_unit_test(test_no_answer)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_slips),   cmocka_unit_test(test_circle),
+      cmocka_unit_test(test_linkage), cmocka_unit_test(test_impacts),
+      cmocka_unit_test(test_sled),    cmocka_unit_test(test_no_answer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

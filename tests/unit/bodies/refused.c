@@ -97,6 +97,29 @@ static void refuse_joint(int d, nsdae_joint joint, const char *argument)
   expect(b, nsdae_bodies_add_joint(b, &joint), NSDAE_E_ARGUMENT, argument);
 }
 
+/* Rotations of the other dimension; (w, 0, 0, 0) is none. */
+static void test_rotations(void **state)
+{
+  (void)state;
+  for (int d = 2; d <= 3; d++)
+    for (int wrong = 0; wrong <= 1; wrong++) {
+      const char *argument = d == 2 ? "quaternion" : "angle";
+      nsdae_rigid_body body = {.mass = 1, .inertia = {1, 1, 1}, .quaternion = {0.5}};
+      nsdae_solid solid = {.shape = NSDAE_SHAPE_POINT, .quaternion = {0.5}};
+      body.quaternion[d == 2 && wrong] = solid.quaternion[d == 2 && wrong] = 0.5;
+      body.angle = solid.angle = d == 3 && wrong;
+      nsdae_bodies *b = world(d);
+      if (wrong) {
+        expect(b, nsdae_bodies_add(b, &body), NSDAE_E_ARGUMENT, argument);
+        b = world(d);
+        expect(b, nsdae_bodies_add_solid(b, 0, &solid), NSDAE_E_ARGUMENT, argument);
+        continue;
+      }
+      assert_true(nsdae_bodies_add(b, &body) >= 0 && nsdae_bodies_add_solid(b, 0, &solid) >= 0);
+      nsdae_bodies_destroy(&b);
+    }
+}
+
 static void test_joints(void **state)
 {
   (void)state;
@@ -587,16 +610,25 @@ static void test_inertia_refused(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_inertia_refused), cmocka_unit_test(test_create),
-      cmocka_unit_test(test_bodies),          cmocka_unit_test(test_joints),
-      cmocka_unit_test(test_limits),          cmocka_unit_test(test_ropes),
-      cmocka_unit_test(test_couplers),        cmocka_unit_test(test_motors),
-      cmocka_unit_test(test_solids),          cmocka_unit_test(test_polygons),
-      cmocka_unit_test(test_endless),         cmocka_unit_test(test_contacts),
-      cmocka_unit_test(test_forces),          cmocka_unit_test(test_made),
-      cmocka_unit_test(test_springs),         cmocka_unit_test(test_more_solids),
-      cmocka_unit_test(test_pairs),           cmocka_unit_test(test_asked),
-      cmocka_unit_test(test_inertia)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_inertia_refused),
+                                     cmocka_unit_test(test_create),
+                                     cmocka_unit_test(test_bodies),
+                                     cmocka_unit_test(test_rotations),
+                                     cmocka_unit_test(test_joints),
+                                     cmocka_unit_test(test_limits),
+                                     cmocka_unit_test(test_ropes),
+                                     cmocka_unit_test(test_couplers),
+                                     cmocka_unit_test(test_motors),
+                                     cmocka_unit_test(test_solids),
+                                     cmocka_unit_test(test_polygons),
+                                     cmocka_unit_test(test_endless),
+                                     cmocka_unit_test(test_contacts),
+                                     cmocka_unit_test(test_forces),
+                                     cmocka_unit_test(test_made),
+                                     cmocka_unit_test(test_springs),
+                                     cmocka_unit_test(test_more_solids),
+                                     cmocka_unit_test(test_pairs),
+                                     cmocka_unit_test(test_asked),
+                                     cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
