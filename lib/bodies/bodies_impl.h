@@ -147,12 +147,6 @@ static inline const double *nsdae_control_of(const void *user)
   return ((const nsdae_maker_user *)user)->control;
 }
 
-/* Whether position motors are frictional joints. */
-static inline int nsdae_rows_of(const void *user)
-{
-  return ((const nsdae_maker_user *)user)->rows;
-}
-
 static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
 {
   return (const nsdae_rigid_body *)b->body.at + i;

@@ -37,6 +37,7 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
 int nsdae_bodies_force(const void *user, double t, const double *q, const double *v, double *F)
 {
   const nsdae_bodies *b = nsdae_bodies_of(user);
+  int rows = ((const nsdae_maker_user *)user)->rows;
   nsdae_places at = nsdae_nowhere;
   nsdae_primitive_value s;
   /* ---- gravity and spinning */
@@ -54,7 +55,7 @@ int nsdae_bodies_force(const void *user, double t, const double *q, const double
   for (int i = 0; i < b->force.spring.count; i++) {
     const nsdae_bodies_spring *spring = nsdae_spring_at(b, i);
     double force[3];
-    if (spring->owner == NSDAE_POSITION_MOTOR && nsdae_rows_of(user)) continue;
+    if (spring->owner == NSDAE_POSITION_MOTOR && rows) continue;
     nsdae_bodies_coordinate(b, &spring->value, q, v, &at, &s);
     int code = nsdae_spring_force(spring, nsdae_control_of(user), t, s.phi.x, s.phi.d, force);
     if (code) return code;

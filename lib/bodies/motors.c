@@ -15,26 +15,28 @@
 
 static const char *const what = "motor";
 
-/* Its target and rate into f, and target - s; 0, or what the drive returned. */
-static int error_of(const nsdae_bodies_spring *spring, const double *control, double t, double s,
-                    double f[3], double *off)
+/* A target and its rates: the control, or of a drive; 0, or what this returned. */
+static int target_of(double control, nsdae_drive_fn drive, void *user, double t, double f[3])
 {
-  f[0] = spring->owner >= NSDAE_FORCE_MOTOR ? control[spring->number] : 0;
+  f[0] = control;
   f[1] = f[2] = 0;
-  int code = spring->drive ? spring->drive(t, f, spring->user) : 0;
-  *off = f[0] - s;
-  if (spring->owner == NSDAE_POSITION_MOTOR && nsdae_primitive_is_periodic(&spring->value))
-    *off = remainder(*off, 2 * nsdae_pi);
-  return code;
+  return drive ? drive(t, f, user) : 0;
+}
+
+/* target - s */
+static double error_of(const nsdae_bodies_spring *spring, double target, double s)
+{
+  int turns = spring->owner == NSDAE_POSITION_MOTOR && nsdae_primitive_is_periodic(&spring->value);
+  return turns ? remainder(target - s, 2 * nsdae_pi) : target - s;
 }
 
 int nsdae_spring_force(const nsdae_bodies_spring *spring, const double *control, double t, double s,
                        double rate, double force[3])
 {
-  double f[3], off;
-  int code = error_of(spring, control, t, s, f, &off);
+  double f[3], given = spring->owner >= NSDAE_FORCE_MOTOR ? control[spring->number] : 0;
+  int code = target_of(given, spring->drive, spring->user, t, f);
   int direct = spring->owner == NSDAE_FORCE_MOTOR;
-  if (direct) off = 0;
+  double off = direct ? 0 : error_of(spring, f[0], s);
   force[0] = spring->stiffness * off + spring->damping * (f[1] - rate) + (direct ? f[0] : 0);
   int limited = fabs(force[0]) > spring->limit;
   force[1] = limited ? 0 : spring->stiffness;
@@ -137,9 +139,7 @@ int nsdae_bodies_add_motor(nsdae_bodies *b, const nsdae_motor *m)
 int nsdae_motor_target(const nsdae_bodies_frictional_joint *f, const double *control, double t,
                        double target[3])
 {
-  target[0] = f->motor < 0 ? 0 : control[f->motor];
-  target[1] = target[2] = 0;
-  int code = f->drive ? f->drive(t, target, f->user) : 0;
+  int code = target_of(f->motor < 0 ? 0 : control[f->motor], f->drive, f->user, t, target);
   if (f->position < 0) return code;
   target[0] = target[1];
   target[1] = target[2];
@@ -163,12 +163,12 @@ int nsdae_motor_errors(double t, const double *q, double *e, const void *user)
   nsdae_primitive_value s;
   double f[3];
   for (int j = 0; j < b->frictional_joint.count; j++) {
-    int i = nsdae_frictional_joint_at(b, j)->position;
-    if (i < 0) continue;
-    nsdae_bodies_coordinate(b, &nsdae_spring_at(b, i)->value, q, NULL, &at, &s);
-    int code = error_of(nsdae_spring_at(b, i), nsdae_control_of(user), t, s.phi.x, f, &e[j]);
+    const nsdae_bodies_frictional_joint *m = nsdae_frictional_joint_at(b, j);
+    if (m->position < 0) continue;
+    nsdae_bodies_coordinate(b, &m->along, q, NULL, &at, &s);
+    int code = target_of(nsdae_control_of(user)[m->motor], m->drive, m->user, t, f);
     if (code) return code;
-    e[j] = -e[j];
+    e[j] = -error_of(nsdae_spring_at(b, m->position), f[0], s.phi.x);
   }
   return 0;
 }

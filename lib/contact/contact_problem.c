@@ -377,21 +377,17 @@ void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, dou
   }
 }
 
-double nsdae_problem_work(const nsdae_problem *p)
+double nsdae_problem_work(const nsdae_problem *p, double *motors)
 {
   const nsdae_contact_islands *is = &p->dispatch.islands;
-  return nsdae_impulses_work(p->results, p->system->dims.nt, p->count, p->number, is->joints,
-                             is->joint_number);
-}
-
-double nsdae_problem_position_work(const nsdae_problem *p)
-{
-  const nsdae_contact_islands *is = &p->dispatch.islands;
-  double work = 0;
+  const int *joint = is->joint_number;
+  *motors = 0;
   for (int i = 0; i < is->joints; i++)
-    if (p->system->frictional_joint[is->joint_number[i]].position)
-      work += nsdae_impulses_work(p->results, 0, 0, NULL, 1, is->joint_number + i);
-  return work;
+    if (p->system->frictional_joint[joint[i]].position)
+      *motors += nsdae_impulses_work(p->results, 0, 0, NULL, 1, joint + i);
+  return nsdae_impulses_work(p->results, p->system->dims.nt, p->count, p->number, is->joints,
+                             joint) -
+         *motors;
 }
 
 double nsdae_problem_carried(const nsdae_problem *p, const nsdae_terms *T)

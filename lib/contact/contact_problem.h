@@ -97,9 +97,9 @@ void nsdae_problem_add_constraints(const nsdae_problem *problem, const nsdae_ter
 void nsdae_problem_add_impulse(const nsdae_problem *problem, const nsdae_terms *terms, double scale,
                                int skip_impacts, double *y);
 
-/* Work of the impulses; what of it the moving surfaces of a list did: sum of Lambda w; residual. */
-double nsdae_problem_work(const nsdae_problem *problem);
-double nsdae_problem_position_work(const nsdae_problem *problem); /* that of position motors */
+/* Work of the impulses, and that of position motors apart; what of it the moving surfaces of a list
+ * did: sum of Lambda w; residual. */
+double nsdae_problem_work(const nsdae_problem *problem, double *motors);
 double nsdae_problem_carried(const nsdae_problem *problem, const nsdae_terms *terms);
 /* The problem that was solved last, if it was one of these; NSDAE_OK, or NSDAE_E_STATE. */
 int nsdae_problem_describe(nsdae_problem *problem, const nsdae_contacts *dense,

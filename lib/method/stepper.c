@@ -108,8 +108,8 @@ int nsdae_step_end(const nsdae_step *step)
   result->smooth = !nsdae_problem_any(&s->problem);
   if (result->smooth) return NSDAE_OK;
   /* position motors are driven from outside */
-  double motors = nsdae_problem_position_work(&s->problem);
-  result->work = nsdae_problem_work(&s->problem) - motors;
+  double motors;
+  result->work = nsdae_problem_work(&s->problem, &motors);
   result->carried -= motors;
   /* islands are solved by their own scale, a step is judged by that of all */
   result->worst_residual = nsdae_problem_residual(&s->problem);
