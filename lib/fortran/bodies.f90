@@ -196,7 +196,7 @@ module nsdae_f_bodies
             nsdae_bodies_add_spring, nsdae_bodies_add_torsion, nsdae_bodies_add_load, &
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
-            nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_body_from_solids, &
+            nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_body_from_solids, nsdae_solid_triangles, &
             nsdae_bodies_add_scene, &
             nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material, &
             nsdae_bodies_set_colour
@@ -207,7 +207,7 @@ module nsdae_f_bodies
     ! headers: functions nsdae_bodies_ add_contact set_pair set_gravity set_user_rows system get_dims
     ! headers: functions nsdae_bodies_ get_start locate error
     ! headers: functions nsdae_bodies_ add_scene set_name set_colour material
-    ! headers: functions nsdae_solid_ inertia
+    ! headers: functions nsdae_solid_ inertia triangles
     ! headers: functions nsdae_body_ from_solids
     ! headers: functions nsdae_scene_ read
 
@@ -403,6 +403,17 @@ contains
     type(nsdae_error), intent(out), optional :: error
     type(nsdae_c_error) :: why
     status = c_inertia(to_c(solid), density, mass, inertia, why)
+    call error_from_c(why, error)
+  end function
+
+  ! Surface of a polyhedron: corners (3, 3 corners, triangles) in triangle, which has room for 2 points
+  ! - 4 triangles. Their number, or a status < 0.
+  integer(c_int) function nsdae_solid_triangles(solid, triangle, error) result(number)
+    type(nsdae_solid), intent(in), target :: solid
+    real(c_double), intent(inout) :: triangle(3, 3, *)
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_error) :: why
+    number = c_triangles(to_c(solid), triangle, why)
     call error_from_c(why, error)
   end function
 
