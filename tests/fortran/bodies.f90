@@ -201,12 +201,15 @@ contains
     type(nsdae_rigid_body) :: body
     type(nsdae_solid) :: half(2)
     type(nsdae_error) :: error
+    real(c_double) :: triangle(3, 3, 12)
     integer :: i, j
     half(1)%shape = NSDAE_SHAPE_BOX
     half(1)%length = 1
     half(2)%shape = NSDAE_SHAPE_POLYHEDRON
     half(2)%point = reshape([((0.5d0 - ibits(i, j, 1), j = 0, 2), i = 0, 7)], [3, 8])
     half(2)%position(1) = 1
+    call is_int(nsdae_solid_triangles(half(2), triangle), 12, 'triangles of a cube')
+    call is_true(all(abs(abs(triangle) - 0.5d0) < 1d-14), 'its corners')
     call is_int(nsdae_body_from_solids(half, [3d0, 3d0], body), NSDAE_OK, 'halves')
     call is_true(abs(body%mass - 6) < 1d-14 .and. abs(body%inertia(1) - 1) < 1d-14 .and. &
                  abs(body%inertia(2) - 2.5d0) < 1d-14 .and. abs(body%position(1) - 0.5d0) < 1d-14 .and. &
