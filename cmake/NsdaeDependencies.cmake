@@ -137,12 +137,10 @@ endif()
 
 # Qhull: polyhedra from points. Debian's archive cannot be part of a shared library (it is no
 # position-independent code): the shared one is taken always.
-set(NSDAE_QHULL_VERSION none)
 if(NSDAE_QHULL)
   find_path(NSDAE_QHULL_INCLUDE libqhull_r/qhull_ra.h)
   find_library(NSDAE_QHULL_LIBRARY qhull_r)
   if(NSDAE_QHULL_INCLUDE AND NSDAE_QHULL_LIBRARY)
-    set(NSDAE_QHULL_VERSION found)
     add_library(nsdae_qhull INTERFACE)
     target_include_directories(nsdae_qhull SYSTEM INTERFACE ${NSDAE_QHULL_INCLUDE})
     target_link_libraries(nsdae_qhull INTERFACE ${NSDAE_QHULL_LIBRARY} m)

@@ -45,6 +45,8 @@ foreach(name continuity controls derivatives distance flush forces inertia joint
                              ${PROJECT_SOURCE_DIR}/lib/base)
 endforeach()
 
+target_link_libraries(test_unit_bodies_polyhedra PRIVATE test_allocator)
+
 nsdae_test(anomaly arguments LINKS test_support)
 nsdae_test(anomaly integrators)
 nsdae_test(anomaly named)
@@ -61,6 +63,7 @@ nsdae_test(system scene LINKS test_allocator)
 target_compile_definitions(test_system_scene PRIVATE _POSIX_C_SOURCE=200809L)
 nsdae_test(system slop LINKS test_support)
 nsdae_test(system polyhedra LINKS test_support)
+nsdae_test(system cylinder LINKS test_support)
 nsdae_test(system contact_work LINKS test_support)
 nsdae_test(system chains)
 nsdae_test(system figures LINKS test_support)

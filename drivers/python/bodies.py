@@ -11,7 +11,8 @@ from trajectory import Problem, text
 WHOLE = 4 << 20  # numbers of a dataset that are read at once
 
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
-SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron")
+SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
+          "cylinder")
 
 # size [3] and points [p, 3] in the body's own frame; position [n, 3] or, if it never moves, [3];
 # rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None. columns: of q, that place
@@ -239,6 +240,7 @@ def ends_of(body):
     """Points [..., p, 3] in space that its extent is judged by, without its thickness."""
     own = {"polygon": body.points, "path": body.points, "polyhedron": body.points,
            "box": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * body.size / 2,
+           "cylinder": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-0.5, 0.5)]) * body.size[[0, 0, 1]],
            "capsule": np.array([[0, 0, -1], [0, 0, 1]]) * body.size[1] / 2}.get(body.shape, np.zeros((1, 3)))
     if body.rotation is not None:
         own = own @ np.swapaxes(body.rotation, -1, -2)

@@ -131,6 +131,8 @@ def shape_of(body, low, high, facets, reach):
         return ring(size[0], size[1], thickness) if size[1] > 0 else prism(circle(size[0], 4 * facets), thickness)
     if body.shape == "polygon":
         return prism(body.points if area(body.points) > 0 else body.points[::-1], thickness)
+    if body.shape == "cylinder":
+        return prism(circle(size[0], 4 * facets), size[1])
     if body.shape == "polyhedron":
         return Shape(body.points, np.arange(len(body.points)).reshape(-1, 3).tolist())
     if body.shape == "plane":

@@ -62,6 +62,8 @@ typedef struct nsdae_rigid_body {
  *   SPHERE    spatial: radius
  *   CAPSULE   spatial: radius; length[2] between the centres of its caps, along z of its frame
  *   BOX       spatial: edge lengths length[0..2]
+ *   CYLINDER  spatial: radius; length[2] along z of its frame. It touches PLANE, SPHERE and POINT;
+ *             other pairs are refused: use a POLYHEDRON with many sides
  *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame
  *   POLYHEDRON   spatial: the convex hull of points in any order, with at most 1024 corners and a
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
@@ -85,9 +87,9 @@ typedef struct nsdae_solid {
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
  * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
- * CAPSULE, BOX, POLYHEDRON. The points of a POLYGON or POLYHEDRON must be relative to its centroid,
- * and the axes of its frame principal axes; else use nsdae_body_from_solids. NSDAE_E_ARGUMENT: the
- * text names the invalid field. error may be NULL. */
+ * CAPSULE, BOX, POLYHEDRON, CYLINDER. The points of a POLYGON or POLYHEDRON must be relative to its
+ * centroid, and the axes of its frame principal axes; else use nsdae_body_from_solids.
+ * NSDAE_E_ARGUMENT: the text names the invalid field. error may be NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
 

@@ -16,8 +16,9 @@ enum nsdae_shape {
   NSDAE_SHAPE_SPHERE,
   NSDAE_SHAPE_CAPSULE, /* all points within a radius of a segment along z of its frame */
   NSDAE_SHAPE_BOX,
-  NSDAE_SHAPE_PLANE,     /* half-space (spatial) or half-plane (planar): floor, wall */
-  NSDAE_SHAPE_POLYHEDRON /* convex, spatial */
+  NSDAE_SHAPE_PLANE,      /* half-space (spatial) or half-plane (planar): floor, wall */
+  NSDAE_SHAPE_POLYHEDRON, /* convex, spatial */
+  NSDAE_SHAPE_CYLINDER    /* along z of its frame */
 };
 
 /* Shape and pose of a body, for programs that draw trajectories (nsdae-animate, nsdae-vtk). These
@@ -41,6 +42,7 @@ typedef struct nsdae_body {
    * - segment, path: width, 0 for a thin line
    * - sphere: radius
    * - capsule: radius, length between the centres of its caps
+   * - cylinder: radius, length
    * - box: edge lengths along x, y, z of its frame
    * - plane: outward normal, of any length */
   double size[3];

@@ -1,5 +1,7 @@
 #include "broad_phase.h"
 
+#include "errors.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -187,6 +189,21 @@ int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
   return is_endless(&s[i])   ? is_near_base(p, &s[i], i, j, reach)
          : is_endless(&s[j]) ? is_near_base(p, &s[j], j, i, reach)
                              : are_near(p, i, j, reach);
+}
+
+int nsdae_bodies_check_shapes(nsdae_bodies *b)
+{
+  const nsdae_solid_of *s = b->solid.at;
+  nsdae_broad *p = NULL;
+  for (int i = 0; i < b->solid.count; i++)
+    for (int j = 0; s[i].shape == NSDAE_SHAPE_CYLINDER && j < b->solid.count; j++) {
+      if (nsdae_pair_is_exact(&s[i], &s[j]) || s[i].body == s[j].body) continue;
+      if (!p && !(p = nsdae_broad_take(b))) return nsdae_error_memory(&b->error, "nsdae_bodies");
+      if (may_touch(p, s, i, j) && !nsdae_broad_is_excluded(p, i, j))
+        nsdae_bodies_refuse_pair(b, "solid", i, i, j);
+    }
+  if (p) nsdae_broad_give_back(b, p);
+  return b->error.status;
 }
 
 /* A large solid with every other one; of two large ones that which comes first. */

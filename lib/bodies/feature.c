@@ -35,6 +35,50 @@ static void corner_on_rod(const nsdae_solid_of *s, const double *place, nsdae_cl
   if (!beyond) set(s->R + 3 * (one_side ? 1 : axis), c->u[0]);
 }
 
+/* ---- a cylinder: of each rim the lowest point, and three that are fixed to it
+ *
+ * On its side and on its rim the lowest points touch. The others are there for one that stands on a
+ * cap, up to a tilt of this sine: as it rolls on its side they would only graze. */
+static const double standing = 0.1;
+
+enum { RIM = 4 };
+
+/* x := the centre of a cap, on side 1 or -1. */
+static void cap_of(const nsdae_solid_of *s, double side, double *x)
+{
+  for (int i = 0; i < 3; i++) x[i] = s->origin[i] + side * s->half[2] * s->R[6 + i];
+}
+
+static int rim_on_plane(const nsdae_couple *two, int corner, nsdae_closest *c)
+{
+  const nsdae_solid_of *s = two->solid[1];
+  double n[3], a[3], tilt[3];
+  if (corner % RIM > 0) {
+    nsdae_turn(two->pose[0]->R, c->u[0], n);
+    nsdae_turn(two->pose[1]->R, s->R + 6, a);
+    nsdae_cross3(n, a, tilt);
+    return nsdae_dot3(tilt, tilt) < standing * standing;
+  }
+  c->kind = NSDAE_PLANE_RIM;
+  c->radius[1] = s->half[0];
+  cap_of(s, corner < RIM ? -1 : 1, c->x[1]);
+  set(s->R + 6, c->u[1]);
+  return 1;
+}
+
+/* Beyond a cap and beside it: the rim; within, the nearer of side and cap. */
+static void point_on_cylinder(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
+{
+  double beside = hypot(place[0], place[1]) - s->half[0], beyond = fabs(place[2]) - s->half[2];
+  double side = place[2] < 0 ? -1 : 1;
+  c->kind = beside > 0 && beyond > 0 ? NSDAE_RIM_POINT
+            : beside > beyond        ? NSDAE_LINE_POINT
+                                     : NSDAE_PLANE_POINT;
+  c->radius[0] = s->half[0];
+  cap_of(s, side, c->x[0]);
+  for (int i = 0; i < 3; i++) c->u[0][i] = side * s->R[6 + i];
+}
+
 /* ---- a corner on a box */
 
 /* The face of a box across an axis, on its side 1 or -1. */
@@ -316,12 +360,15 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
     c->kind = s0->shape == NSDAE_SHAPE_PLANE ? NSDAE_PLANE_POINT : NSDAE_POINT_POINT;
     set(s0->origin, c->x[0]);
     if (c->kind == NSDAE_PLANE_POINT) set(s0->R + 6, c->u[0]);
-    return 1;
+    return s1->shape == NSDAE_SHAPE_CYLINDER ? rim_on_plane(&two, f->part[1], c) : 1;
   }
   place_in(&two, x1, own, place);
   if (s0->shape == NSDAE_SHAPE_POLYHEDRON || (s0->shape == NSDAE_SHAPE_BOX && met->polyhedra))
     return nsdae_polyhedron_closest(met, base_of(f), own, c);
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(met, base_of(f), place, c);
-  corner_on_rod(s0, place, c);
+  if (s0->shape == NSDAE_SHAPE_CYLINDER)
+    point_on_cylinder(s0, place, c);
+  else
+    corner_on_rod(s0, place, c);
   return 1;
 }

@@ -115,6 +115,11 @@ static int find_moments(const nsdae_solid *s, double density, moments *m, nsdae_
     m->mass = s->length[0] * s->length[1] * s->length[2];
     for (int i = 0; i < 3; i++) m->second[4 * i] = m->mass * s->length[i] * s->length[i] / 12;
     finish(m, zero, density);
+  } else if (s->shape == NSDAE_SHAPE_CYLINDER) {
+    m->mass = nsdae_pi * s->radius * s->radius * s->length[2];
+    m->second[0] = m->second[4] = m->mass * s->radius * s->radius / 4;
+    m->second[8] = m->mass * s->length[2] * s->length[2] / 12;
+    finish(m, zero, density);
   } else {
     round_moments(s->radius, s->shape == NSDAE_SHAPE_CAPSULE ? s->length[2] : 0, density, m);
   }
@@ -149,11 +154,12 @@ static int check_shape(const nsdae_solid *s, double density, const char *where, 
   case NSDAE_SHAPE_CAPSULE:
   case NSDAE_SHAPE_BOX:
   case NSDAE_SHAPE_POLYHEDRON:
+  case NSDAE_SHAPE_CYLINDER:
     if (!s->hollow) return NSDAE_OK;
   }
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
                          "shape = %d has no mass by density (disc, polygon, sphere, capsule, box, "
-                         "polyhedron have)",
+                         "polyhedron, cylinder have)",
                          s->shape);
 }
 

@@ -16,7 +16,14 @@
 #include "solid.h"
 
 /* What is closest to what. */
-enum { NSDAE_POINT_POINT, NSDAE_LINE_POINT, NSDAE_PLANE_POINT, NSDAE_LINE_LINE };
+enum {
+  NSDAE_POINT_POINT,
+  NSDAE_LINE_POINT,
+  NSDAE_PLANE_POINT,
+  NSDAE_LINE_LINE,
+  NSDAE_RIM_POINT, /* the circle of radius r_0 about x_0 across u_0 */
+  NSDAE_PLANE_RIM  /* the lowest point of that about x_1 */
+};
 
 /* The closest parts, each in its body's frame: points, unit vectors along lines and the unit normal
  * of a plane (u_0), roundings. */

@@ -287,11 +287,15 @@ int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *f, nsda
 {
   const nsdae_polyhedra *o = &met->hulls;
   placed_edge p[2];
-  double n[3], m[3], along[2], end = o->most <= o->slack ? o->slack : 0;
+  double n[3], m[3], along[2];
   for (int s = 0; s < 2; s++) place_edge(met, s, f->part[s], &p[s]);
   if (!normal_of(p, n) || !do_cross(p, along)) return 0;
-  for (int s = 0; s < 2; s++)
-    if (fmin(along[s], 1 - along[s]) < end / sqrt(nsdae_dot3(p[s].e, p[s].e))) return 0;
+  for (int s = 0; s < 2; s++) {
+    /* within the slack of its end the corner touches the other's face, in the same place */
+    int touches = o->most <= o->slack && o->face[1 - s] >= o->most - o->slack;
+    double end = touches ? o->slack / sqrt(nsdae_dot3(p[s].e, p[s].e)) : 0;
+    if (fmin(along[s], 1 - along[s]) < end) return 0;
+  }
   double apart = separation(p, n);
   if ((apart < 0 && apart < o->most - o->slack) || !do_face(met, p, n, apart)) return 0;
   nsdae_cross3(p[0].e, p[1].e, m);

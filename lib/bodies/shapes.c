@@ -23,6 +23,7 @@ static const struct {
     [NSDAE_SHAPE_BOX] = {"box", 0, 1, 8, 0, 7},
     [NSDAE_SHAPE_PLANE] = {"plane", 1, 1, 0, 0, 0},
     [NSDAE_SHAPE_POLYHEDRON] = {"polyhedron", 0, 1, 0, 0, 0},
+    [NSDAE_SHAPE_CYLINDER] = {"cylinder", 0, 1, 8, 1, 1 << 2},
 };
 
 const char *nsdae_solid_name(int shape)
@@ -135,6 +136,11 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
       x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
     for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_POLYHEDRON; j++)
       x[j] = made->hull->corner[3 * i + j] - middle[j];
+    if (s->shape == NSDAE_SHAPE_CYLINDER) { /* four of each rim: see feature.c */
+      x[0] = s->radius * cos(2 * nsdae_pi * (i % 4) / 3);
+      x[1] = s->radius * sin(2 * nsdae_pi * (i % 4) / 3);
+      x[2] = (i < 4 ? -0.5 : 0.5) * s->length[2];
+    }
     nsdae_turn(made->R, x, corner);
     for (int j = 0; j < 3; j++) {
       corner[j] += made->origin[j];
@@ -144,6 +150,7 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   }
   made->size += made->radius;
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
+  if (s->shape == NSDAE_SHAPE_CYLINDER) made->half[0] = made->half[1] = s->radius;
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
 }
@@ -229,7 +236,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                        .material = s->material,
                        .group = s->group | INT_MIN, /* so that exclude = -1 has a bit in common */
                        .exclude = s->exclude,
-                       .radius = s->radius,
+                       .radius = s->shape == NSDAE_SHAPE_CYLINDER ? 0 : s->radius,
                        .point = corners,
                        .edge = corners + 3 * points,
                        .hull = hull};
@@ -329,6 +336,21 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   return s.status;
 }
 
+int nsdae_pair_is_exact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+{
+  int first = s0->shape == NSDAE_SHAPE_CYLINDER, second = s1->shape == NSDAE_SHAPE_CYLINDER;
+  return !(first || second) || (!first && s0->points < 2) || (!second && s1->points < 2);
+}
+
+int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
+{
+  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                             "solids %d and %d: a %s and a %s have no contacts: a cylinder touches "
+                             "planes, spheres and points; make it a polyhedron with many sides",
+                             solid0, solid1, nsdae_solid_name(nsdae_solid_at(b, solid0)->shape),
+                             nsdae_solid_name(nsdae_solid_at(b, solid1)->shape));
+}
+
 typedef struct pairing {
   nsdae_bodies *bodies;
   double mu, e_n, e_t;
@@ -396,6 +418,7 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (is_base(s0) && is_base(s1))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", solid0, solid1);
+  if (!nsdae_pair_is_exact(s0, s1)) nsdae_bodies_refuse_pair(b, what, index, solid0, solid1);
   status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);

@@ -27,7 +27,10 @@ static double width_of(const nsdae_solid_of *s)
 {
   double core = 0;
   if (s->shape == NSDAE_SHAPE_PLANE || s->hollow) return INFINITY;
-  if (s->points > 2) core = width_across(s);
+  if (s->shape == NSDAE_SHAPE_CYLINDER)
+    core = 2 * fmin(s->half[0], s->half[2]);
+  else if (s->points > 2)
+    core = width_across(s);
   double width = core + 2 * s->radius;
   return width > 0 ? width : INFINITY;
 }

@@ -10,7 +10,8 @@
 /* A solid as the world keeps it: in its body's frame. */
 typedef struct nsdae_solid_of {
   int body, shape, hollow, points, material, group, exclude;
-  double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2] */
+  double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2];
+                             cylinder, whose radius is 0: its radius twice, half[2] */
   double
       size; /* largest distance of its corners from its origin, with the rounding; 0 of a plane */
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */

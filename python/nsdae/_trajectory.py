@@ -33,7 +33,8 @@ class Shape:
     name : str
         Unique name.
     shape : str
-        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane" or "polyhedron".
+        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron" or
+        "cylinder".
     size : sequence of float
         Up to three lengths [m], see Notes.
     position : sequence of str or float
@@ -56,7 +57,7 @@ class Shape:
     - disc: radius, radius of its hole
     - segment, path: width
     - sphere: radius
-    - capsule: radius, length
+    - capsule, cylinder: radius, length
     - box: edges
     - plane: its normal
     """

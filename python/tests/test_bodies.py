@@ -235,6 +235,23 @@ def test_polyhedra():
         world.add_from_solids([Solid("polyhedron", points=corners[:4])], 1)
 
 
+def test_a_cylinder_rolls_down():
+    """s'' = 2/3 g sin(a), by event to rounding."""
+    slope, radius = 0.2, 0.1
+    world = Bodies(3, gravity=(G * math.sin(slope), 0, -G * math.cos(slope)))
+    ground = world.add_solid(GROUND, Solid("plane"))
+    body = world.add_from_solids([Solid("cylinder", radius=radius, length=0.3)], 1000, (0, 0, radius),
+                                 quaternion=(math.sqrt(0.5), -math.sqrt(0.5), 0, 0))
+    world.add_contact(ground, 1, mu=0.5)
+    run = nsdae.solve(world, 1, method="event", dt=0.01)
+    assert run["x0"][-1] == pytest.approx(G * math.sin(slope) / 3, abs=1e-8)
+    assert world.shapes()[1].size == (radius, 0.3) and body == 0
+    with pytest.raises(nsdae.ArgumentError, match="a cylinder and a box have no contacts"):
+        world = Bodies(3)
+        world.add_solid(world.add(1, (1, 1, 1)), Solid("cylinder", radius=1, length=1))
+        world.add_contact(0, world.add_solid(GROUND, Solid("box", length=(1, 1, 1))))
+
+
 def test_refusals():
     world = Bodies(2)
     with pytest.raises(ValueError, match="kind"):

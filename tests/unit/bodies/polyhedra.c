@@ -8,6 +8,7 @@
 #include <nsdae/nsdae.h>
 #include <stdlib.h>
 
+#include "allocator.h"
 #include "bodies_impl.h"
 #include "support/feature_touch.h"
 #include "support/random.h"
@@ -396,6 +397,24 @@ static void test_refused(void **state)
   free(point);
 }
 
+/* Each allocation fails in turn: it is reported and nothing is left. */
+static void test_memory(void **state)
+{
+  int status = NSDAE_E_MEMORY;
+  (void)state;
+  for (long at = 0; status < 0; at++) {
+    allocator_reset(at);
+    nsdae_bodies *b = NULL;
+    const nsdae_solid s = {.shape = NSDAE_SHAPE_POLYHEDRON, .points = 6, .point = octahedron};
+    status = nsdae_bodies_create(3, &b, NULL);
+    if (status == NSDAE_OK) status = nsdae_bodies_add_solid(b, NSDAE_GROUND, &s);
+    if (b) nsdae_bodies_destroy(&b);
+    assert_int_equal(the_allocator.live, 0);
+    assert_true(status == 0 || status == NSDAE_E_MEMORY);
+  }
+  allocator_reset(-1);
+}
+
 /* ---- inertia */
 
 static void expect_body(const nsdae_rigid_body *body, double mass, const double *inertia,
@@ -515,6 +534,6 @@ int main(void)
       cmocka_unit_test(test_gaps),    cmocka_unit_test(test_box),
       cmocka_unit_test(test_hull),    cmocka_unit_test(test_refused),
       cmocka_unit_test(test_regular), cmocka_unit_test(test_quadrature),
-      cmocka_unit_test(test_several)};
+      cmocka_unit_test(test_several), cmocka_unit_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
