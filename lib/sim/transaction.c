@@ -121,15 +121,25 @@ static int choose_contacts(nsdae_sim *sim, double length)
   return NSDAE_OK;
 }
 
-/* Velocities of the new place. With moreau they are those of the middle of the step, and this is
- * half of the force that turns them: with a friction circle they stay, since friction needs all of
- * it. */
-static int project_velocities(nsdae_sim *sim)
+static int has_loaded_joints(const nsdae_system *s)
 {
-  int circles = 0;
-  for (int j = 0; j < sim->system->dims.f; j++)
-    circles |= sim->system->frictional_joint[j].rows > 0;
-  return circles ? NSDAE_OK : nsdae_project_velocities(&sim->projection, &sim->next->result.end);
+  int any = 0;
+  for (int j = 0; j < s->dims.f; j++)
+    any |= s->frictional_joint[j].rows > 0 || s->frictional_joint[j].mu > 0;
+  return any;
+}
+
+/* Velocities of the new place. With moreau they are those of the middle of the step, and the
+ * impulse of this projection is half of that which turns them: it is part of the mean force of the
+ * step. Velocities stay if friction needs all of that force. */
+static int project_velocities(nsdae_sim *sim, double length)
+{
+  nsdae_result *r = &sim->next->result;
+  if (has_loaded_joints(sim->system)) return NSDAE_OK;
+  int status = nsdae_project_velocities(&sim->projection, &r->end);
+  for (int i = 0; i < sim->system->dims.m && status == NSDAE_OK; i++)
+    r->multiplier[i] += sim->projection.least.c[i] / length;
+  return status;
 }
 
 /* The option projection, of the time-stepping methods: the end of the step is moved to the
@@ -145,7 +155,7 @@ static int project(nsdae_sim *sim, double length)
   if (status == NSDAE_OK) status = nsdae_project_positions(p, &r->end, 0);
   if (status == NSDAE_OK && p->contacts.any) status = list_closed(sim, length);
   if (status == NSDAE_OK) status = energy(&r->end, &moved);
-  if (status == NSDAE_OK) status = project_velocities(sim);
+  if (status == NSDAE_OK) status = project_velocities(sim, length);
   if (status == NSDAE_OK) status = energy(&r->end, &after);
   if (status < 0) return status;
   r->work += after - before;
@@ -200,7 +210,7 @@ static int need_end(nsdae_terms *end)
  * them by the second order. Velocities stay; with constraints they are projected to those of the
  * new place, which only lowers the kinetic energy. The reach is twice the deepest: a rod that is
  * pushed at one end goes back half as far at the other, and its neighbour may do the same. */
-static int move_by(nsdae_sim *sim, double deepest, int drifted, double h)
+static int move_by(nsdae_sim *sim, double deepest, int drifted, double h, double length)
 {
   nsdae_result *r = &sim->next->result;
   nsdae_terms *end = &r->end;
@@ -220,7 +230,7 @@ static int move_by(nsdae_sim *sim, double deepest, int drifted, double h)
   if (status == NSDAE_OK && sim->system->dims.m > 0)
     status = nsdae_project_positions(&sim->projection, end, 0);
   if (status == NSDAE_OK) status = energy(end, &moved);
-  if (status == NSDAE_OK) status = project_velocities(sim);
+  if (status == NSDAE_OK) status = project_velocities(sim, length);
   if (status == NSDAE_OK) status = energy(end, &after);
   if (status < 0) return status;
   r->counters.moved = islands > 0;
@@ -258,7 +268,7 @@ static int move_to_slop(nsdae_sim *sim, double length)
   int drifted = 0, status = find_deepest(sim, h, &deepest);
   if (status == NSDAE_OK) status = find_drift(&sim->next->result.end, &drifted);
   if (status < 0) return status;
-  return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h) : keep_lengths(sim);
+  return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h, length) : keep_lengths(sim);
 }
 
 static int correct(nsdae_sim *sim, double length)
