@@ -14,6 +14,8 @@ COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
           "cylinder")
 
+OF_POINTS = ("polygon", "path", "polyhedron")
+
 # size [3] and points [p, 3] in the body's own frame; position [n, 3] or, if it never moves, [3];
 # rotation [n, 3, 3], [3, 3] or None; end as position, of a segment, else None. columns: of q, that place
 # it; rigid: the columns that place and that rotate it, equal for the shapes of one rigid body.
@@ -150,7 +152,8 @@ def shaped(file, q):
     far = np.maximum(position + dimension, turn + np.where(dimension == 2, 1, 4))
     if not len(name) == len(kind) == len(dimension) == len(position) == len(turn) == len(size) == len(count) or \
             first is None or np.any(far > q.shape[1]) or np.any(position < 0) or \
-            np.any((kind < 0) | (kind >= len(SHAPES)) | (kind == SHAPES.index("segment"))):
+            np.any((kind < 0) | (kind >= len(SHAPES)) | (kind == SHAPES.index("segment"))) or \
+            np.any((count == 0) & np.isin(kind, [SHAPES.index(of) for of in OF_POINTS])):
         raise Problem("its /shapes do not fit together")
     where = np.zeros((len(q), len(name), 3))
     for d in (2, 3):
