@@ -177,7 +177,7 @@ static void frame_of(int dimension, double angle, const double *quaternion, doub
     nsdae_rotation_spatial(p, R);
 }
 
-/* m, in the frame of the body: about its origin. */
+/* m, in the frame of the body. */
 static void place_moments(int dimension, const nsdae_solid *s, moments *m)
 {
   double R[9], half[9], turned[3];
@@ -189,46 +189,72 @@ static void place_moments(int dimension, const nsdae_solid *s, moments *m)
     const double row[3] = {half[i], half[3 + i], half[6 + i]};
     nsdae_turn(R, row, m->second + 3 * i);
   }
-  shift(m, m->centre, 1);
 }
 
+/* The moments of solid i in the frame of the body, the second ones about its centre. */
+static int find_placed(int i, const nsdae_solid *solid, const double *density, moments *m,
+                       const char *where, nsdae_error *error)
+{
+  const nsdae_solid *s = &solid[i];
+  int planar = is_planar(&solid[0]), status = check_shape(s, density[i], where, error);
+  if (status == NSDAE_OK && is_planar(s) != planar)
+    status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
+                             "solid %d, a %s, is no solid in %d dimensions as solid 0 is", i,
+                             nsdae_solid_name(s->shape), planar ? 2 : 3);
+  if (status == NSDAE_OK) status = find_moments(s, density[i], m, error);
+  if (status < 0) return status;
+  place_moments(planar ? 2 : 3, s, m);
+  double all = m->mass; /* finite if each of them is */
+  for (int j = 0; j < 3; j++) all += fabs(m->centre[j]);
+  for (int j = 0; j < 9; j++) all += fabs(m->second[j]);
+  if (isfinite(all) && m->mass > 0) return NSDAE_OK;
+  return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "solid",
+                         "solid %d has the mass %g, centre (%g, %g, %g): its size, density, "
+                         "position and rotation must "
+                         "be finite and not too large or small",
+                         i, m->mass, m->centre[0], m->centre[1], m->centre[2]);
+}
+
+/* Sums about o, the centre of solid 0: no offset costs digits. */
 static int find_body(int n, nsdae_solid *solid, const double *density, nsdae_rigid_body *body,
                      const char *where, nsdae_error *error)
 {
   moments sum = {.mass = 0}, m;
-  double R[9], moved[3];
+  double R[9], o[3] = {0, 0, 0}, moved[3];
   nsdae_error_clear(error);
   if (n < 1 || !solid || !density || !body)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
                            "n = %d is less than 1, or solid, density or body is NULL", n);
-  int dimension = is_planar(&solid[0]) ? 2 : 3;
   for (int i = 0; i < n; i++) {
-    int status = check_shape(&solid[i], density[i], where, error);
-    if (status == NSDAE_OK && is_planar(&solid[i]) != (dimension == 2))
-      status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
-                               "solid %d, a %s, is no solid in %d dimensions as solid 0 is", i,
-                               nsdae_solid_name(solid[i].shape), dimension);
-    if (status == NSDAE_OK) status = find_moments(&solid[i], density[i], &m, error);
+    int status = find_placed(i, solid, density, &m, where, error);
     if (status < 0) {
       if (error) error->index = i;
       return status;
     }
-    place_moments(dimension, &solid[i], &m);
+    if (i == 0) memcpy(o, m.centre, sizeof o);
+    for (int j = 0; j < 3; j++) m.centre[j] -= o[j];
+    shift(&m, m.centre, 1);
     sum.mass += m.mass;
     for (int j = 0; j < 3; j++) sum.centre[j] += m.mass * m.centre[j];
     for (int j = 0; j < 9; j++) sum.second[j] += m.second[j];
   }
-  finish(&sum, (const double[]){0, 0, 0}, 1);
-  if (!(isfinite(sum.mass) && sum.mass > 0))
-    return nsdae_error_set(
-        error, NSDAE_E_NONFINITE, where, "density",
-        "the mass of the solids is %g: is a size or a density too large or small?", sum.mass);
+  finish(&sum, o, 1);
+  int dimension = is_planar(&solid[0]) ? 2 : 3;
+  frame_of(dimension, body->angle, body->quaternion, R);
+  nsdae_turn(R, sum.centre, moved);
+  double all = sum.mass;
+  for (int j = 0; j < 9; j++)
+    all += fabs(sum.second[j]) + fabs(moved[j % 3] + body->position[j % 3]);
+  if (!isfinite(all))
+    return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "body",
+                           "the body has the mass %g at (%g, %g, %g): its position and rotation "
+                           "must be finite, no solid too far from another",
+                           sum.mass, moved[0] + body->position[0], moved[1] + body->position[1],
+                           moved[2] + body->position[2]);
   body->mass = sum.mass;
   tensor_of(sum.second, body->inertia, body->product);
   if (dimension == 2) memset(body->product, 0, sizeof body->product);
   if (dimension == 2) body->inertia[0] = body->inertia[1] = 0;
-  frame_of(dimension, body->angle, body->quaternion, R);
-  nsdae_turn(R, sum.centre, moved);
   for (int j = 0; j < 3; j++) body->position[j] += moved[j];
   for (int i = 0; i < n; i++)
     for (int j = 0; j < 3; j++) solid[i].position[j] -= sum.centre[j];

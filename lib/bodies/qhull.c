@@ -117,6 +117,10 @@ int nsdae_hull_create(int points, const double *point, const nsdae_hull **hull, 
       status = refuse_flat(points, error);
     qh->NOerrexit = True;
     qh_freeqhull(qh, !qh_ALL);
+    if (qh->qhmem.LASTsize == 0) { /* its memory was not set up: it forgets these two */
+      qh_free(qh->qhmem.sizetable);
+      qh_free(qh->qhmem.freelists);
+    }
     qh_memfreeshort(qh, &left, &whole);
   }
   free(scaled);

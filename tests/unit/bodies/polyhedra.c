@@ -528,12 +528,60 @@ static void test_several(void **state)
   assert_int_equal(error.index, 1);
 }
 
+/* The moments about the centre of mass do not depend on the frame: two octahedra and a ball far
+ * from its origin, by the offset of the solids or by that of the points. */
+static void test_far(void **state)
+{
+  const double density[3] = {2, 3, 4};
+  (void)state;
+  for (double far = 1; far < 1e10; far *= 10) {
+    double point[18];
+    nsdae_rigid_body body[2] = {{.mass = 0}, {.mass = 0}};
+    for (int i = 0; i < 18; i++) point[i] = far + octahedron[i];
+    for (int k = 0; k < 2; k++) {
+      double at = k ? far : 0;
+      nsdae_solid s[3] = {{.shape = NSDAE_SHAPE_POLYHEDRON, .points = 6, .point = point},
+                          {.shape = NSDAE_SHAPE_POLYHEDRON, .points = 6, .point = octahedron},
+                          {.shape = NSDAE_SHAPE_SPHERE, .radius = 1}};
+      if (k == 0) s[0].point = octahedron;
+      for (int j = 0; j < 3; j++) {
+        s[1].position[j] = at + (j == 0);
+        s[2].position[j] = at + 2 * (j == 1);
+      }
+      assert_int_equal(nsdae_body_from_solids(3, s, density, &body[k], NULL), NSDAE_OK);
+      for (int j = 0; j < 3; j++) body[k].position[j] -= at;
+    }
+    double tol = 1e-14 + 1e-15 * far; /* of points rounded to far + 1 */
+    expect_body(&body[1], body[0].mass, body[0].inertia, body[0].product, body[0].position,
+                20 * tol);
+  }
+}
+
+static void test_not_finite(void **state)
+{
+  const double density = 1;
+  (void)state;
+  for (int k = 0; k < 4; k++) {
+    nsdae_error error;
+    nsdae_solid s = {.shape = NSDAE_SHAPE_BOX, .length = {1, 1, 1}};
+    nsdae_rigid_body body = {.mass = 7};
+    *(k == 0   ? &s.position[1]
+      : k == 1 ? &s.quaternion[2]
+      : k == 2 ? &body.position[0]
+               : &body.quaternion[3]) = k % 2 ? INFINITY : NAN;
+    assert_int_equal(nsdae_body_from_solids(1, &s, &density, &body, &error), NSDAE_E_NONFINITE);
+    assert_non_null(strstr(error.text, k < 2 ? "solid 0" : "the body"));
+    assert_true(body.mass == 7);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_gaps),    cmocka_unit_test(test_box),
-      cmocka_unit_test(test_hull),    cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_regular), cmocka_unit_test(test_quadrature),
-      cmocka_unit_test(test_several), cmocka_unit_test(test_memory)};
+      cmocka_unit_test(test_gaps),       cmocka_unit_test(test_box),
+      cmocka_unit_test(test_hull),       cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_regular),    cmocka_unit_test(test_quadrature),
+      cmocka_unit_test(test_several),    cmocka_unit_test(test_far),
+      cmocka_unit_test(test_not_finite), cmocka_unit_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
