@@ -173,13 +173,13 @@ int nsdae_step_solve(const nsdae_step *step, const nsdae_terms *terms, const dou
 }
 
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,
-                      const double *r, double *v)
+                      const double *r, const double *lambda, double *v)
 {
   nsdae_stepper *s = step->tools;
   nsdae_problem *p = &s->problem;
   double size = nsdae_largest(s->system->dims.nv, r);
-  nsdae_circles circles =
-      nsdae_circles_begin(terms, p->joint_own, s->options->contact_tol, size, p->joint_bound);
+  nsdae_circles circles = nsdae_circles_begin(terms, p->joint_own, lambda, s->options->contact_tol,
+                                              size, p->joint_bound);
   int status;
   do {
     for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];

@@ -88,9 +88,9 @@ int nsdae_step_end(const nsdae_step *step);
 int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
 int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms);
 /* v and the stepper's impulse from momentum r [nv] with the closed contacts of the terms' point:
- * M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t. */
+ * M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t. lambda: impulses nearby, or NULL. */
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,
-                      const double *r, double *v);
+                      const double *r, const double *lambda, double *v);
 /* The same of lambda that comes as the rates Phi_q v, also as if no contact were closed. */
 int nsdae_step_solve(const nsdae_step *step, const nsdae_terms *terms, const double *M,
                      const double *r, int with_contacts, double *v, double *lambda);

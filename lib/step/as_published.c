@@ -139,7 +139,7 @@ static int solve_at_start(const nsdae_step *step)
   status = nsdae_problem_position(&s->problem, start, step->h, step->h / 2);
   if (status < 0) return status;
   nsdae_stepper_momentum(&s->system->blocks, start->M, start->v, step->h, start->F, s->r);
-  return nsdae_step_impact(step, start, start->M, s->r, s->v);
+  return nsdae_step_impact(step, start, start->M, s->r, NULL, s->v);
 }
 
 static int positions(const nsdae_step *step)

@@ -134,7 +134,7 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   if (status < 0) return status;
   right_hand_side(step, *impact);
   nsdae_problem_bound(&s->problem, step->h / 2, step->start, step->h / 2, step->end);
-  status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->v);
+  status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->impulse, s->v);
   if (status < 0) return status;
   /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
   status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);

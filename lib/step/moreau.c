@@ -69,7 +69,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status == NSDAE_OK) status = nsdae_problem_factor(&step.tools->problem, middle, 0);
   if (status < 0) return status;
   nsdae_stepper_momentum(&s->system->blocks, middle->M, step.start->v, step.h, middle->F, s->r);
-  status = nsdae_step_impact(&step, middle, middle->M, s->r, s->v);
+  status = nsdae_step_impact(&step, middle, middle->M, s->r, NULL, s->v);
   return status < 0 ? status : to_end(&step);
 }
 

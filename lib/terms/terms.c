@@ -387,10 +387,11 @@ static int bound(nsdae_terms *T)
 /* Contraction by 0.6 to 1e-13. */
 enum { CIRCLE_ROUNDS = 60 };
 
-nsdae_circles nsdae_circles_begin(const nsdae_terms *T, const double *own, double part, double size,
-                                  double *bound)
+nsdae_circles nsdae_circles_begin(const nsdae_terms *T, const double *own, const double *lambda,
+                                  double part, double size, double *bound)
 {
-  for (int j = 0; j < T->system->dims.f; j++) bound[j] = own ? own[j] : 0;
+  for (int j = 0; j < T->system->dims.f; j++)
+    bound[j] = (own ? own[j] : 0) + (lambda ? nsdae_terms_circle(T->system, j, lambda) : 0);
   return (nsdae_circles){T, own, part, size, bound, 0};
 }
 

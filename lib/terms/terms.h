@@ -190,9 +190,9 @@ typedef struct nsdae_circles {
 
 #define NSDAE_CIRCLE_PART 1e-13
 
-/* bound := own. */
-nsdae_circles nsdae_circles_begin(const nsdae_terms *terms, const double *own, double part,
-                                  double size, double *bound);
+/* bound := own, and the circles of a lambda nearby, NULL: none. */
+nsdae_circles nsdae_circles_begin(const nsdae_terms *terms, const double *own, const double *lambda,
+                                  double part, double size, double *bound);
 /* Whether lambda is due again. NSDAE_E_CONVERGENCE with the record after too many rounds. */
 int nsdae_circles_again(nsdae_circles *circles, const double *lambda, int *status);
 

@@ -97,7 +97,7 @@ static int solve(nsdae_event_impacts *p)
 {
   const nsdae_terms *T = p->acceleration->phase->setting->here;
   nsdae_circles circles = nsdae_circles_begin(
-      T, NULL, NSDAE_CIRCLE_PART, nsdae_largest(T->system->dims.nv, p->momentum), p->bound);
+      T, NULL, NULL, NSDAE_CIRCLE_PART, nsdae_largest(T->system->dims.nv, p->momentum), p->bound);
   int status;
   do status = solve_bounded(p);
   while (nsdae_circles_again(&circles, p->multiplier, &status));

@@ -119,7 +119,7 @@ static int solve_bounded(nsdae_event_acceleration *p)
 static int solve(nsdae_event_acceleration *p)
 {
   const nsdae_terms *T = p->phase->setting->here;
-  nsdae_circles circles = nsdae_circles_begin(T, T->frictional_joint.bound, NSDAE_CIRCLE_PART,
+  nsdae_circles circles = nsdae_circles_begin(T, T->frictional_joint.bound, NULL, NSDAE_CIRCLE_PART,
                                               nsdae_largest(T->system->dims.nv, T->F), p->bound);
   int status;
   p->problem.slides.bound = p->bound;

@@ -219,7 +219,7 @@ static int solve(nsdae_event_phase *p)
                                         redundant ? p->modes.basis : NULL, m - redundant);
   if (status == NSDAE_OK) status = nsdae_event_factor_border(p, &p->border, NULL, INFINITY);
   if (status < 0) return status;
-  nsdae_circles circles = nsdae_circles_begin(T, NULL, NSDAE_CIRCLE_PART,
+  nsdae_circles circles = nsdae_circles_begin(T, NULL, NULL, NSDAE_CIRCLE_PART,
                                               nsdae_largest(T->system->dims.nv, T->F), p->circle);
   do status = solve_factored(p);
   while (nsdae_circles_again(&circles, p->l, &status));
