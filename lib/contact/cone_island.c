@@ -615,13 +615,14 @@ static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equation
   return 0;
 }
 
-/* The sets from the step before. Returns the number of motors. */
+/* A first guess of the sets from the step before. Returns the number of motors. */
 static int begin_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *joint = &w->islands->joint;
   int motors = 0;
   for (int i = joint->first[island]; i < joint->first[island + 1]; i++) {
-    int j = joint_at(w, i), motor = w->system->frictional_joint[j].position;
+    int j = joint_at(w, i);
+    int motor = w->system->frictional_joint[j].position != NSDAE_NO_POSITION;
     double was = w->results->frictional_joint_impulse[j];
     int at = fabs(was) >= 0.999999 * w->joint_bound[j];
     c->set[j] = !motor ? PLANAR : !at ? WITHIN : was < 0 ? AT_LOW : AT_HIGH;
