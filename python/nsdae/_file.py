@@ -114,6 +114,11 @@ class _Image(io.BytesIO):
         return super().write(content)
 
 
+def _is(path: str, file: tuple[int, Any] | None) -> bool:
+    """Whether the file of this number on the disk has the name."""
+    return file is not None and os.path.lexists(path) and os.lstat(path).st_ino == file[0]
+
+
 class Growing:
     """A file that grows during a run and is whole at any time.
 
@@ -166,7 +171,10 @@ class Growing:
 
     def _update(self) -> int:
         """Brings the file `part` up to date; a file of someone else is replaced."""
-        known = self.other is not None and os.path.exists(self.part) and os.stat(self.part).st_ino == self.other[0]
+        known = _is(self.part, self.other)
+        if not known:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(self.part)
         with open(self.part, "r+b" if known else "wb") as file, self.image.getbuffer() as whole:
             for at, size in self.other[1] if self.other and known else [(0, len(whole))]:
                 file.seek(at)
@@ -175,10 +183,12 @@ class Growing:
             return os.fstat(file.fileno()).st_ino
 
     def _exchange(self) -> bool:
-        """False if the file under the name is lost, or cannot have two names."""
+        """False if the file under the name is lost, is of someone else or cannot have two names."""
         with contextlib.suppress(FileNotFoundError):
             os.remove(self.spare)
         try:
+            if not _is(self.path, self.shown):
+                raise FileNotFoundError(self.path)
             os.link(self.path, self.spare)
         except OSError:
             os.replace(self.part, self.path)

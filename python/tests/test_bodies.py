@@ -1,6 +1,7 @@
 """Mechanisms of bodies from Python."""
 
 import math
+import os
 import warnings
 
 import h5py
@@ -483,6 +484,23 @@ def test_output_is_replaced(tmp_path):
     other.add(1, 1)
     with pytest.raises(OSError):
         nsdae.solve(other, 1, output=tmp_path / "no/such/folder/run.h5")
+
+
+def test_output_replaces_names_alone(tmp_path, monkeypatch):
+    """Files that had the names of an output keep their content under other names, however often the output grows."""
+    monkeypatch.setattr("nsdae._sim._PAUSE", 0.0)
+    old = [tmp_path / "old.h5", tmp_path / "linked.h5", tmp_path / "old.part"]
+    for file in old:
+        file.write_bytes(b"of another program")
+    os.link(old[0], tmp_path / "run.h5")
+    os.link(old[2], tmp_path / "run.h5.part")
+    os.symlink(old[1], tmp_path / "link.h5")
+    for name in ("run.h5", "link.h5"):
+        world = Bodies(2, gravity=(0, -G))
+        world.add(mass=1, inertia=1)
+        nsdae.solve(world, 0.01, dt=1e-3, output=tmp_path / name)
+        assert len(nsdae.load(tmp_path / name).time) == 11
+    assert all(file.read_bytes() == b"of another program" for file in old)
 
 
 def test_names():
