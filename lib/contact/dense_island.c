@@ -497,7 +497,8 @@ static void copy_bases(nsdae_dense_island *l, int back)
 }
 
 /* The complementarity problem is judged by scales of its own: if it is solved and a law is not,
- * once more and by two digits more. If that fails or finds another solution, it was one. */
+ * once more and by two digits more. If that fails, or finds another solution of which a law is not
+ * solved either, the first one is taken. */
 static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
                       nsdae_natural_residual *residual)
 {
@@ -514,7 +515,9 @@ static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
   status = solve_again(l, w, residual);
   *tol = asked;
   c->lcp.accept = accept;
-  if (status == NSDAE_OK && same_impulses(l, l->was)) return status;
+  if (status == NSDAE_OK &&
+      (same_impulses(l, l->was) || nsdae_natural_residual_scaled(residual) <= asked))
+    return status;
   copy_bases(l, 1);
   return solve_again(l, w, residual);
 }

@@ -203,6 +203,45 @@ static void test_sled(void **state)
   }
 }
 
+/* ---- a pendulum that comes to rest on a stop: stop and friction share the load in any parts,
+ * and the last rebounds are below the tolerance; each step is solved */
+
+static void test_stop(void **state)
+{
+  (void)state;
+  for (int brake = 0; brake <= 1; brake++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
+      for (int i = 0; i < 9; i++) {
+        nsdae_bodies *b = pinned(2, 0.15, 0, brake ? 1e-9 : 0.01, -9.81);
+        nsdae_system *system;
+        nsdae_sim *sim;
+        nsdae_sim_options o;
+        nsdae_record r;
+        nsdae_stats stats;
+        double q[3], v[3];
+        if (brake)
+          nsdae_bodies_add_motor(b, &(nsdae_motor){.kind = NSDAE_MOTOR_SPEED, .limit = 0.06});
+        nsdae_bodies_add_limit(
+            b, &(nsdae_limit){.low = -0.2, .high = 0.2, .e_n = 0.1 + 0.05 * i}); /* of joint 0 */
+        assert_true(nsdae_bodies_system(b, &system) >= 0);
+        nsdae_bodies_get_start(b, q, v);
+        nsdae_sim_options_default(&o);
+        o.method = method;
+        o.dt = 1e-3;
+        assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+        assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+        if (nsdae_sim_run(sim, 2) != NSDAE_OK) fail_msg("%s", nsdae_sim_error(sim)->text);
+        nsdae_sim_get_record(sim, &r);
+        nsdae_sim_get_stats(sim, &stats);
+        assert_int_equal(stats.inexact_steps, 0);
+        assert_near(r.v[2], 0, 0);
+        assert_near(r.q[2], -0.2, 1e-2);
+        nsdae_sim_destroy(&sim);
+        nsdae_system_destroy(&system);
+        nsdae_bodies_destroy(&b);
+      }
+}
+
 /* ---- a rotor whose pin has so large a friction circle that no torque solves the equations: with
  * time stepping an impulse stops it, the other methods return an error */
 
@@ -240,8 +279,9 @@ static void test_no_answer(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_slips),   cmocka_unit_test(test_circle),
-      cmocka_unit_test(test_linkage), cmocka_unit_test(test_impacts),
-      cmocka_unit_test(test_sled),    cmocka_unit_test(test_no_answer)};
+      cmocka_unit_test(test_slips),    cmocka_unit_test(test_circle),
+      cmocka_unit_test(test_linkage),  cmocka_unit_test(test_impacts),
+      cmocka_unit_test(test_sled),     cmocka_unit_test(test_stop),
+      cmocka_unit_test(test_no_answer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
