@@ -1,8 +1,10 @@
 /* The blocks of a mechanism: a body is one, coordinates of one's own are the last; and contacts by
  * list, found by the broad phase. */
+#include <limits.h>
 #include <stdlib.h>
 
 #include "broad_phase.h"
+#include "errors.h"
 #include "maker.h"
 #include "separating_axis.h"
 
@@ -97,6 +99,17 @@ static int list_named(listing *l)
 long nsdae_bodies_limit_id(const nsdae_bodies *b)
 {
   return b->feature.count + (long)b->solid.count * b->solid.count * nsdae_broad_features(b);
+}
+
+int nsdae_bodies_check_ids(nsdae_bodies *b)
+{
+  double solids = b->solid.count, features = (double)nsdae_broad_features(b);
+  double ids = b->feature.count + solids * solids * features + b->limit.count;
+  if (ids < (double)LONG_MAX) return NSDAE_OK;
+  return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, "nsdae_bodies_system", "solid",
+                         "%d solids of which two have up to %.0f contacts need %.3g ids, more than "
+                         "%ld: give fewer solids, or polyhedra with fewer corners",
+                         b->solid.count, features, ids, LONG_MAX);
 }
 
 /* The limits whose gap is at most reach; their tangents are zero. */

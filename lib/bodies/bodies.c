@@ -369,6 +369,7 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
                            "the system has a contact list: the user rows have %d fixed contacts; "
                            "list them with their callback contacts",
                            b->own.dims.k);
+  if (nsdae_bodies_has_list(b) && (status = nsdae_bodies_check_ids(b)) < 0) return status;
   if (nsdae_bodies_has_list(b) && (status = nsdae_bodies_check_shapes(b)) < 0) return status;
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);

@@ -363,6 +363,8 @@ int nsdae_bodies_set_contact_list(nsdae_bodies *bodies, nsdae_system *system);
 
 /* Id of limit 0 in a contact list, behind those of all pairs of solids. */
 long nsdae_bodies_limit_id(const nsdae_bodies *bodies);
+/* NSDAE_E_ARGUMENT: not every id of a contact list is below LONG_MAX. */
+int nsdae_bodies_check_ids(nsdae_bodies *bodies);
 
 /* Bodies and the first rows directions of a contact; its omega, from poses with velocities. */
 void nsdae_bodies_contact_rows(int dimension, const nsdae_couple *two, const nsdae_still *at,
