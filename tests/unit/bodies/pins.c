@@ -2,6 +2,8 @@
  * event to 1e-10, by time stepping with its order. */
 #include "check.h"
 
+#include <stdlib.h>
+
 #include <nsdae/nsdae.h>
 
 #include "support/hung_bodies.h"
@@ -287,6 +289,59 @@ static void test_arch(void **state)
       }
 }
 
+/* ---- of a simulation that continues from a state, a control is set before the first step: its
+ * lists of rows, six of a joint, are as short as at first */
+
+static void test_continues(void **state)
+{
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++) {
+    nsdae_system *system;
+    nsdae_sim *sim[2];
+    nsdae_sim_options o;
+    nsdae_record r[2];
+    double q[6], v[6];
+    nsdae_bodies *b = pinned(2, 0.1, 4, 0.1, -9.81);
+    nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
+                                            .inertia = {0, 0, 0.1},
+                                            .position = {0.3},
+                                            .velocity = {0, 1.2},
+                                            .spin = {0, 0, 4}});
+    nsdae_bodies_add_joint(b,
+                           &(nsdae_joint){.body = {0, 1}, .point = {0.2}, .mu = mu, .radius = 0.1});
+    nsdae_bodies_add_motor(
+        b, &(nsdae_motor){.joint = 1, .kind = NSDAE_MOTOR_POSITION, .limit = 3, .kp = 20, .kd = 1});
+    for (int i = 0; i < 4; i++)
+      nsdae_bodies_add_motor(b,
+                             &(nsdae_motor){.joint = 1, .kind = NSDAE_MOTOR_SPEED, .limit = 0.02});
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
+    nsdae_bodies_get_start(b, q, v);
+    nsdae_sim_options_default(&o);
+    o.method = method;
+    o.dt = 1e-2;
+    for (int i = 0; i < 2; i++)
+      assert_int_equal(nsdae_sim_create(system, &o, &sim[i], NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim[0], 0, q, v), NSDAE_OK);
+    assert_true(nsdae_sim_run(sim[0], 0.1) >= 0);
+    size_t size;
+    assert_int_equal(nsdae_sim_state_size(sim[0], &size), NSDAE_OK);
+    void *block = malloc(size);
+    assert_int_equal(nsdae_sim_get_state(sim[0], block, size), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_state(sim[1], block, size), NSDAE_OK);
+    free(block);
+    for (int i = 0; i < 2; i++) {
+      assert_int_equal(nsdae_sim_set_control(sim[i], 0, 0.7), NSDAE_OK);
+      assert_true(nsdae_sim_run(sim[i], 0.3) >= 0);
+      nsdae_sim_get_record(sim[i], &r[i]);
+    }
+    assert_memory_equal(r[0].q, r[1].q, sizeof q);
+    assert_memory_equal(r[0].v, r[1].v, sizeof v);
+    for (int i = 0; i < 2; i++) nsdae_sim_destroy(&sim[i]);
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
 /* ---- a rotor whose pin has so large a friction circle that no torque solves the equations: with
  * time stepping an impulse stops it, the other methods return an error */
 
@@ -324,9 +379,10 @@ static void test_no_answer(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_slips),   cmocka_unit_test(test_circle),
-      cmocka_unit_test(test_linkage), cmocka_unit_test(test_impacts),
-      cmocka_unit_test(test_sled),    cmocka_unit_test(test_stop),
-      cmocka_unit_test(test_arch),    cmocka_unit_test(test_no_answer)};
+      cmocka_unit_test(test_slips),    cmocka_unit_test(test_circle),
+      cmocka_unit_test(test_linkage),  cmocka_unit_test(test_impacts),
+      cmocka_unit_test(test_sled),     cmocka_unit_test(test_stop),
+      cmocka_unit_test(test_arch),     cmocka_unit_test(test_continues),
+      cmocka_unit_test(test_no_answer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
