@@ -181,6 +181,7 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
   nsdae_circles circles = nsdae_circles_begin(terms, p->joint_own, lambda, s->options->contact_tol,
                                               size, p->joint_bound);
   int status;
+  circles.friction = p->results->frictional_joint_impulse;
   do {
     for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
     status = nsdae_step_solve(step, terms, M, r, 1, v, s->impulse);

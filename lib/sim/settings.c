@@ -28,10 +28,13 @@ static int check_change(nsdae_sim *sim)
   sim->stage.waiting = 0;
   if (!sim->stage.started || !sim->method->settle || memory->stamp == 0) return NSDAE_OK;
   sim->stage.between = 0;
-  nsdae_result_clear(r);
-  nsdae_memory_copy(&r->memory, memory);
-  nsdae_stepper_count(&sim->stepper, &state, r);
-  int status = sim->method->settle(sim->own, &state, r);
+  int status;
+  do {
+    nsdae_result_clear(r);
+    nsdae_memory_copy(&r->memory, memory);
+    nsdae_stepper_count(&sim->stepper, &state, r);
+    status = sim->method->settle(sim->own, &state, r);
+  } while (status == NSDAE_ARRAYS_GROW && (status = nsdae_sim_grow(sim)) == NSDAE_OK);
   if (status < 0) return status;
   nsdae_memory_copy(memory, &r->memory);
   memory->stamp = -1; /* what is kept beside it was made under the old settings */

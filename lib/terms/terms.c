@@ -392,7 +392,7 @@ nsdae_circles nsdae_circles_begin(const nsdae_terms *T, const double *own, const
 {
   for (int j = 0; j < T->system->dims.f; j++)
     bound[j] = (own ? own[j] : 0) + (lambda ? nsdae_terms_circle(T->system, j, lambda) : 0);
-  return (nsdae_circles){T, own, part, size, bound, 0};
+  return (nsdae_circles){T, own, part, size, bound, 0, NULL};
 }
 
 int nsdae_circles_again(nsdae_circles *c, const double *lambda, int *status)
@@ -403,7 +403,9 @@ int nsdae_circles_again(nsdae_circles *c, const double *lambda, int *status)
   for (int j = 0; j < s->dims.f && *status >= 0; j++) {
     double circle = nsdae_terms_circle(s, j, lambda), to = circle + (c->own ? c->own[j] : 0);
     double none = c->part * to + 1e3 * DBL_EPSILON * s->frictional_joint[j].radius * c->size;
-    if (to != c->bound[j] && !(fabs(to - c->bound[j]) <= none)) moves = j; /* INFINITY */
+    double friction = c->friction ? fabs(c->friction[j]) : INFINITY;
+    int sticks = friction < to && friction < (1 - 1e-6) * c->bound[j];
+    if (!sticks && to != c->bound[j] && !(fabs(to - c->bound[j]) <= none)) moves = j; /* INFINITY */
     c->bound[j] = to;
   }
   if (moves < 0 || c->rounds++ < CIRCLE_ROUNDS) return moves >= 0;

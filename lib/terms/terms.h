@@ -177,7 +177,8 @@ static inline double nsdae_terms_circle(const nsdae_system *s, int j, const doub
 
 /* Friction circles by substitution: lambda of the bounds b, then b = own + radius |lambda|, until
  * no bound changes by more than `part` of itself, or by rounding of forces of this size. It
- * contracts by radius |d lambda / d F_S|.
+ * contracts by radius |d lambda / d F_S|. A joint that sticks within both bounds may have either:
+ * where lambda is not unique, as of several that stick in a loop, it differs from round to round.
  *
  *   do status = solve(bound, lambda); while (nsdae_circles_again(&circles, lambda, &status)); */
 typedef struct nsdae_circles {
@@ -186,6 +187,7 @@ typedef struct nsdae_circles {
   double part, size;
   double *bound; /* f */
   int rounds;
+  const double *friction; /* f: F_S of the solution; NULL: all slide */
 } nsdae_circles;
 
 #define NSDAE_CIRCLE_PART 1e-13

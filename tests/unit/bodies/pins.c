@@ -2,9 +2,12 @@
  * event to 1e-10, by time stepping with its order. */
 #include "check.h"
 
+#include <stdlib.h>
+
 #include <nsdae/nsdae.h>
 
 #include "support/hung_bodies.h"
+#include "support/random.h"
 
 static const double pi = 3.14159265358979324, mass = 2, J = 0.5, mu = 0.3;
 
@@ -242,6 +245,103 @@ static void test_stop(void **state)
       }
 }
 
+/* ---- an arch of links on two feet each, at rest by large pins: they share the load in any parts,
+ * and each step finds one of them */
+
+static nsdae_bodies *arch(int links, double radius, uint64_t seed)
+{
+  nsdae_bodies *b = create(3, 0, 0, -9.81);
+  int floor = nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  double end[2][2] = {{-0.8, 0.05}};
+  for (int i = 0; i < links; i++) {
+    double m = random_between(&seed, 0.5, 2), I = 0.05 * m, turn = pi * (1 - (i + 1.0) / links);
+    end[1][0] = 0.8 * cos(turn);
+    end[1][1] = 0.5 * sin(turn) + 0.05;
+    const double at[2] = {(end[0][0] + end[1][0]) / 2, (end[0][1] + end[1][1]) / 2};
+    nsdae_bodies_add(
+        b, &(nsdae_rigid_body){.mass = m, .inertia = {I, I, I}, .position = {at[0], 0, at[1]}});
+    if (i > 0)
+      nsdae_bodies_add_joint(b, &(nsdae_joint){.body = {i - 1, i},
+                                               .point = {end[0][0], 0, end[0][1]},
+                                               .axis = {0, 1, 0},
+                                               .mu = 0.5,
+                                               .radius = radius});
+    for (int foot = 0; foot < 2 && (i == 0 || i == links - 1); foot++) {
+      const double *of = end[i > 0];
+      nsdae_solid ball = {.shape = NSDAE_SHAPE_SPHERE,
+                          .radius = 0.05,
+                          .position = {of[0] - at[0], foot ? 0.2 : -0.2, of[1] - at[1]}};
+      nsdae_bodies_add_contact(b, floor, nsdae_bodies_add_solid(b, i, &ball), 0.8, 0, 0);
+    }
+    memcpy(end[0], end[1], sizeof end[0]);
+  }
+  return b;
+}
+
+static void test_arch(void **state)
+{
+  (void)state;
+  for (int links = 3; links <= 4; links++)
+    for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
+      for (int i = 0; i < 8; i++) {
+        ending end = run(arch(links, 0.15 + 0.1 * i, (uint64_t)i), method, 2e-3, 0.06);
+        for (int j = 0; j < 6 * links; j++) assert_at_most(fabs(end.v[j]), 1e-9);
+      }
+}
+
+/* ---- of a simulation that continues from a state, a control is set before the first step: its
+ * lists of rows, six of a joint, are as short as at first */
+
+static void test_continues(void **state)
+{
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++) {
+    nsdae_system *system;
+    nsdae_sim *sim[2];
+    nsdae_sim_options o;
+    nsdae_record r[2];
+    double q[6], v[6];
+    nsdae_bodies *b = pinned(2, 0.1, 4, 0.1, -9.81);
+    nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
+                                            .inertia = {0, 0, 0.1},
+                                            .position = {0.3},
+                                            .velocity = {0, 1.2},
+                                            .spin = {0, 0, 4}});
+    nsdae_bodies_add_joint(b,
+                           &(nsdae_joint){.body = {0, 1}, .point = {0.2}, .mu = mu, .radius = 0.1});
+    nsdae_bodies_add_motor(
+        b, &(nsdae_motor){.joint = 1, .kind = NSDAE_MOTOR_POSITION, .limit = 3, .kp = 20, .kd = 1});
+    for (int i = 0; i < 4; i++)
+      nsdae_bodies_add_motor(b,
+                             &(nsdae_motor){.joint = 1, .kind = NSDAE_MOTOR_SPEED, .limit = 0.02});
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
+    nsdae_bodies_get_start(b, q, v);
+    nsdae_sim_options_default(&o);
+    o.method = method;
+    o.dt = 1e-2;
+    for (int i = 0; i < 2; i++)
+      assert_int_equal(nsdae_sim_create(system, &o, &sim[i], NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim[0], 0, q, v), NSDAE_OK);
+    assert_true(nsdae_sim_run(sim[0], 0.1) >= 0);
+    size_t size;
+    assert_int_equal(nsdae_sim_state_size(sim[0], &size), NSDAE_OK);
+    void *block = malloc(size);
+    assert_int_equal(nsdae_sim_get_state(sim[0], block, size), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_state(sim[1], block, size), NSDAE_OK);
+    free(block);
+    for (int i = 0; i < 2; i++) {
+      assert_int_equal(nsdae_sim_set_control(sim[i], 0, 0.7), NSDAE_OK);
+      assert_true(nsdae_sim_run(sim[i], 0.3) >= 0);
+      nsdae_sim_get_record(sim[i], &r[i]);
+    }
+    assert_memory_equal(r[0].q, r[1].q, sizeof q);
+    assert_memory_equal(r[0].v, r[1].v, sizeof v);
+    for (int i = 0; i < 2; i++) nsdae_sim_destroy(&sim[i]);
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
 /* ---- a rotor whose pin has so large a friction circle that no torque solves the equations: with
  * time stepping an impulse stops it, the other methods return an error */
 
@@ -282,6 +382,7 @@ int main(void)
       cmocka_unit_test(test_slips),    cmocka_unit_test(test_circle),
       cmocka_unit_test(test_linkage),  cmocka_unit_test(test_impacts),
       cmocka_unit_test(test_sled),     cmocka_unit_test(test_stop),
+      cmocka_unit_test(test_arch),     cmocka_unit_test(test_continues),
       cmocka_unit_test(test_no_answer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
