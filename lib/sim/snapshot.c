@@ -68,9 +68,9 @@ static void visit(cursor *c, void *data, size_t bytes)
 static void visit_longs(cursor *c, long *a, int n)
 {
   for (int i = 0; i < n; i++) {
-    int64_t wide = a[i];
+    int64_t wide = c->to ? a[i] : 0;
     visit(c, &wide, sizeof wide);
-    a[i] = (long)wide;
+    if (c->from) a[i] = (long)wide;
   }
 }
 
