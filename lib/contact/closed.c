@@ -12,7 +12,7 @@ static void list_arrays(nsdae_closed *c, nsdae_impulses *r, nsdae_array all[ARRA
   const nsdae_array list[ARRAYS] = {NSDAE_ARRAY(c->id, 1),
                                     NSDAE_ARRAY(c->block, 2),
                                     NSDAE_ARRAY(c->gap, 1),
-                                    NSDAE_ARRAY(c->history, 1),
+                                    NSDAE_ARRAY(c->fresh, 1),
                                     NSDAE_ARRAY(c->basis, c->rows),
                                     NSDAE_ARRAY(r->impact, 1),
                                     NSDAE_ARRAY(r->mode, 1),

@@ -6,21 +6,14 @@
 
 #include "impulses.h"
 
-/* What a contact did before. */
-enum nsdae_history {
-  NSDAE_FRESH = 1,  /* no impulse in the step before */
-  NSDAE_RESTED = 2, /* of a list: its island was solved as one at rest, and has not moved since */
-  NSDAE_RESTED_BEFORE = 4 /* the same in the step before */
-};
-
 typedef struct nsdae_closed {
   int count, room, nt,
       rows; /* count: of a list; rows: of a contact in a complementarity problem, at most */
   long *id;
-  int *block;   /* 2 count */
-  double *gap;  /* count; of fixed contacts those of the end */
-  int *history; /* bits of enum nsdae_history */
-  int *basis;   /* rows count */
+  int *block;  /* 2 count */
+  double *gap; /* count; of fixed contacts those of the end */
+  int *fresh;  /* no impulse in the step before */
+  int *basis;  /* rows count */
 } nsdae_closed;
 
 /* Places of ids: a table of twice as many and more, each holding a place or -1. */

@@ -419,24 +419,18 @@ static void settle(const nsdae_cone_island *c, const nsdae_island_equations *w, 
     if (stands(c, w, j, most, tol, speed)) w->v[j] = 0;
 }
 
-/* v = M^-1 (f + H r), with the sizes of its terms and the levers. */
-static int form_velocities(nsdae_cone_island *c, const nsdae_island_equations *w, double *L)
-{
-  levers(c, w);
-  begin_velocities(c, w);
-  add_impulses(c, w);
-  return solve_masses(c, w, L);
-}
-
-/* The same, and the items at rest; speed: of the fastest item without impulses, for which all are
- * scaled. */
+/* v = M^-1 (f + H r), and the items at rest; speed: of the fastest item without impulses, for which
+ * all are scaled. */
 static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
                       const nsdae_cone_work *work, double speed)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
   c->slow = work->tol * speed;
-  int status = form_velocities(c, w, work->L);
+  levers(c, w);
+  begin_velocities(c, w);
+  add_impulses(c, w);
+  int status = solve_masses(c, w, work->L);
   for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
     int at = blocks->first[c->at.member[i]], n = c->at.size[i];
     sizes_of_velocity(M, n, w->size + at);
@@ -492,76 +486,30 @@ static int solve_to(nsdae_cone_island *c, nsdae_cone_work *work, double tol, dou
   return status;
 }
 
-static double resting_speed(const nsdae_cone_work *work)
+/* A warm start within tol has a residual up to tol, which moves bodies at rest for ever. If it is
+ * taken as it is and no item moves, Newton's method solves it to rounding, once: from then on the
+ * impulses are those of rest. Walls take 4 to 7 steps of it. */
+static int solve_rest(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
 {
-  return RESTING * nsdae_fc_speed(work->solver);
-}
-
-static int has_rested(const nsdae_cone_island *c, const nsdae_island_equations *w)
-{
-  for (int i = 0; i < c->contacts; i++)
-    if (!(w->closed->history[c->at.item[i]] & NSDAE_RESTED_BEFORE)) return 0;
-  return 1;
-}
-
-static void mark_rested(const nsdae_cone_island *c, const nsdae_island_equations *w,
-                        const nsdae_cone_work *work)
-{
-  int rested =
-      nsdae_largest(c->m, c->at.u) <= resting_speed(work) && (work->rested || has_rested(c, w));
-  for (int i = 0; i < c->contacts; i++) {
-    int *history = &w->closed->history[c->at.item[i]];
-    *history = rested ? *history | NSDAE_RESTED : *history & ~NSDAE_RESTED;
-  }
-}
-
-/* Whether no body moves, nor turns about its contacts. */
-static int is_at_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
-                      const nsdae_cone_work *work)
-{
-  const int *first = w->system->blocks.first;
-  const double most = resting_speed(work);
-  if (c->driven || !(nsdae_largest(c->m, c->at.u) <= most) ||
-      form_velocities(c, w, work->L) != NSDAE_OK)
-    return 0;
-  for (int i = 0; i < c->problem.blocks; i++)
-    for (int b = c->at.member[i], j = first[b]; j < first[b + 1]; j++)
-      if (!(fabs(w->v[j]) * c->lever[j] <= most)) return 0;
-  return 1;
-}
-
-/* A residual within tol moves bodies at rest for ever. If a warm start is taken as it is and no
- * body moves, Newton's method solves it to rounding, once: from then on the impulses are those of
- * rest. Walls take 4 to 7 steps of it. In heaps bodies that roll slowly remain: it is not done
- * again until a contact is new or moves. A fine tol is refined to rounding whenever no body moves.
- */
-static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
-                      double budget)
-{
-  const int coarse = work->tol > NSDAE_STILL;
-  if ((coarse && (work->info.sweeps + work->info.iterations > 0 || has_rested(c, w))) ||
-      !(work->info.residual > (coarse ? NSDAE_STILL : c->m * DBL_EPSILON)) ||
-      !is_at_rest(c, w, work))
+  const double tol = work->tol, most = RESTING * nsdae_fc_speed(work->solver);
+  if (c->driven || work->info.sweeps + work->info.iterations > 0 ||
+      !(work->info.residual > NSDAE_STILL) || !(nsdae_largest(c->m, c->at.u) <= most))
     return NSDAE_OK;
-  work->rested = 1;
   c->options.stages = NSDAE_FRICTION_WARM;
   c->options.max_iterations = STEPS;
-  if (!coarse) c->options.refine = REFINE;
-  int status = solve_to(c, work, fmin(1e-2 * NSDAE_STILL, work->tol), budget);
-  return status == NSDAE_E_LCP && work->info.residual <= work->tol ? NSDAE_OK : status;
+  int status = solve_to(c, work, 1e-2 * NSDAE_STILL, budget);
+  return status == NSDAE_E_LCP && work->info.residual <= tol ? NSDAE_OK : status;
 }
 
 /* A share of the work is for the tolerance; the rest for the residual that is taken instead. */
-static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
-                 double budget)
+static int solve(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
 {
   const double share = NSDAE_SHARE_TO_TOL * budget;
   work->info = (nsdae_friction_info){0};
   int status = solve_to(c, work, work->tol, share);
   if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > work->accept)
     status = solve_to(c, work, fmax(work->accept, work->tol), budget - share);
-  if (status == NSDAE_OK && work->info.residual <= work->tol)
-    status = solve_rest(c, w, work, budget);
+  if (status == NSDAE_OK && work->info.residual <= work->tol) status = solve_rest(c, work, budget);
   return status == NSDAE_E_LCP && work->info.residual <= work->accept ? NSDAE_OK : status;
 }
 
@@ -681,7 +629,7 @@ static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int
   for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
     if (planar) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
-    status = solve(c, w, work, budget);
+    status = solve(c, work, budget);
     if (!planar || !reaches_limit(c, w)) return status;
   }
 }
@@ -704,7 +652,6 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
   int status = solve_motors(c, w, island, work);
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
-  mark_rested(c, w, work);
   work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
   status = velocities(c, w, work, speed);
   if (status == NSDAE_OK) scatter(c, w, island);

@@ -64,7 +64,6 @@ typedef struct nsdae_cone_work {
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_natural_residual residual;
-  int rested; /* solved to rounding as at rest */
 } nsdae_cone_work;
 
 /* NSDAE_OK, NSDAE_E_MASS, NSDAE_E_LCP, NSDAE_E_INFEASIBLE, NSDAE_E_NONFINITE, NSDAE_E_MEMORY with

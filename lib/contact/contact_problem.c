@@ -76,8 +76,7 @@ static void recall(nsdae_problem *p, int a, const nsdae_closed *last, const nsda
   nsdae_closed *c = p->closed;
   size_t nt = (size_t)c->nt, rows = (size_t)c->rows, bytes = rows * sizeof *c->basis;
   int *basis = c->basis + (size_t)a * rows;
-  c->history[a] = from < 0 || was->normal[from] == 0 ? NSDAE_FRESH : 0;
-  if (from >= 0 && last->history[from] & NSDAE_RESTED) c->history[a] |= NSDAE_RESTED_BEFORE;
+  c->fresh[a] = from < 0 || was->normal[from] == 0;
   if (from < 0) {
     memset(basis, 0, bytes);
     return;
@@ -162,7 +161,7 @@ static void recall_fixed(nsdae_problem *p, int i, const nsdae_impulses *was, int
 {
   int nt = p->system->dims.nt;
   p->number[p->count++] = i;
-  p->closed->history[i] = from < 0 || was->normal[from] == 0 ? NSDAE_FRESH : 0;
+  p->closed->fresh[i] = from < 0 || was->normal[from] == 0;
   if (from < 0) return;
   p->results->normal[i] = was->normal[from];
   for (int j = 0; j < nt; j++) p->results->tangential[i * nt + j] = was->tangential[from * nt + j];
@@ -330,7 +329,7 @@ int nsdae_problem_solve(nsdae_problem *p, const nsdae_terms *terms, const double
                                   .islands = &p->dispatch.islands,
                                   .terms = terms,
                                   .law = p->law,
-                                  .closed = p->closed,
+                                  .id = p->closed->id,
                                   .joint_bound = p->joint_bound,
                                   .beside = p->beside,
                                   .warm = p->warm,

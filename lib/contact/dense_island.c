@@ -363,7 +363,7 @@ static void close_contacts(nsdae_dense_island *l, const nsdae_island_equations *
   if (l->at.whole && l->closed == w->factorisation->closed) return;
   l->closed = l->at.whole ? w->factorisation->closed : -1;
   c->part.coefficient = w->law;
-  c->part.id = w->closed->id;
+  c->part.id = w->id;
   c->warm = w->warm;
   c->slides.bound = w->joint_bound;
   c->slides.beside = w->beside;

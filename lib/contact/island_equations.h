@@ -26,7 +26,7 @@ typedef struct nsdae_island_equations {
   const nsdae_contact_islands *islands;
   const nsdae_terms *terms;      /* rows of Phi_q, of contacts and frictional joints */
   const nsdae_coefficients *law; /* by number */
-  nsdae_closed *closed;          /* by number */
+  const long *id;                /* by number, of a list */
   const double *joint_bound;     /* f: largest impulse of a frictional joint without a load */
   const nsdae_joint_row *beside; /* f */
   nsdae_contact_warm warm;
@@ -42,7 +42,7 @@ typedef struct nsdae_island_equations {
 static inline const char *nsdae_island_called(const nsdae_island_equations *w, int contact,
                                               char *called)
 {
-  return nsdae_system_called_contact(w->system, w->closed->id, contact, called);
+  return nsdae_system_called_contact(w->system, w->id, contact, called);
 }
 
 /* Velocities of an island. */

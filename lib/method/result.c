@@ -65,7 +65,7 @@ static void lay_out_closed(nsdae_closed *closed, const nsdae_terms *end, nsdae_a
   closed->id = nsdae_arena_take(arena, k, sizeof *closed->id);
   closed->block = NSDAE_ARENA_INTS(arena, 2L * k);
   closed->gap = tracked ? NSDAE_ARENA_DOUBLES(arena, k) : end->gap;
-  closed->history = NSDAE_ARENA_INTS(arena, k);
+  closed->fresh = NSDAE_ARENA_INTS(arena, k);
   closed->basis = NSDAE_ARENA_INTS(arena, tracked ? (long)closed->rows * k : 0);
   for (int i = 0; arena->base && !tracked && i < k; i++) {
     closed->id[i] = i;

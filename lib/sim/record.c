@@ -151,7 +151,7 @@ static void find_impacts(const nsdae_result *last, nsdae_result *result, double 
   const nsdae_closed *closed = &result->closed;
   const nsdae_tracked *tracked = result->end.system->tracked;
   for (int i = 0; i < dims->k + closed->count; i++) {
-    int idle = tracked ? !had_impulse(last, tracked, i) : (closed->history[i] & NSDAE_FRESH) != 0;
+    int idle = tracked ? !had_impulse(last, tracked, i) : closed->fresh[i];
     int fresh = idle || r->impact[i];
     if (!(r->normal[i] > 0) || !fresh || !(r->before[i] < -slow)) continue;
     nsdae_impact *impact = &result->impact[result->impacts++];

@@ -62,7 +62,7 @@ void nsdae_point_list(nsdae_point *p, int *place)
     if (place[i] < 0) continue;
     closed->id[place[i]] = tracked->id[i];
     closed->gap[place[i]] = r->end.gap[i];
-    closed->history[place[i]] = 0;
+    closed->fresh[place[i]] = 0;
     memcpy(closed->block + 2 * place[i], tracked->block + 2 * i, 2 * sizeof *closed->block);
     move(&r->impulses, (size_t)closed->nt, i, place[i]);
   }

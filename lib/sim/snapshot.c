@@ -132,7 +132,7 @@ static void visit_closed(cursor *c, nsdae_result *r, unsigned have)
   if (c->from) r->end.by.reach = reach;
   visit_longs(c, closed->id, k);
   visit_ints(c, closed->block, 2 * k);
-  visit_ints(c, closed->history, k);
+  visit_ints(c, closed->fresh, k);
   visit_ints(c, closed->basis, closed->rows * k);
   visit_ints(c, r->impulses.mode, k);
   visit_doubles(c, closed->gap, k);

@@ -402,46 +402,6 @@ static void wall_at_rest(void **state)
   }
 }
 
-/* A ball rolls slowly, for ever, along the gap between two boxes of such a wall, so that each step
- * has another problem: moreau solves the wall as one at rest once, not in every step. Its boxes
- * creep by no more than ten times the tolerance of the velocity g dt. */
-static void wall_under_a_rolling_ball(void **state)
-{
-  enum { WIDE = 5, HIGH = 3, BOXES = WIDE * HIGH, STEPS = 100 };
-  const double edge[3] = {0.1992, 0.1, 0.08}, radius = 0.05, slow = 2e-5;
-  const double up = sqrt(radius * radius - 4e-4 * 4e-4), J = 0.4 * radius * radius;
-  (void)state;
-  nsdae_bodies *b = floor_and_walls(0.6, 0, 0, gravity);
-  nsdae_system *system;
-  nsdae_stats before, after;
-  nsdae_record r;
-  double q[7 * (BOXES + 1)];
-  for (int i = 0; i < BOXES; i++)
-    add_box(b, edge,
-            &(nsdae_rigid_body){.position = {0.2 * (i % WIDE + 0.25 * (i / WIDE % 2)), 0,
-                                             (i / WIDE + 0.5) * 0.08}});
-  int ball = nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1,
-                                                     .inertia = {J, J, J},
-                                                     .position = {0.1, 0, 0.24 + up},
-                                                     .velocity = {0, slow, 0},
-                                                     .spin = {-slow / up, 0, 0}});
-  nsdae_bodies_add_solid(
-      b, ball, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = radius, .material = 1});
-  nsdae_sim_options o = options_of(NSDAE_METHOD_MOREAU, 1e-4);
-  nsdae_sim *sim = start(b, &o, &system);
-  for (int i = 0; i < 500; i++) assert_true(nsdae_sim_step(sim) >= 0);
-  nsdae_sim_get_record(sim, &r);
-  memcpy(q, r.q, sizeof q);
-  nsdae_sim_get_stats(sim, &before);
-  for (int i = 0; i < STEPS; i++) assert_true(nsdae_sim_step(sim) >= 0);
-  nsdae_sim_get_stats(sim, &after);
-  nsdae_sim_get_record(sim, &r);
-  assert_true(after.lcp_pivots - before.lcp_pivots < 10 * STEPS); /* else 30 in each */
-  for (int i = 0; i < 7 * BOXES; i++)
-    if (i % 7 < 3) assert_near(r.q[i], q[i], 10 * 1e-4 * gravity * DT * STEPS * DT);
-  end(b, system, sim);
-}
-
 /* A step that is shorter than dt has the slop of dt: what is at rest is not lifted. */
 static void short_steps(void **state)
 {
@@ -747,7 +707,6 @@ int main(void)
                                      cmocka_unit_test(slow_iteration),
                                      cmocka_unit_test(short_steps),
                                      cmocka_unit_test(wall_at_rest),
-                                     cmocka_unit_test(wall_under_a_rolling_ball),
                                      cmocka_unit_test(heavy),
                                      cmocka_unit_test(give),
                                      cmocka_unit_test(brake),
