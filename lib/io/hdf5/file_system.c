@@ -48,12 +48,17 @@ int nsdae_fs_write(int fd, const void *bytes, size_t size, uint64_t at)
   return (size_t)done < size ? EIO : 0;
 }
 
+/* The lock of a program that was killed is there until the system has ended it and its children:
+ * for some 10 ms on a busy machine. [ms] */
+enum { LOCK_TRIALS = 50, LOCK_PAUSE = 20 };
+
 #ifndef _WIN32
 
 /* ---- POSIX */
 
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static long long some(const transfer *t, size_t done, size_t size, uint64_t at)
@@ -71,7 +76,14 @@ int nsdae_fs_open(const char *path, int writing, int create)
 
 int nsdae_fs_lock(int fd, int shared)
 {
-  if (flock(fd, (shared ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) return 0;
+  const struct timespec pause = {0, LOCK_PAUSE * 1000000L};
+  int code = -1;
+  for (int i = 0; i < LOCK_TRIALS && code != 0; i++) {
+    if (i > 0) nanosleep(&pause, NULL);
+    code = flock(fd, (shared ? LOCK_SH : LOCK_EX) | LOCK_NB);
+    if (code != 0 && errno != EAGAIN) break;
+  }
+  if (code == 0) return 0;
   return errno == ENOSYS || errno == ENOTSUP || errno == ENOLCK ? 0 : errno;
 }
 
@@ -169,8 +181,12 @@ int nsdae_fs_lock(int fd, int shared)
 {
   OVERLAPPED o = place(LOCKED);
   DWORD kind = LOCKFILE_FAIL_IMMEDIATELY | (shared ? 0u : LOCKFILE_EXCLUSIVE_LOCK);
-  if (LockFileEx(handle_of(fd), kind, 0, 1, 0, &o)) return 0;
-  return GetLastError() == ERROR_LOCK_VIOLATION ? EAGAIN : 0;
+  for (int i = 0; i < LOCK_TRIALS; i++) {
+    if (i > 0) Sleep(LOCK_PAUSE);
+    if (LockFileEx(handle_of(fd), kind, 0, 1, 0, &o)) return 0;
+    if (GetLastError() != ERROR_LOCK_VIOLATION) return 0;
+  }
+  return EAGAIN;
 }
 
 void nsdae_fs_unlock(int fd)

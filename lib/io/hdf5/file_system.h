@@ -15,7 +15,7 @@ typedef struct nsdae_fs_identity {
 /* A descriptor, or -errno. */
 int nsdae_fs_open(const char *path, int writing, int create);
 
-/* Does not wait: EAGAIN if another has it. 0 on a file system without locks. */
+/* EAGAIN if another program has it for a second. 0 on a file system without locks. */
 int nsdae_fs_lock(int fd, int shared);
 void nsdae_fs_unlock(int fd);
 
