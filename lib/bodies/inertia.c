@@ -1,16 +1,17 @@
 /* Mass, centre and inertia tensor of solids of uniform density.
  *
- *   J = int (x.x 1 - x x^T) dm about the centre of mass,  about a point at d from it  J + m (d.d 1
- * - d d^T)
+ *   J = int (x.x 1 - x x^T) dm about the centre of mass
+ *   J + m (d.d 1 - d d^T) about a point at d from it
  *
  * Volume integrals of polygons and polyhedra are sums over their boundary, by the divergence
  * theorem (B. Mirtich, Fast and accurate computation of polyhedral mass properties, J. Graphics
  * Tools 1, 1996): over triangles (tetrahedra) of each edge (triangle a, b, c of a face) and a point
  * 0, with the signed volume V and s the sum of the corners
  *
- *   tetrahedron   V = a . (b x c) / 6,  int x = V s / 4,   int x x^T = V (s s^T + a a^T + b b^T + c
- * c^T) / 20 triangle      V = a x b / 2,        int x = V s / 3,   int x x^T = V (s s^T + a a^T + b
- * b^T) / 12 */
+ *   tetrahedron:  V = a . (b x c) / 6,  int x = V s / 4
+ *                 int x x^T = V (s s^T + a a^T + b b^T + c c^T) / 20
+ *   triangle:     V = a x b / 2,  int x = V s / 3
+ *                 int x x^T = V (s s^T + a a^T + b b^T) / 12 */
 #include <math.h>
 #include <string.h>
 
