@@ -557,8 +557,9 @@ static int reaches_limit(const nsdae_cone_island *c, const nsdae_island_equation
 {
   for (int i = 0, row = 0; i < c->problem.contacts; row += c->at.rows[i++])
     if (i >= c->contacts &&
-        c->at.r[row] * w->beside[c->at.item[i]].scale < 0.999999 * w->joint_bound[c->at.item[i]] &&
-        fabs(c->at.r[row + 1]) > 0.999999 * c->at.r[row])
+        c->at.r[row] * w->beside[c->at.item[i]].scale <
+            NSDAE_AT_BOUND * w->joint_bound[c->at.item[i]] &&
+        fabs(c->at.r[row + 1]) > NSDAE_AT_BOUND * c->at.r[row])
       return 1;
   return 0;
 }
@@ -572,7 +573,7 @@ static int begin_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int
     int j = joint_at(w, i);
     int motor = w->system->frictional_joint[j].position != NSDAE_NO_POSITION;
     double was = w->results->frictional_joint_impulse[j];
-    int at = fabs(was) >= 0.999999 * w->joint_bound[j];
+    int at = fabs(was) >= NSDAE_AT_BOUND * w->joint_bound[j];
     c->set[j] = !motor ? PLANAR : !at ? WITHIN : was < 0 ? AT_LOW : AT_HIGH;
     motors += motor;
   }

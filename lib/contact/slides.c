@@ -216,7 +216,7 @@ static int reaches_limit(const nsdae_contacts *c)
   for (int j = 0; j < c->slides.count; j++) {
     double limit = c->slides.limit[j];
     if (limit < nsdae_slides_bound(c, j) &&
-        fabs(c->delassus.impulse[column_of(c, j)]) > (1 - 1e-6) * limit)
+        fabs(c->delassus.impulse[column_of(c, j)]) > NSDAE_AT_BOUND * limit)
       return 1;
   }
   return 0;

@@ -12,8 +12,9 @@
  * Lambda = Z_b x - mu l- (on the frictional joints) and S the matrix that picks l+ from x,
  *
  *   Q l- = (S - D_S Z_b) x - lambda_free,   Q = 1 - D_SS mu
- *   l- = K x + k0,   Lambda = Z x + z0,   Z = Z_b - mu K,   z0 = -mu k0     (on the frictional
- * joints) l- row: K;   xi_R row: W_S^T P W Z + [xi_L];   Lambda_L row: 2 mu (S + K) - [Lambda_R]
+ *   l- = K x + k0,   Lambda = Z x + z0
+ *   Z = Z_b - mu K,   z0 = -mu k0   (on the frictional joints)
+ *   l- row: K,   xi_R row: W_S^T P W Z + [xi_L],   Lambda_L row: 2 mu (S + K) - [Lambda_R]
  *
  * With b, Lambda_T = Lambda_R - b - mu (l+ + l-) and Lambda_L = b + mu (l+ + l-) - Lambda_T: z0
  * has -b too, Q l- has D_S b of all joints, and the Lambda_L row has 2 b. Of mu = 0 there is no
@@ -34,10 +35,13 @@
  *
  *   F = -k_p (e_m + h theta^2 xi_1 - h (1 - theta)^2 xi_0) - k_d (theta xi_1 + (1 - theta) xi_0)
  *
- * Of a root y / h of m y^2 / h^2 + k_d y / h + k_p = 0 an error decays by |1 + (1 - theta) y| / |1
- * - theta y| in a step: stable for theta >= 1/2, of second order if theta - 1/2 = O(h), and for
- * large y good if theta is near 1. So theta = (1 + z) / (2 + z) with the stiffness z = h (k_d + h
- * k_p) / m: the roots of k_d = 0 decay by about 1 / sqrt(z) if z is large. With c = 1 / (theta k_d
+ * Of a root y / h of m y^2 / h^2 + k_d y / h + k_p = 0 an error changes in a step by the factor
+ *
+ *   (1 + (1 - theta) y) / (1 - theta y)
+ *
+ * It is stable for theta >= 1/2, of second order if theta - 1/2 = O(h), and tends to 0 for large y
+ * if theta tends to 1. So theta = (1 + z) / (2 + z) with the stiffness z = h (k_d + h k_p) / m: for
+ * k_d = 0 and large z the factor is about 1 / sqrt(z). With c = 1 / (theta k_d
  * + h theta^2 k_p) the row is
  *
  *   xi_1 + (c / h) Lambda_T + r = 0 within the bound,

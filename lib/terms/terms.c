@@ -404,7 +404,7 @@ int nsdae_circles_again(nsdae_circles *c, const double *lambda, int *status)
     double circle = nsdae_terms_circle(s, j, lambda), to = circle + (c->own ? c->own[j] : 0);
     double none = c->part * to + 1e3 * DBL_EPSILON * s->frictional_joint[j].radius * c->size;
     double friction = c->friction ? fabs(c->friction[j]) : INFINITY;
-    int sticks = friction < to && friction < (1 - 1e-6) * c->bound[j];
+    int sticks = friction < to && friction < NSDAE_AT_BOUND * c->bound[j];
     if (!sticks && to != c->bound[j] && !(fabs(to - c->bound[j]) <= none)) moves = j; /* INFINITY */
     c->bound[j] = to;
   }

@@ -190,6 +190,8 @@ typedef struct nsdae_circles {
   const double *friction; /* f: F_S of the solution; NULL: all slide */
 } nsdae_circles;
 
+/* An impulse or force is at a bound from this part of it on: 1e-6 is far above rounding. */
+#define NSDAE_AT_BOUND    (1 - 1e-6)
 #define NSDAE_CIRCLE_PART 1e-13
 
 /* bound := own, and the circles of a lambda nearby, NULL: none. */
