@@ -67,6 +67,9 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  *  energy that this adds.
  * - AUTO (default): SLOP for implicit and moreau, else NONE.
  *
+ * Velocities are projected onto the constraints, and the multipliers have that impulse, except
+ * with frictional joints whose friction depends on multipliers.
+ *
  * penalty and event accept NONE only: event satisfies both conditions in another way, and overlap
  * is part of the contact law of penalty. */
 enum nsdae_projection {

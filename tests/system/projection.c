@@ -186,12 +186,77 @@ static void test_forces(void **state)
   }
 }
 
+/* ---- a block slides out along a slot with friction in an arm that turns with constant omega
+ *
+ *   r'' = omega^2 r - 2 mu omega r',  r = A e^(s t) + B e^(s' t),
+ *   s = omega (-mu +- sqrt(1 + mu^2)): friction needs the whole Coriolis force */
+
+static const double turning = 2, slot_mu = 0.5;
+
+static int turn(double t, double f[3], void *user)
+{
+  (void)user;
+  f[0] = turning * t;
+  f[1] = turning;
+  f[2] = 0;
+  return 0;
+}
+
+/* The error of r and r' of r(0) = r'(0) = 1 at t = 0.5. */
+static double slot_error(int method, int projection, double dt)
+{
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_record now;
+  double q[6], v[6];
+  assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+  nsdae_bodies_add(b,
+                   &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}, .spin = {0, 0, turning}});
+  nsdae_bodies_add(
+      b, &(nsdae_rigid_body){
+             .mass = 2, .inertia = {1, 1, 1}, .position = {1, 0}, .velocity = {1, turning}});
+  nsdae_bodies_add_joint(
+      b, &(nsdae_joint){.kind = NSDAE_JOINT_REVOLUTE, .body = {NSDAE_GROUND, 0}, .drive = turn});
+  nsdae_bodies_add_joint(b, &(nsdae_joint){.kind = NSDAE_JOINT_SLOT,
+                                           .body = {0, 1},
+                                           .point = {1, 0},
+                                           .axis = {1, 0},
+                                           .mu = slot_mu});
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
+  nsdae_bodies_get_start(b, q, v);
+  nsdae_sim *sim = make(system, method, dt, projection);
+  if (nsdae_sim_init(sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+  assert_true(nsdae_sim_run(sim, 0.5) >= 0);
+  nsdae_sim_get_record(sim, &now);
+  const double root = sqrt(1 + slot_mu * slot_mu), s = turning * (root - slot_mu),
+               other = -turning * (root + slot_mu), A = (1 - other) / (s - other), B = 1 - A;
+  const double r = A * exp(s * 0.5) + B * exp(other * 0.5),
+               rate = A * s * exp(s * 0.5) + B * other * exp(other * 0.5);
+  double x = now.q[3], y = now.q[4], along = (x * now.v[3] + y * now.v[4]) / hypot(x, y);
+  double error = fmax(fabs(hypot(x, y) - r), fabs(along - rate));
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+  return error;
+}
+
+static void test_slot(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 3; i++)
+    for (int projection = 0; projection < 2; projection++) {
+      double error = slot_error(in_steps[i], projection, 4e-3);
+      assert_at_most(slot_error(in_steps[i], projection, 1e-3), error / 3);
+      assert_at_most(error, 4e-3 * 12); /* of first order: h max |r''|, which is below 12 */
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_rod),         cmocka_unit_test(test_forces),
       cmocka_unit_test(test_quaternion),  cmocka_unit_test(test_contacts),
-      cmocka_unit_test(test_integrators),
+      cmocka_unit_test(test_integrators), cmocka_unit_test(test_slot),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
