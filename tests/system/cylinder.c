@@ -55,9 +55,13 @@ static void column(const double *p, int axis, double *x)
   }
 }
 
-/* Of a plane z <= 0 the support of the cylinder, n . d - |n . a| h / 2 - r |n x a|; of a ball its
- * distance in the coordinates across and along the axis. */
-static double gap_of(const nsdae_solid *one, const nsdae_solid *other, const double *q)
+/* The other solid from the cylinder: the height d . n over a plane z <= 0 and the cosine n . a; the
+ * way of a point across the axis, and how far it is beside the side and beyond the cap. */
+typedef struct relation {
+  double height, cosine, sine, across, beside, beyond;
+} relation;
+
+static relation relate(const nsdae_solid *one, const double *q)
 {
   double a[3], n[3], d[3], dn = 0, da = 0, na = 0, dd = 0;
   column(q + 3, 2, a);
@@ -69,18 +73,43 @@ static double gap_of(const nsdae_solid *one, const nsdae_solid *other, const dou
     na += a[i] * n[i];
     dd += d[i] * d[i];
   }
-  double r = one->radius, half = one->length[2] / 2;
+  double across = sqrt(fmax(0, dd - da * da));
+  return (relation){dn,
+                    fabs(na),
+                    sqrt(fmax(0, 1 - na * na)),
+                    across,
+                    across - one->radius,
+                    fabs(da) - one->length[2] / 2};
+}
+
+/* Of a plane z <= 0 the support of the cylinder, n . d - |n . a| h / 2 - r |n x a|; of a ball its
+ * distance in the coordinates across and along the axis. */
+static double gap_of(const nsdae_solid *one, const nsdae_solid *other, const double *q)
+{
+  const relation r = relate(one, q);
   if (other->shape == NSDAE_SHAPE_PLANE)
-    return dn - fabs(na) * half - r * sqrt(fmax(0, 1 - na * na));
-  double beside = sqrt(fmax(0, dd - da * da)) - r, beyond = fabs(da) - half;
-  double apart = beside > 0 && beyond > 0 ? hypot(beside, beyond) : fmax(beside, beyond);
+    return r.height - r.cosine * one->length[2] / 2 - one->radius * r.sine;
+  double apart =
+      r.beside > 0 && r.beyond > 0 ? hypot(r.beside, r.beyond) : fmax(r.beside, r.beyond);
   return apart - other->radius;
+}
+
+/* How near the pose is to one where the gap has no derivatives: the axis along or across the normal
+ * of a plane, or tilted by the sine 0.1 at which points of the rim come and go; a point on the axis
+ * or between two parts of the surface. */
+static double sharpness(const nsdae_solid *one, const nsdae_solid *other, const double *q)
+{
+  const relation r = relate(one, q);
+  if (other->shape == NSDAE_SHAPE_PLANE) return fmin(fmin(r.cosine, r.sine), fabs(r.sine - 0.1));
+  double part = r.beside > 0 || r.beyond > 0 ? INFINITY : fabs(r.beside - r.beyond);
+  if (r.beyond > 0) part = fmin(part, fabs(r.beside));
+  if (r.beside > 0) part = fmin(part, fabs(r.beyond));
+  return fmin(part, r.across);
 }
 
 static void test_gaps(void **state)
 {
   const int shapes[] = {NSDAE_SHAPE_PLANE, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_POINT};
-  int blunders = 0;
   (void)state;
   for (int k = 0; k < 3000; k++) {
     const nsdae_solid one = cylinder(uniform(0.1, 1), uniform(0.1, 1));
@@ -110,12 +139,12 @@ static void test_gaps(void **state)
     double size = hypot(one.radius, one.length[2] / 2), exact = gap_of(&one, &other, q);
     if (k % 3 || exact < size) assert_near(least, exact, 1e-12);
     nsdae_sim_destroy(&sim);
-    if (k % 7 != 0) blunders += nsdae_system_check(system, 0, q, v, 1e-7, &worst) < 0;
+    /* within 0.02 of a sharp place its curvature is too large for differences, or they reach it */
+    if (sharpness(&one, &other, q) > 0.02 && nsdae_system_check(system, 0, q, v, 1e-7, &worst) < 0)
+      fail_msg("pose %d: %s", k, nsdae_system_error(system)->text);
     nsdae_system_destroy(&system);
     nsdae_bodies_destroy(&b);
   }
-  print_message("%d of 3000 too sharp for differences\n", blunders);
-  assert_true(blunders < 10); /* near an edge of the parts, or the axis along the normal */
 }
 
 static void test_refused(void **state)
