@@ -29,6 +29,11 @@ def is_fixed(body):
     return all(part is None or part.ndim == least for part, least in zip(parts, (1, 2, 1)))
 
 
+def normal_of(plane):
+    """Unit normals [n, 3] of a plane, or [3]."""
+    return (np.eye(3) if plane.rotation is None else plane.rotation) @ plane.size / np.linalg.norm(plane.size)
+
+
 def is_thread(body):
     return body.shape in ("segment", "path") and body.size[0] == 0
 
@@ -222,11 +227,11 @@ def read_rows(dataset, records):
 
 
 def read_motion(file, path, columns, records):
-    """The bodies at these records (numbers, ascending), and their coordinates q."""
+    """The bodies at these records (numbers, ascending)."""
     q = read_rows(file["q"], records)
     if not np.isfinite(q).all():
         raise Problem(f"'{path}' has coordinates that are not finite")
-    return bodies_of(file, path, columns, file["time"][...][records], q), q
+    return bodies_of(file, path, columns, file["time"][...][records], q)
 
 
 def at(values, least, records):
