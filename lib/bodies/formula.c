@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "number.h"
+#include "words.h"
 #include "bodies_impl.h"
 
 enum { LENGTH = 256, NAME = 24 }; /* the longest formula of a file; x0, theta12 */

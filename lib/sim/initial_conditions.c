@@ -16,7 +16,7 @@
 
 #include "errors.h"
 #include "listed.h"
-#include "penalty_law.h"
+#include "equations.h"
 #include "sim_impl.h"
 #include "system_impl.h"
 #include "tangent_check.h"

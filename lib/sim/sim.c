@@ -6,7 +6,6 @@
 
 #include "errors.h"
 #include "callback_guard.h"
-#include "refusal.h"
 #include "sim_impl.h"
 #include "system_impl.h"
 

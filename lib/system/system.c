@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "refusal.h"
 
 static int bad_size(nsdae_error *error, const char *name, int value, const char *range)
 {

@@ -18,14 +18,10 @@ typedef struct nsdae_lcp_point {
  * judged. Returns the size of F, whose members are in index; -1 (and x = 0) if a pivot is zero. */
 int nsdae_lcp_active_set(const nsdae_lcp_point *p);
 
-/* Of the factors of that size, the least pivot relative to its column of U: 1 for an empty set, of
- * rounding size if A_FF is singular to rounding. */
-double nsdae_lcp_least_pivot(const nsdae_lcp_point *p, int size);
-
 /* nsdae_dlcpres of the point. */
 int nsdae_lcp_point_residual(const nsdae_lcp_point *p, double *residual);
 
-/* ---- residual.c: One entry of the natural residual that nsdae_dlcpres takes the largest of. */
+/* ---- One entry of the natural residual that nsdae_dlcpres takes the largest of. */
 
 /* The terms of a row count for its size up to this multiple of the largest b: larger ones would
  * hide b in their rounding, and any null vector of A that is long enough would pass for a solution.
