@@ -113,14 +113,12 @@ int nsdae_solid_check(const nsdae_solid *s, nsdae_error *error)
 
 /* ---- a solid in its body */
 
-/* Corner i of a smooth shape, in its frame: see feature.c. Points that are fixed to a disc are
- * within its rim by this part of the radius r. At a tilt of the sine s they are higher than its
- * lowest point by s r / 128 at least, so that none touches as the disc rolls; flat they bear it. */
-static const double inset = 1. / 128;
-
+/* Corner i of a smooth shape, in its frame: see feature.c. The points of a disc that are fixed to
+ * it bear it if it lies flat. Else they are above its lowest point, and pass it as the disc rolls.
+ */
 static void on_disc(const nsdae_solid *s, int i, double *x)
 {
-  double angle = 2 * nsdae_pi * (i % 4) / 3, r = i % 4 ? (1 - inset) * s->radius : 0;
+  double angle = 2 * nsdae_pi * (i % 4) / 3, r = i % 4 ? s->radius : 0;
   x[0] = r * cos(angle);
   x[1] = r * sin(angle);
   if (s->shape != NSDAE_SHAPE_DISC && s->shape != NSDAE_SHAPE_ELLIPSOID)
