@@ -91,7 +91,7 @@ class Arrays:
     filename = ""
 
     def __init__(self, of: dict[str, Any] | None = None, group: str = "", attributes: dict[str, dict[str, Any]] | None = None):
-        self.of, self.group = {} if of is None else of, group
+        self.of, self.group, self.name = {} if of is None else of, group, f"/{group[:-1]}"
         self.attributes = {} if attributes is None else attributes
         self.attrs = self.attributes.setdefault(group, {})
 
@@ -120,9 +120,10 @@ class Arrays:
 
 
 class _Column(np.ndarray):
-    """An array with attributes."""
+    """An array with attributes, as a dataset of h5py that may grow has them."""
 
     attrs: dict[str, str]
+    maxshape = (None,)
 
 
 def write(trajectory: Trajectory, path: str) -> None:
