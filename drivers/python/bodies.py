@@ -50,7 +50,7 @@ def colours_of(bodies):
 
 def given_colours(group, count):
     """Texts "#rrggbb" or "" of the dataset `colour` of a group, if it has one."""
-    given = [text(value) for value in group["colour"]] if "colour" in group else [""] * count
+    given = [text(value) for value in group["colour"][...]] if "colour" in group else [""] * count
     if len(given) != count or not all(re.fullmatch("(#[0-9a-fA-F]{6})?", colour) for colour in given):
         raise Problem(f"its {group.name}/colour is not one of #rrggbb for each body")
     return given
@@ -137,7 +137,7 @@ def firsts(count, rows):
 def named(file, time, q):
     """The bodies that the file names."""
     group, names, coordinates = file["bodies"], names_of(file, time, q), coordinates_of(file, q.shape[1])
-    table = {column: [text(value) for value in group[column]] for column in COLUMNS}
+    table = {column: [text(value) for value in group[column][...]] for column in COLUMNS}
     point = group["point"][...].reshape(-1, 3) if "point" in group else np.zeros((0, 3))
     first = firsts(group["points"][...], len(point))
     if first is None or not len(group["size"]) == len(table["name"]) == len(first) - 1:
@@ -153,7 +153,7 @@ def shaped(file, q):
     kind, dimension, position, turn, size, count = (group[name][...] for name in (
         "shape", "dimension", "position", "turn", "size", "points"))
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
-    name, first = [text(n) for n in group["name"]], firsts(count, len(point))
+    name, first = [text(n) for n in group["name"][...]], firsts(count, len(point))
     far = np.maximum(position + dimension, turn + np.where(dimension == 2, 1, 4))
     if not len(name) == len(kind) == len(dimension) == len(position) == len(turn) == len(size) == len(count) or \
             first is None or np.any(far > q.shape[1]) or np.any(position < 0) or \

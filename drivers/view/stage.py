@@ -12,7 +12,7 @@ import viser.transforms
 
 from bodies import colours_of, extent, is_fixed, is_spatial, is_thread, normal_of
 from meshes import batches_of, facets_of, poses_of
-from scene import FAR_AWAY, GRID, GROUND, LIGHT, REACH, VIEW, colour_of, grid, shaded
+from scene import BACKGROUND, FAR_AWAY, GRID, GROUND, LIGHT, REACH, VIEW, colour_of, grid, shaded
 from shapes import slab, solids_of
 from trajectory import Problem
 
@@ -22,10 +22,12 @@ FOV = np.radians(35)  # vertical angle of view
 ASPECT = 1.5  # width by height of the part of a usual window that the controls leave free
 PLANAR_VIEW = np.radians([90, 8]).tolist()
 PLANAR_LIGHT = [0.35, 0.8, 0.9]
+BEHIND = UNITS / 20  # from bodies to the plane behind them; planar bodies are a thirtieth thick
 LINE = UNITS / 800  # width of a line of the ground: a pixel or two
 NAMES_MAX = 200  # labels at a time
 GLASS = 0.3  # opacity of bodies when forces are shown
-FORCE, LONGEST = (176, 22, 28), 3.0  # colour of forces; of an arrow, in lengths of a strength of 1
+FORCE, LONGEST = (176, 22, 28), 3.0  # colour of forces; the strength from which arrows have one length
+LENGTH, HEAD = 1.2, 0.2  # of an arrow of strength 1, and of heads, in typical distances from a contact to a body
 
 
 def port_from(first):
@@ -90,8 +92,8 @@ class Stage:
         scene, light = self.server.scene, np.array(LIGHT if self.spatial else PLANAR_LIGHT)
         scene.set_up_direction(np.eye(3)[self.up])
         scene.configure_default_lights(enabled=False)
-        scene.configure_environment_map("warehouse", environment_intensity=0.5)
-        scene.add_light_directional("/light", color=(255, 255, 255), intensity=1.9, cast_shadow=True, position=tuple(10 * light))
+        scene.configure_environment_map("warehouse", environment_intensity=0.4)
+        scene.add_light_directional("/light", color=(255, 255, 255), intensity=1.7, cast_shadow=True, position=tuple(10 * light))
         scene.add_light_directional("/fill", color=(255, 255, 255), intensity=0.3, position=tuple(-10 * light[[1, 0, 2]] * [1, 1, -1]))
         self.world = scene.add_frame("/world", show_axes=False)
 
@@ -124,19 +126,21 @@ class Stage:
         shape = slab(body, self.low, self.high, scale / 100, REACH)
         rotation = np.eye(3) if body.rotation is None else body.rotation
         points = (body.position + shape.points @ rotation.T) / self.unit
-        self.draw_plane(name, points[4:], GROUND)
+        if not self.spatial:
+            points[:, 2] = np.clip(points[:, 2], -BEHIND, 2 * BEHIND)
+        self.draw_plane(name, points[4:], GROUND, self.spatial)
 
-    def draw_plane(self, name, corners, colour):
-        """A square [4, 3] with a grid of round lengths, seen from its front; bodies cast shadows on it."""
+    def draw_plane(self, name, corners, colour, has_grid=True):
+        """A square [4, 3], possibly with a grid of round lengths, seen from its front; bodies cast shadows on it."""
         size = np.max(self.high - self.low) / self.unit
         points, pairs = grid(corners, size)
         along = points[[b for _, b in pairs]] - points[[a for a, _ in pairs]]
         normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
         normal /= np.linalg.norm(normal)
         across = np.cross(normal, along / np.linalg.norm(along, axis=1)[:, None]) * LINE / 2
-        starts, lift = points[[a for a, _ in pairs]], normal * LINE / 4
+        starts, lift = points[[a for a, _ in pairs]], normal * LINE
         lines = np.stack([starts - across, starts + along - across, starts + along + across, starts + across], axis=1) + lift
-        for part, quads, paint in (("", corners[None], colour), (" grid", lines, GRID)):
+        for part, quads, paint in (("", corners[None], colour), (" grid", lines, GRID))[: 1 + has_grid]:
             first = 4 * np.arange(len(quads))[:, None]
             self.server.scene.add_mesh_simple(
                 name + part, quads.reshape(-1, 3), np.concatenate([first + [0, 1, 2], first + [0, 2, 3]]), color=rgb(paint),
@@ -145,11 +149,10 @@ class Stage:
     def draw_backdrop(self):
         """A plane behind planar bodies; in space, where there is no ground, one below."""
         middle = (self.low + self.high) / 2 / self.unit
-        axis = 2
-        middle[axis] = self.low[axis] / self.unit - (0.3 if self.spatial else 0.15)
+        middle[2] = self.low[2] / self.unit - BEHIND
         half = REACH * UNITS / 2
         corners = middle + half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-        self.draw_plane("/world/backdrop", corners, GROUND)
+        self.draw_plane("/world/backdrop", corners, BACKGROUND)
 
     def node(self, name, batch, part):
         poses = poses_of(self.bodies, batch, self.unit)
@@ -192,18 +195,19 @@ class Stage:
         if self.arrows is not None:
             self.arrows.remove()
             self.arrows = None
-        if lines is None or not len(lines):
+        lines = np.zeros((0, 7)) if lines is None else np.asarray(lines)
+        lines = lines[lines[:, 6] * LENGTH > HEAD]  # no shorter than their heads
+        if not len(lines):
             return
-        lines = np.asarray(lines)
         ends, strength = lines[:, :6].reshape(-1, 2, 3) / self.unit, np.minimum(lines[:, 6], LONGEST)
         middle, half = ends.mean(axis=1), (ends[:, 1] - ends[:, 0]) / 2
         typical = np.median(np.linalg.norm(half, axis=1))
-        along = half / np.maximum(np.linalg.norm(half, axis=1), 1e-9)[:, None] * (1.2 * typical * strength)[:, None]
+        along = half / np.maximum(np.linalg.norm(half, axis=1), 1e-9)[:, None] * (LENGTH * typical * strength)[:, None]
         points = np.concatenate([np.stack([middle, middle + side * along], axis=1) for side in (-1, 1)])
         if not self.spatial:
-            points[..., 2] += UNITS / 10
+            points[..., 2] += UNITS / 20
         self.arrows = self.server.scene.add_arrows("/world/forces", points, FORCE, shaft_radius=0.05 * typical,
-                                                   head_radius=0.13 * typical, head_length=0.3 * typical)
+                                                   head_radius=0.12 * typical, head_length=HEAD * typical)
 
     # ---- names
     def place_of(self, number, record):
