@@ -17,6 +17,6 @@ profiles=
 dpkg-query -W nanobind-dev >/dev/null 2>&1 || profiles=-Ppkg.nsdae.nopython
 dpkg-buildpackage -us -uc $profiles
 if command -v lintian >/dev/null; then
-  lintian --no-tag-display-limit --fail-on error,warning ../nsdae_*.changes
+  lintian --fail-on error,warning ../nsdae_*.changes
 fi
 ls -l "$folder"/*.deb
