@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "phase.h"
 
 enum { DIRECTIONS = 20 };
 
