@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-
 /* Contacts that have a number in the callbacks. */
 static int fixed_contacts(const nsdae_system *s)
 {
