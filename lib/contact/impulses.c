@@ -3,7 +3,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "arena.h"
 #include "vector.h"
 
 /* All doubles and all integers are in one piece each, so that they are cleared at once. */

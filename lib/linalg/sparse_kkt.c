@@ -5,7 +5,6 @@
 #include <nsdae/status.h>
 #include <string.h>
 
-#include "arena.h"
 #include "dense.h"
 #include "vector.h"
 

@@ -4,11 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
-#include "lists.h"
-#include "system_impl.h"
-#include "vector.h"
-
 /* Contacts that have a number in the callbacks. */
 static int fixed_contacts(const nsdae_system *s)
 {

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "system_impl.h"
-#include "vector.h"
 
 /* v^T H v of contact i along arms->v, at a fixed time: of a moving surface too. A
  * callback's code. */

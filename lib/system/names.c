@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "callback_guard.h"
-#include "errors.h"
-#include "system_impl.h"
 
 static const char *const kinds[NSDAE_NAME_KINDS] = {"coordinate", "velocity",         "constraint",
                                                     "contact",    "frictional joint", "sensor"};

@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors.h"
-
 static int bad_size(nsdae_error *error, const char *name, int value, const char *range)
 {
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system_create", name,

@@ -6,7 +6,6 @@
 
 #include "dense.h"
 #include "errors.h"
-#include "phase.h"
 
 /* ---- impact projection */
 

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "dense.h"
-#include "errors.h"
 #include "system_impl.h"
 
 void nsdae_event_acceleration_layout(nsdae_event_acceleration *p, nsdae_arena *arena)

@@ -12,11 +12,9 @@
 
 #include "cone.h"
 #include "dense.h"
-#include "double_double.h"
 #include "finite.h"
 #include "natural_map.h"
 #include "one_contact.h"
-#include "vector.h"
 
 /* The first six arguments of each kernel. */
 typedef struct arguments {

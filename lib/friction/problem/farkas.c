@@ -23,9 +23,7 @@
 
 #include "cone.h"
 #include "dense.h"
-#include "double_double.h"
 #include "global_problem.h"
-#include "proof.h"
 #include "vector.h"
 
 /* Largest problem that is looked at: entries of v, and directions. */

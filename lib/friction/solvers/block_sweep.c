@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "anderson.h"
 #include "cone.h"
 #include "one_contact.h"
 #include "simd.h"

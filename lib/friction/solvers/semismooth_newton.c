@@ -1,4 +1,3 @@
-#include "newton_step.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "series.h"
 #include "system_impl.h"
 #include "trajectory_impl.h"
 

@@ -8,7 +8,6 @@
 
 #include "dense.h"
 #include "finite.h"
-#include "vector.h"
 
 /* Principal pivoting: blocks (Kostreva, Linear Algebra Appl. 21 (1978) 213; Judice and Pires,
  * Comput. Oper. Res. 21 (1994) 587), then the least index (Murty). */

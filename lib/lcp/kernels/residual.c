@@ -6,7 +6,6 @@
 #include "double_double.h"
 #include "enumerate.h"
 #include "finite.h"
-#include "vector.h"
 
 /* y := A x + b and size_i := |b_i| + sum_j |a_ij x_j|, column by column; then sy. */
 static void product_and_sizes(int n, const double *a, int lda, const double *b, const double *x,
