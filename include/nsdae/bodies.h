@@ -62,8 +62,9 @@ typedef struct nsdae_rigid_body {
  *   SPHERE    spatial: radius
  *   CAPSULE   spatial: radius; length[2] between the centres of its caps, along z of its frame
  *   BOX       spatial: edge lengths length[0..2]
- *   CYLINDER  spatial: radius; length[2] along z of its frame. It touches PLANE, SPHERE and POINT;
- *             other pairs are refused: use a POLYHEDRON with many sides
+ *   CYLINDER  spatial: radius; length[2] along z of its frame. Exact contacts with PLANE, SPHERE
+ *             and POINT; with CAPSULE, BOX, POLYHEDRON and CYLINDER for time stepping alone:
+ *             nsdae_sim_create refuses event and penalty
  *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame
  *   POLYHEDRON   spatial: the convex hull of points in any order, with at most 1024 corners and a
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built

@@ -301,8 +301,13 @@ void nsdae_meet(const nsdae_couple *two, double reach, nsdae_meeting *met)
   met->far = 0;
   met->polyhedra = s[0]->points > 1 && s[1]->points > 1 &&
                    (s[0]->shape == NSDAE_SHAPE_POLYHEDRON || s[1]->shape == NSDAE_SHAPE_POLYHEDRON);
+  met->curved = !nsdae_pair_is_exact(s[0], s[1]);
   met->corners[0] = met->corners[1] = ~0u;
   met->enough = INFINITY;
+  if (met->curved) {
+    met->far = !nsdae_find_manifold(two, reach, &met->manifold);
+    return;
+  }
   if (reach < INFINITY) { /* with what rounding explains */
     double scale = s[0]->size + s[1]->size, at = 0;
     for (int i = 0; i < 3; i++) at += fabs(two->pose[0]->r[i]) + fabs(two->pose[1]->r[i]);
@@ -346,6 +351,7 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
 {
   const nsdae_couple two = nsdae_feature_couple(f, met);
   const nsdae_solid_of *s0 = two.solid[0], *s1 = two.solid[1];
+  if (met->curved) return !met->far && nsdae_manifold_closest(met, f->number, c);
   const double *x1 = s1->point + 3 * f->part[1];
   double place[3], own[3];
   c->side = s0->hollow ? -1 : 1;

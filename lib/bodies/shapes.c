@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "bodies_impl.h"
+#include "support.h"
 
 /* Solids in the plane, in space; their corners (a polygon has its own number), and what is above 0:
  * the radius, bit i of lengths for length[i]. */
@@ -322,6 +323,16 @@ int nsdae_pair_is_turned(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
   return !is_base(s0) && (is_base(s1) || (is_round(s0) && !is_round(s1)));
 }
 
+/* All that a manifold can have, or those that it has. */
+static void add_manifold(sink *s, int solid0, int solid1, int all, const nsdae_manifold *m)
+{
+  int count = m ? m->count : all;
+  for (int i = 0; i < count; i++) {
+    s->number = m ? m->number[i] : i;
+    add_feature(s, 1, solid0, solid1, 0, 0);
+  }
+}
+
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to)
 {
@@ -329,6 +340,11 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   int turned = nsdae_pair_is_turned(&solids[solid0], &solids[solid1]);
   int base = turned ? solid1 : solid0, other = turned ? solid0 : solid1;
   int one_way = is_base(&solids[base]) || is_round(&solids[other]);
+  if (!nsdae_pair_is_exact(&solids[base], &solids[other])) {
+    int all = nsdae_manifold_ids(&solids[base], &solids[other]);
+    add_manifold(&s, base, other, all, met ? &met->manifold : NULL);
+    return s.status;
+  }
   add_corners(&s, solids, base, other, met, 0);
   if (one_way) return s.status;
   add_corners(&s, solids, other, base, met, 1);
@@ -338,17 +354,8 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
 
 int nsdae_pair_is_exact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
-  int first = s0->shape == NSDAE_SHAPE_CYLINDER, second = s1->shape == NSDAE_SHAPE_CYLINDER;
+  int first = nsdae_solid_is_curved(s0), second = nsdae_solid_is_curved(s1);
   return !(first || second) || (!first && s0->points < 2) || (!second && s1->points < 2);
-}
-
-int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
-{
-  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
-                             "solids %d and %d: a %s and a %s have no contacts: a cylinder touches "
-                             "planes, spheres and points; make it a polyhedron with many sides",
-                             solid0, solid1, nsdae_solid_name(nsdae_solid_at(b, solid0)->shape),
-                             nsdae_solid_name(nsdae_solid_at(b, solid1)->shape));
 }
 
 typedef struct pairing {
@@ -418,7 +425,6 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (is_base(s0) && is_base(s1))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", solid0, solid1);
-  if (!nsdae_pair_is_exact(s0, s1)) nsdae_bodies_refuse_pair(b, what, index, solid0, solid1);
   status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);

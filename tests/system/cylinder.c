@@ -1,4 +1,4 @@
-/* Cylinders: gaps against other formulas, derivatives, what is refused, and by event one that rolls
+/* Cylinders: gaps against other formulas, derivatives, and by event one that rolls
  * down an incline and coins that roll steadily, against closed forms. */
 #include "check.h"
 
@@ -147,31 +147,6 @@ static void test_gaps(void **state)
   }
 }
 
-static void test_refused(void **state)
-{
-  const int shapes[] = {NSDAE_SHAPE_BOX, NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_CYLINDER};
-  (void)state;
-  for (int by_material = 0; by_material < 2; by_material++)
-    for (int k = 0; k < 3; k++) {
-      const nsdae_solid one = cylinder(1, 1);
-      const nsdae_solid other = {
-          .shape = shapes[k], .radius = 1, .length = {1, 1, 1}, .material = 1};
-      nsdae_bodies *b;
-      nsdae_system *system;
-      assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
-      nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}});
-      nsdae_bodies_add_solid(b, 0, &one);
-      nsdae_bodies_add_solid(b, NSDAE_GROUND, &other);
-      if (by_material)
-        nsdae_bodies_set_pair(b, 1, 1, 0, 0, 0);
-      else
-        nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0);
-      assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_E_ARGUMENT);
-      assert_non_null(strstr(nsdae_bodies_error(b)->text, "polyhedron with many sides"));
-      nsdae_bodies_destroy(&b);
-    }
-}
-
 /* ---- motions by event */
 
 /* A cylinder on the floor, with its mass by density. */
@@ -317,8 +292,8 @@ static void test_inertia(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_gaps), cmocka_unit_test(test_refused), cmocka_unit_test(test_incline),
-      cmocka_unit_test(test_coin), cmocka_unit_test(test_stands),  cmocka_unit_test(test_inertia)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_gaps), cmocka_unit_test(test_incline),
+                                     cmocka_unit_test(test_coin), cmocka_unit_test(test_stands),
+                                     cmocka_unit_test(test_inertia)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
