@@ -56,7 +56,7 @@ typedef struct nsdae_rigid_body {
  *
  *   POINT
  *   DISC      planar: radius; hollow: the material is outside the circle. Spatial: radius; across z
- *             of its frame, without thickness. It touches PLANE and SPHERE
+ *             of its frame, without thickness
  *   SEGMENT   planar: from (-length[0]/2, 0) to (length[0]/2, 0); radius > 0: rounded on both
  *             sides; radius = 0: material below (y < 0 in its frame)
  *   POLYGON   planar: corners in anticlockwise order
@@ -71,8 +71,9 @@ typedef struct nsdae_rigid_body {
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
  *                without Qhull
  *
- * CYLINDER, CONE and ELLIPSOID touch PLANE, SPHERE and POINT. Their other pairs are refused: use a
- * POLYHEDRON with many sides. */
+ * CYLINDER, CONE, ELLIPSOID and the spatial DISC have exact contacts with PLANE, SPHERE and POINT,
+ * but DISC and POINT have none. Those with CAPSULE, BOX, POLYHEDRON and each other are for time
+ * stepping alone: nsdae_sim_create refuses event and penalty. */
 typedef struct nsdae_solid {
   int shape;            /* enum nsdae_shape, except PATH */
   double radius;        /* >= 0 [m] */

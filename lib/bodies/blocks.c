@@ -49,9 +49,9 @@ static int list_feature(void *to, const nsdae_feature *f)
                      .mu = l->law.mu,
                      .e_n = l->law.e_n,
                      .e_t = l->law.e_t,
-                     .omega_given = l->omega};
+                     .omega_given = l->omega && !l->met.curved};
   nsdae_bodies_contact_rows(dimension, &two, &still, dimension, &c);
-  if (l->omega) {
+  if (c.omega_given) {
     const nsdae_touch touch = nsdae_closest_touch(&closest, &two);
     nsdae_bodies_contact_omega(dimension, &two, &touch, c.omega);
   }

@@ -378,11 +378,9 @@ void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const ns
 typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to);
-/* Whether two shapes have contacts; the error if not; whether those of all materials that touch. */
-int nsdae_pair_is_exact(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
-int nsdae_bodies_refuse_pair(nsdae_bodies *bodies, const char *what, int index, int solid0,
-                             int solid1);
-int nsdae_bodies_check_shapes(nsdae_bodies *bodies);
+/* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have contacts for time stepping alone.
+ */
+int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error);
 int nsdae_pair_is_turned(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 
 #endif

@@ -1,6 +1,7 @@
 #include "broad_phase.h"
 
 #include "errors.h"
+#include "support.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -21,13 +22,16 @@ static int by_value(const void *a, const void *b)
 
 long nsdae_broad_features(const nsdae_bodies *b)
 {
-  long corners = 1, edges = 0;
+  long corners = 1, edges = 0, curved = 0;
   for (int i = 0; i < b->solid.count; i++) {
-    long n = nsdae_solid_at(b, i)->points, e = nsdae_solid_edges(nsdae_solid_at(b, i));
+    const nsdae_solid_of *s = nsdae_solid_at(b, i);
+    long n = s->points, e = nsdae_solid_edges(s);
     if (n > corners) corners = n;
     if (e > edges) edges = e;
+    curved |= nsdae_solid_is_smooth(s);
   }
-  return 2 * corners + edges * edges;
+  long exact = 2 * corners + edges * edges, other = curved * (1 + corners) * (1 + corners);
+  return exact > other ? exact : other;
 }
 
 /* ---- memory */
@@ -191,19 +195,36 @@ int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
                              : are_near(p, i, j, reach);
 }
 
-int nsdae_bodies_check_shapes(nsdae_bodies *b)
+static int refuse_pair(const nsdae_bodies *b, int i, int j, nsdae_error *error)
 {
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
+                         "solids %d and %d: a %s and a %s have contacts for time stepping alone: "
+                         "choose moreau, implicit "
+                         "or implicit-printed, or make the curved one a polyhedron with many sides",
+                         i, j, nsdae_solid_name(nsdae_solid_at(b, i)->shape),
+                         nsdae_solid_name(nsdae_solid_at(b, j)->shape));
+}
+
+int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error)
+{
+  nsdae_bodies *b = (nsdae_bodies *)(uintptr_t)bodies;
   const nsdae_solid_of *s = b->solid.at;
-  nsdae_broad *p = NULL;
+  for (int i = 0; i < b->feature.count; i++) {
+    const int *solid = nsdae_feature_at(b, i)->solid;
+    if (!nsdae_pair_is_exact(&s[solid[0]], &s[solid[1]]))
+      return refuse_pair(b, solid[0], solid[1], error);
+  }
+  if (!nsdae_bodies_has_list(b)) return NSDAE_OK;
+  nsdae_broad *p = nsdae_broad_take(b);
+  if (!p) return nsdae_error_memory(error, "nsdae_sim_create");
+  int status = NSDAE_OK;
   for (int i = 0; i < b->solid.count; i++)
-    for (int j = 0; nsdae_solid_is_smooth(&s[i]) && j < b->solid.count; j++) {
-      if (nsdae_pair_is_exact(&s[i], &s[j]) || s[i].body == s[j].body) continue;
-      if (!p && !(p = nsdae_broad_take(b))) return nsdae_error_memory(&b->error, "nsdae_bodies");
-      if (may_touch(p, s, i, j) && !nsdae_broad_is_excluded(p, i, j))
-        nsdae_bodies_refuse_pair(b, "solid", i, i, j);
-    }
-  if (p) nsdae_broad_give_back(b, p);
-  return b->error.status;
+    for (int j = 0; nsdae_solid_is_smooth(&s[i]) && j < b->solid.count && status == NSDAE_OK; j++)
+      if (!nsdae_pair_is_exact(&s[i], &s[j]) && may_touch(p, s, i, j) &&
+          !nsdae_broad_is_excluded(p, i, j))
+        status = refuse_pair(b, i, j, error);
+  nsdae_broad_give_back(b, p);
+  return status;
 }
 
 /* A large solid with every other one; of two large ones that which comes first. */

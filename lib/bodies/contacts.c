@@ -252,6 +252,18 @@ static int contact_acceleration(double t, const double *q, const double *v, doub
 
 /* ---- setters */
 
+/* Whether accelerations of the fixed contacts are known. */
+static int are_exact(const nsdae_bodies *b)
+{
+  const nsdae_solid_of *s = b->solid.at;
+  int exact = 1;
+  for (int i = 0; i < nsdae_bodies_fixed(b) - b->limit.count; i++) {
+    const int *solid = nsdae_feature_at(b, i)->solid;
+    exact &= nsdae_pair_is_exact(&s[solid[0]], &s[solid[1]]);
+  }
+  return exact;
+}
+
 int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
 {
   const nsdae_user_rows *own = &b->own;
@@ -263,7 +275,7 @@ int nsdae_bodies_set_contacts(const nsdae_bodies *b, nsdae_system *system)
     status = nsdae_system_set_gap_tangent(system, gap_tangent);
   if (k > 0 && status == NSDAE_OK && (none || own->contact_bias))
     status = nsdae_system_set_contact_bias(system, contact_bias);
-  none = own->dims.k + own->dims.f == 0;
+  none = own->dims.k + own->dims.f == 0 && are_exact(b);
   if (k + b->frictional_joint.count + own->dims.f > 0 && status == NSDAE_OK &&
       (none || own->contact_acceleration))
     status = nsdae_system_set_contact_acceleration(system, contact_acceleration);

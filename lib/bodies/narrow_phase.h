@@ -85,6 +85,15 @@ int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *feature
 int nsdae_polyhedron_closest(const nsdae_meeting *met, int base, const double *x,
                              nsdae_closest *closest);
 
+/* Whether the contacts of two shapes have all their rates: by every method. Else a manifold. */
+int nsdae_pair_is_exact(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
+
+/* Contacts of two solids of which one is curved, and the parts of one of them: a point on a plane
+ * of body 0, for its value alone, as the rates of the plane are not known. 0: the solids are
+ * further apart than enough; it is not among them. */
+int nsdae_find_manifold(const nsdae_couple *two, double enough, nsdae_manifold *manifold);
+int nsdae_manifold_closest(const nsdae_meeting *met, int number, nsdae_closest *closest);
+
 /* The closest parts of a feature of two solids that met, and these with the base first. 0: another
  * feature is nearer, or the gap is larger than the reach; there are none then. */
 int nsdae_feature_closest(const nsdae_feature *feature, const nsdae_meeting *met,

@@ -86,6 +86,13 @@ typedef struct nsdae_polyhedra {
                                                within enough of the other */
 } nsdae_polyhedra;
 
+/* Contacts of two solids of which one is curved: see manifold.c. */
+enum { NSDAE_MANIFOLD = 32 };
+typedef struct nsdae_manifold {
+  int count, number[NSDAE_MANIFOLD + 1]; /* the last for the nearest points */
+  nsdae_still at[NSDAE_MANIFOLD + 1];
+} nsdae_manifold;
+
 /* Two solids at a moment, and what all their features go by. Features that can have a gap of at
  * most the reach: bit i of corners[base] for corner i of the other (those from 32 on can); in space
  * bit j of edges[i] for edge i of solid 0 and j of solid 1. Of the 144 pairs of edges of two boxes
@@ -95,12 +102,14 @@ typedef struct nsdae_meeting {
   nsdae_couple two;
   double enough; /* a feature whose cores are apart by more may be left out; INFINITY: none */
   int far;       /* all are */
-  int polyhedra; /* which of the union: the last */
+  int polyhedra; /* which of the union: the third */
+  int curved;    /* the last */
   unsigned corners[2], edges[NSDAE_EDGES_MAX];
   union {
     nsdae_separation by[2]; /* in the plane: by edges of each */
     nsdae_separating_axis axis;
     nsdae_polyhedra hulls;
+    nsdae_manifold manifold;
   };
 } nsdae_meeting;
 

@@ -179,6 +179,18 @@ static int build(nsdae_sim *sim)
   return status < 0 ? status : nsdae_sim_make_method(sim);
 }
 
+/* Whether the contacts of the system have the rates that the method needs. */
+static int check_contacts(const nsdae_system *system, const nsdae_sim_options *options,
+                          nsdae_error *error)
+{
+  const nsdae_maker *maker = &system->maker;
+  nsdae_sim_options defaults;
+  nsdae_sim_options_default(&defaults);
+  int method = options ? options->method : defaults.method;
+  return maker->smooth && !nsdae_stepping_of(method)->closes ? maker->smooth(maker->of, error)
+                                                             : NSDAE_OK;
+}
+
 int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options, nsdae_sim **sim,
                      nsdae_error *error)
 {
@@ -191,6 +203,7 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   if (status == NSDAE_OK) status = nsdae_system_complete(system, error);
   if (status == NSDAE_OK) status = nsdae_system_told(system, error);
   if (status == NSDAE_OK) status = check_rows(system, options, error);
+  if (status == NSDAE_OK) status = check_contacts(system, options, error);
   if (status < 0) return status;
   nsdae_sim *made = calloc(1, sizeof *made);
   if (!made) return no_memory_for_sim(NULL, error);

@@ -1,0 +1,233 @@
+/* The signed distance of pairs with a curved solid. Of solids that are apart two points, one in
+ * each, as far apart as a plane between them: the support maps here prove both bounds. Of those
+ * that overlap a direction whose bound is no less than that of any of many directions, refined. */
+#include "check.h"
+
+#include <nsdae/nsdae.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "bodies_impl.h"
+#include "support.h"
+#include "support/random.h"
+
+static uint64_t seed = 11;
+
+static double uniform(double low, double high)
+{
+  return random_between(&seed, low, high);
+}
+
+enum { CORNERS = 12 };
+typedef struct shape {
+  nsdae_solid of;
+  double point[3 * CORNERS];
+} shape;
+
+static void random_shape(int kind, shape *s)
+{
+  s->of = (nsdae_solid){.shape = kind,
+                        .radius = kind == NSDAE_SHAPE_BOX || kind == NSDAE_SHAPE_POLYHEDRON ||
+                                          kind == NSDAE_SHAPE_ELLIPSOID
+                                      ? 0
+                                      : uniform(0.1, 0.5),
+                        .length = {uniform(0.2, 1), uniform(0.2, 1), uniform(0.2, 1)}};
+  for (int i = 0; i < 3 * CORNERS; i++) s->point[i] = uniform(-0.4, 0.4);
+  if (kind != NSDAE_SHAPE_POLYHEDRON) return;
+  s->of.points = CORNERS;
+  s->of.point = s->point;
+}
+
+/* max d . x over the solid in its own frame. */
+static double support(const shape *s, const double *d)
+{
+  const double *l = s->of.length, r = s->of.radius;
+  double most = -INFINITY;
+  switch (s->of.shape) {
+  case NSDAE_SHAPE_BOX:
+    return (fabs(d[0]) * l[0] + fabs(d[1]) * l[1] + fabs(d[2]) * l[2]) / 2;
+  case NSDAE_SHAPE_CAPSULE:
+    return fabs(d[2]) * l[2] / 2 + r * sqrt(nsdae_dot3(d, d));
+  case NSDAE_SHAPE_CYLINDER:
+    return fabs(d[2]) * l[2] / 2 + r * hypot(d[0], d[1]);
+  case NSDAE_SHAPE_CONE:
+    return fmax(r * hypot(d[0], d[1]) - d[2] * l[2] / 2, d[2] * l[2] / 2);
+  case NSDAE_SHAPE_DISC:
+    return r * hypot(d[0], d[1]);
+  case NSDAE_SHAPE_ELLIPSOID:
+    return hypot(hypot(l[0] * d[0], l[1] * d[1]), l[2] * d[2]) / 2;
+  default:
+    for (int i = 0; i < CORNERS; i++) most = fmax(most, nsdae_dot3(d, s->point + 3 * i));
+    return most;
+  }
+}
+
+static double apart(const shape s[2], const nsdae_pose pose[2], const double *n)
+{
+  double d[2][3], back[3] = {-n[0], -n[1], -n[2]}, between = 0;
+  nsdae_turn_back(pose[0].R, n, d[0]);
+  nsdae_turn_back(pose[1].R, back, d[1]);
+  for (int i = 0; i < 3; i++) between += n[i] * (pose[1].r[i] - pose[0].r[i]);
+  return between - support(&s[0], d[0]) - support(&s[1], d[1]);
+}
+
+/* The best of many directions, then of smaller and smaller steps from the best ones. */
+static double search(const shape s[2], const nsdae_pose pose[2])
+{
+  enum { MANY = 600, KEPT = 6 };
+  double best[KEPT] = {0}, at[KEPT][3], most = -INFINITY;
+  for (int k = 0; k < KEPT; k++) best[k] = -INFINITY;
+  for (int k = 0; k < MANY; k++) {
+    double z = 1 - (2 * k + 1.0) / MANY, r = sqrt(1 - z * z), n[3];
+    n[0] = r * cos(2.399963229728653 * k);
+    n[1] = r * sin(2.399963229728653 * k);
+    n[2] = z;
+    double a = apart(s, pose, n);
+    int worst = 0;
+    for (int i = 1; i < KEPT; i++)
+      if (best[i] < best[worst]) worst = i;
+    if (a <= best[worst]) continue;
+    best[worst] = a;
+    memcpy(at[worst], n, sizeof n);
+  }
+  for (int k = 0; k < KEPT; k++) {
+    int failed = 0;
+    for (double h = 0.2; h > 1e-10;) {
+      double n[3];
+      for (int i = 0; i < 3; i++) n[i] = at[k][i] + uniform(-h, h);
+      nsdae_unit_vector(n, n);
+      double a = apart(s, pose, n);
+      if (a > best[k]) {
+        best[k] = a;
+        memcpy(at[k], n, sizeof n);
+        failed = 0;
+      } else if (++failed == 12) {
+        failed = 0;
+        h *= 0.6;
+      }
+    }
+    most = fmax(most, best[k]);
+  }
+  return most;
+}
+
+/* Two solids of these kinds, of bodies in random poses. */
+static nsdae_bodies *couple(const int kind[2], shape s[2], nsdae_pose pose[2], double spread)
+{
+  nsdae_bodies *b;
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  for (int i = 0; i < 2; i++) {
+    double q[7];
+    random_shape(kind[i], &s[i]);
+    assert_int_equal(nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}}), i);
+    if (nsdae_bodies_add_solid(b, i, &s[i].of) < 0) fail_msg("%s", nsdae_bodies_error(b)->text);
+    for (int j = 0; j < 7; j++) q[j] = uniform(-1, 1) * (j < 3 ? spread : 1);
+    pose[i] = nsdae_pose_of(3, q, NULL);
+  }
+  return b;
+}
+
+static const int kinds[][2] = {{NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_BOX},
+                               {NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_CYLINDER},
+                               {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_POLYHEDRON},
+                               {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CYLINDER},
+                               {NSDAE_SHAPE_CONE, NSDAE_SHAPE_BOX},
+                               {NSDAE_SHAPE_ELLIPSOID, NSDAE_SHAPE_CONE},
+                               {NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_ELLIPSOID},
+                               {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_DISC}};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static void new_pose(nsdae_pose *pose, double spread)
+{
+  double q[7];
+  for (int j = 0; j < 7; j++) q[j] = uniform(-1, 1) * (j < 3 ? spread : 1);
+  *pose = nsdae_pose_of(3, q, NULL);
+}
+
+/* The duality gap of 1e5 poses of a pair that are apart. */
+static void test_apart(void **state)
+{
+  enum { SOLIDS = 100, POSES = 1000 };
+  (void)state;
+  for (int k = 0; k < KINDS; k++) {
+    double worst = 0, off = 0, inside = 0;
+    clock_t begin = clock();
+    int count = 0;
+    for (int i = 0; i < SOLIDS; i++) {
+      shape s[2];
+      nsdae_pose pose[2];
+      nsdae_bodies *b = couple(kinds[k], s, pose, 1);
+      const nsdae_couple two = {{nsdae_solid_at(b, 0), nsdae_solid_at(b, 1)}, {&pose[0], &pose[1]}};
+      for (int j = 0; j < POSES; j++) {
+        nsdae_still at;
+        new_pose(&pose[0], 0.8);
+        new_pose(&pose[1], 0.8);
+        assert_true(nsdae_signed_distance(&two, INFINITY, &at));
+        assert_near(nsdae_dot3(at.normal, at.normal), 1, 1e-13);
+        worst = fmax(worst, fabs(at.gap - apart(s, pose, at.normal)));
+        if (at.gap < 0) continue;
+        double d[3];
+        for (int l = 0; l < 3; l++) d[l] = at.at[1][l] - at.at[0][l];
+        off = fmax(off, fabs(sqrt(nsdae_dot3(d, d)) - at.gap));
+        /* the points are in both: beyond no plane at right angles to random directions */
+        for (int l = 0; l < 4; l++) {
+          double n[3] = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, own[3], x[3];
+          nsdae_unit_vector(n, n);
+          for (int side = 0; side < 2; side++) {
+            nsdae_turn_back(pose[side].R, n, own);
+            for (int m = 0; m < 3; m++) x[m] = at.at[side][m] - pose[side].r[m];
+            inside = fmax(inside, nsdae_dot3(n, x) - support(&s[side], own));
+          }
+        }
+        count++;
+      }
+      nsdae_bodies_destroy(&b);
+    }
+    print_message(
+        "pair %d: %d apart, bound off by %.1e m, points by %.1e m and outside by %.1e m, %.1f s\n",
+        k, count, worst, off, inside, (double)(clock() - begin) / CLOCKS_PER_SEC);
+    assert_true(worst < 1e-12);
+    assert_true(off < 1e-10);
+    assert_true(inside < 1e-12);
+  }
+}
+
+/* In random poses, then moved along the normal until they overlap by a depth: the result is a local
+ * maximum, and that of all but a few is the largest. */
+static void test_overlap(void **state)
+{
+  enum { POSES = 200 };
+  static const double depths[] = {1e-7, 4e-5, 1e-2};
+  (void)state;
+  for (int k = 0; k < KINDS; k++) {
+    double off = 0;
+    int deep = 0, missed = 0;
+    for (int i = 0; i < POSES; i++) {
+      shape s[2];
+      nsdae_pose pose[2];
+      nsdae_bodies *b = couple(kinds[k], s, pose, 0.5);
+      const nsdae_couple two = {{nsdae_solid_at(b, 0), nsdae_solid_at(b, 1)}, {&pose[0], &pose[1]}};
+      nsdae_still at;
+      assert_true(nsdae_signed_distance(&two, INFINITY, &at));
+      deep += at.gap < search(s, pose) - 1e-8;
+      for (int j = 0; j < 3; j++) {
+        for (int l = 0; l < 3; l++) pose[1].r[l] -= (at.gap + depths[j]) * at.normal[l];
+        assert_true(nsdae_signed_distance(&two, INFINITY, &at));
+        double short_of = search(s, pose) - at.gap;
+        missed += short_of > 1e-8;
+        if (short_of <= 1e-8) off = fmax(off, short_of);
+      }
+      nsdae_bodies_destroy(&b);
+    }
+    print_message("pair %d: depth off by %.1e m; another maximum at %d of %d, of random poses %d\n",
+                  k, off, missed, 3 * POSES, deep);
+    assert_true(missed <= 3 * POSES / 50);
+    assert_true(deep <= POSES / 10);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_apart), cmocka_unit_test(test_overlap)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
