@@ -107,7 +107,8 @@ static mechanism wall(int length, int courses, int whole)
   return m;
 }
 
-/* Bodies of random sizes and rotations in cells; kind: 0 spheres, 1 capsules, 2 boxes, 3 all. */
+/* Bodies of random sizes and rotations in cells; kind: 0 spheres, 1 capsules, 2 boxes, 3 all of
+ * these, 4 capsules, boxes and cylinders. */
 static mechanism lattice(int side, int layers, int kind, int steps)
 {
   const double widest = 0.05, cell = kind == 0 ? 1.9 * widest : 2.2 * widest;
@@ -115,13 +116,16 @@ static mechanism lattice(int side, int layers, int kind, int steps)
   uint64_t seed = 1;
   for (int i = 0; i < side * side * layers; i++) {
     const int at[3] = {i % side, i / side % side, i / side / side};
-    int what = kind < 3 ? kind : random_below(&seed, 3);
+    int what = kind < 3 ? kind : random_below(&seed, 3) + kind - 3;
     double r = widest * random_between(&seed, 0.8, 1), q[4], x[3];
     nsdae_solid s = {.shape = NSDAE_SHAPE_SPHERE, .radius = 0.8 * r};
     if (what == 1)
       s = (nsdae_solid){.shape = NSDAE_SHAPE_CAPSULE, .radius = 0.6 * r, .length = {0, 0, 0.8 * r}};
     if (what == 2)
       s = (nsdae_solid){.shape = NSDAE_SHAPE_BOX, .length = {1.3 * r, 1.1 * r, 0.95 * r}};
+    if (what == 3)
+      s = (nsdae_solid){
+          .shape = NSDAE_SHAPE_CYLINDER, .radius = 0.6 * r, .length = {0, 0, 1.2 * r}};
     for (int j = 0; j < 3; j++)
       x[j] = cell * (at[j] + 0.5) - (j < 2 ? side * cell / 2 : 0) +
              (j < 2 ? random_between(&seed, -0.001, 0.001) : 0);
@@ -359,6 +363,7 @@ int main(int argc, char **argv)
       {"falling lattice of 600 boxes", lattice(10, 6, 2, 300), 1},
       {"falling lattice of 125 spheres", lattice(5, 5, 0, 500), 3},
       {"falling lattice of 125 spheres, capsules, boxes", lattice(5, 5, 3, 500), 1},
+      {"bin of 300 capsules, boxes, cylinders", lattice(10, 3, 4, 300), 1},
       {"poured heap of 384 spheres", lattice(8, 6, 0, 400), 2},
       {"chain of 50 capsules", chain(50), 1},
       {"one ragdoll", ragdolls(1, 1), 1},

@@ -48,6 +48,8 @@ static void put_plane(writer *w, int axis, double sign, double at)
 static void put_geom(writer *w, const nsdae_solid *s)
 {
   if (s->shape == NSDAE_SHAPE_SPHERE) put(w, "<geom type='sphere' size='%.17g'/>", s->radius);
+  if (s->shape == NSDAE_SHAPE_CYLINDER)
+    put(w, "<geom type='cylinder' size='%.17g %.17g'/>", s->radius, s->length[2] / 2);
   if (s->shape == NSDAE_SHAPE_CAPSULE)
     put(w, "<geom type='capsule' size='%.17g %.17g'/>", s->radius, s->length[2] / 2);
   if (s->shape == NSDAE_SHAPE_BOX)
