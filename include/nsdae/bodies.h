@@ -71,9 +71,9 @@ typedef struct nsdae_rigid_body {
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
  *                without Qhull
  *
- * CYLINDER, CONE, ELLIPSOID and the spatial DISC have exact contacts with PLANE, SPHERE and POINT,
- * but DISC and POINT have none. Those with CAPSULE, BOX, POLYHEDRON and each other are for time
- * stepping alone: nsdae_sim_create refuses event and penalty. */
+ * CYLINDER, CONE, ELLIPSOID and DISC (spatial) have exact contacts with PLANE, SPHERE and POINT.
+ * With the others and each other their contacts are for time stepping: nsdae_sim_create refuses
+ * event and penalty. A DISC and another DISC or a POINT have none: they have no inside. */
 typedef struct nsdae_solid {
   int shape;            /* enum nsdae_shape, except PATH */
   double radius;        /* >= 0 [m] */

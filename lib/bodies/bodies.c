@@ -370,6 +370,7 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
                            "list them with their callback contacts",
                            b->own.dims.k);
   if (nsdae_bodies_has_list(b) && (status = nsdae_bodies_check_ids(b)) < 0) return status;
+  if (nsdae_bodies_has_list(b) && (status = nsdae_bodies_check_shapes(b)) < 0) return status;
   nsdae_bodies_get_dims(b, &dims);
   status = nsdae_system_create(&dims, system, &b->error);
   if (status < 0) return status;

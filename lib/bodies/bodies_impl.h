@@ -378,8 +378,13 @@ void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const ns
 typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to);
-/* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have contacts for time stepping alone.
- */
+/* Whether two solids of which one is a disc have no inside: without contacts. The error. */
+int nsdae_pair_is_thin(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
+int nsdae_bodies_refuse_thin(nsdae_bodies *bodies, const char *what, int index, int solid0,
+                             int solid1);
+/* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have no inside. */
+int nsdae_bodies_check_shapes(nsdae_bodies *bodies);
+/* The same: they have contacts for time stepping alone. */
 int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error);
 int nsdae_pair_is_turned(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Beyond this many times the median radius a solid is large. */
 static const double ordinary = 4;
@@ -195,36 +196,54 @@ int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
                              : are_near(p, i, j, reach);
 }
 
-static int refuse_pair(const nsdae_bodies *b, int i, int j, nsdae_error *error)
+typedef int (*pair_fn)(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
+
+/* The first pair by material for which a test of two solids is true, of smooth shapes alone. */
+static int find_pair(nsdae_bodies *b, pair_fn is, int pair[2], nsdae_error *error)
 {
-  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                         "solids %d and %d: a %s and a %s have contacts for time stepping alone: "
-                         "choose moreau, implicit "
-                         "or implicit-printed, or make the curved one a polyhedron with many sides",
-                         i, j, nsdae_solid_name(nsdae_solid_at(b, i)->shape),
-                         nsdae_solid_name(nsdae_solid_at(b, j)->shape));
+  const nsdae_solid_of *s = b->solid.at;
+  nsdae_broad *p = NULL;
+  int found = 0;
+  for (int i = 0; i < b->solid.count && !found; i++)
+    for (int j = 0; nsdae_solid_is_smooth(&s[i]) && j < b->solid.count && !found; j++) {
+      if (!is(&s[i], &s[j])) continue;
+      if (!p && !(p = nsdae_broad_take(b))) return nsdae_error_memory(error, "nsdae_bodies");
+      found = may_touch(p, s, i, j) && !nsdae_broad_is_excluded(p, i, j);
+      pair[0] = i;
+      pair[1] = j;
+    }
+  if (p) nsdae_broad_give_back(b, p);
+  return found;
+}
+
+int nsdae_bodies_check_shapes(nsdae_bodies *b)
+{
+  int pair[2] = {0, 0}, found = find_pair(b, nsdae_pair_is_thin, pair, &b->error);
+  return found > 0 ? nsdae_bodies_refuse_thin(b, "solid", pair[0], pair[0], pair[1]) : found;
+}
+
+static int is_inexact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+{
+  return !nsdae_pair_is_exact(s0, s1);
 }
 
 int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error)
 {
   nsdae_bodies *b = (nsdae_bodies *)(uintptr_t)bodies;
   const nsdae_solid_of *s = b->solid.at;
-  for (int i = 0; i < b->feature.count; i++) {
-    const int *solid = nsdae_feature_at(b, i)->solid;
-    if (!nsdae_pair_is_exact(&s[solid[0]], &s[solid[1]]))
-      return refuse_pair(b, solid[0], solid[1], error);
+  int pair[2] = {0, 0}, found = 0;
+  for (int i = 0; i < b->feature.count && !found; i++) {
+    memcpy(pair, nsdae_feature_at(b, i)->solid, sizeof pair);
+    found = is_inexact(&s[pair[0]], &s[pair[1]]);
   }
-  if (!nsdae_bodies_has_list(b)) return NSDAE_OK;
-  nsdae_broad *p = nsdae_broad_take(b);
-  if (!p) return nsdae_error_memory(error, "nsdae_sim_create");
-  int status = NSDAE_OK;
-  for (int i = 0; i < b->solid.count; i++)
-    for (int j = 0; nsdae_solid_is_smooth(&s[i]) && j < b->solid.count && status == NSDAE_OK; j++)
-      if (!nsdae_pair_is_exact(&s[i], &s[j]) && may_touch(p, s, i, j) &&
-          !nsdae_broad_is_excluded(p, i, j))
-        status = refuse_pair(b, i, j, error);
-  nsdae_broad_give_back(b, p);
-  return status;
+  if (!found && nsdae_bodies_has_list(b)) found = find_pair(b, is_inexact, pair, error);
+  if (found <= 0) return found;
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
+                         "solids %d and %d: a %s and a %s have contacts for time stepping alone: "
+                         "choose moreau, implicit "
+                         "or implicit-printed, or make the curved one a polyhedron with many sides",
+                         pair[0], pair[1], nsdae_solid_name(s[pair[0]].shape),
+                         nsdae_solid_name(s[pair[1]].shape));
 }
 
 /* A large solid with every other one; of two large ones that which comes first. */

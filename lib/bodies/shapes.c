@@ -166,7 +166,7 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
     if (s->shape != NSDAE_SHAPE_ELLIPSOID) half[0] = half[1] = s->radius;
     if (s->shape == NSDAE_SHAPE_DISC) half[2] = 0;
     made->size = s->shape == NSDAE_SHAPE_ELLIPSOID ? fmax(fmax(half[0], half[1]), half[2])
-                                                   : sqrt(half[0] * half[0] + half[2] * half[2]);
+                                                   : hypot(half[0], half[2]);
   }
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
@@ -344,14 +344,6 @@ int nsdae_pair_is_turned(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
   return !is_base(s0) && (is_base(s1) || (is_round(s0) && !is_round(s1)));
 }
 
-/* A point and a disc: both are without inside, and neither could bear the other. */
-static int is_thin(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
-{
-  const nsdae_solid_of *disc = nsdae_solid_is_smooth(s0) ? s0 : s1, *other = disc == s0 ? s1 : s0;
-  return nsdae_solid_is_smooth(disc) && disc->shape == NSDAE_SHAPE_DISC && is_round(other) &&
-         other->radius == 0;
-}
-
 /* All that a manifold can have, or those that it has. */
 static void add_manifold(sink *s, int solid0, int solid1, int all, const nsdae_manifold *m)
 {
@@ -366,7 +358,6 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to)
 {
   sink s = {.add = add, .to = to};
-  if (is_thin(&solids[solid0], &solids[solid1])) return NSDAE_OK;
   int turned = nsdae_pair_is_turned(&solids[solid0], &solids[solid1]);
   int base = turned ? solid1 : solid0, other = turned ? solid0 : solid1;
   int one_way = is_base(&solids[base]) || is_round(&solids[other]);
@@ -384,9 +375,32 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
 
 int nsdae_pair_is_exact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
-  const nsdae_solid_of *other = nsdae_solid_is_smooth(s0) ? s1 : s0;
-  if (!nsdae_solid_is_smooth(s0) && !nsdae_solid_is_smooth(s1)) return 1;
-  return other->shape == NSDAE_SHAPE_PLANE || is_round(other);
+  const nsdae_solid_of *smooth = nsdae_solid_is_smooth(s0) ? s0 : s1,
+                       *other = smooth == s0 ? s1 : s0;
+  return !nsdae_solid_is_smooth(smooth) || other->shape == NSDAE_SHAPE_PLANE || is_round(other);
+}
+
+/* A disc in space. */
+static int is_flat(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_DISC && nsdae_solid_is_smooth(s);
+}
+
+int nsdae_pair_is_thin(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+{
+  const nsdae_solid_of *other = is_flat(s0) ? s1 : s0;
+  return (is_flat(s0) || is_flat(s1)) && (is_flat(other) || other->shape == NSDAE_SHAPE_POINT) &&
+         other->radius == 0;
+}
+
+int nsdae_bodies_refuse_thin(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
+{
+  return nsdae_bodies_refuse(
+      b, NSDAE_E_ARGUMENT, what, "solid", index,
+      "solids %d and %d: a %s and a %s have no inside and cannot touch: make "
+      "one a cylinder or a sphere",
+      solid0, solid1, nsdae_solid_name(nsdae_solid_at(b, solid0)->shape),
+      nsdae_solid_name(nsdae_solid_at(b, solid1)->shape));
 }
 
 typedef struct pairing {
@@ -456,12 +470,7 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (is_base(s0) && is_base(s1))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", solid0, solid1);
-  if (is_thin(s0, s1))
-    return nsdae_bodies_refuse(
-        b, NSDAE_E_ARGUMENT, what, "solid", index,
-        "solids %d and %d, a disc and a point, have no thickness: make one a "
-        "cylinder or sphere",
-        solid0, solid1);
+  if (nsdae_pair_is_thin(s0, s1)) nsdae_bodies_refuse_thin(b, what, index, solid0, solid1);
   status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
