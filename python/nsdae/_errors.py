@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import enum
 import math
 import re
 from typing import Any
 
-from . import _core
-
-Status = enum.IntEnum("Status", dict(_core.STATUS), module="nsdae")
-Status.__doc__ = "Status of a call of the library: 0 completed, < 0 failed, > 0 completed with a message."
+from ._tables import Status
 
 
 class Error(Exception):
@@ -46,6 +42,9 @@ class Error(Exception):
         self.record: Any = None
         self.problem: Any = None
         self.trajectory: Any = None
+
+    def __reduce__(self) -> Any:
+        return type(self), (str(self), self.status), self.__dict__
 
 
 class ArgumentError(Error, ValueError):

@@ -10,12 +10,16 @@ import os
 import sys
 import tempfile
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from . import _core
+from . import _core, _frames
 from ._errors import Error
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 NOT_DONE = 1
 REASON_SIZE = 160
@@ -83,6 +87,29 @@ class Sweep:
                 return sweeps.draw(file, only, title, list((at or {}).items()))
         except trajectory.Problem as problem:
             raise ValueError(str(problem)) from None
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table of pandas: a row for each run, with its parameters, status and results.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return _frames.sweep_to_pandas(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns a dataset of xarray, over the parameters.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
+        return _frames.sweep_to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        sizes = [(", ".join(d), f"{len(next(iter(d.values())))} values") for d in self.dimensions]
+        done = f"{int(np.sum(self.status == 0))} of {self.status.size}"
+        return _frames.page("nsdae.Sweep", [*sizes, ("runs done", done), ("results", ", ".join(self.results))])
 
     def __repr__(self) -> str:
         names = " x ".join(f"{', '.join(d)} ({len(next(iter(d.values())))})" for d in self.dimensions)

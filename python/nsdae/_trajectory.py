@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Any, Iterator, Sequence
 
 import numpy as np
 
-from . import _file
+from . import _file, _frames
 from ._records import EVENTS, ContactColumns, certificates, events
 from ._system import KINDS, System
 
 if TYPE_CHECKING:
+    import pandas
+    import xarray
+
     from ._viewer import Viewer
 
 
@@ -221,6 +224,45 @@ class Trajectory(ContactColumns):
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"
         return (f"nsdae.Trajectory({self.model!r}, {self.method}, {span}, {len(self)} records, "
                 f"{len(self.impacts)} impacts, {self.status})")
+
+    def _repr_html_(self) -> str:
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"
+        return _frames.page(self.model or "nsdae.Trajectory", [
+            ("method", self.method), ("time", span), ("records", len(self)), ("impacts", len(self.impacts)), ("status", self.status),
+            *((word.replace("_", " "), float(getattr(self, word).max())) for word in
+              ("penetration", "constraint_drift", "lcp_residual") if len(self))])
+
+    def to_pandas(self, table: str = "records") -> pandas.DataFrame:
+        """Returns a table of pandas, with the time as its index.
+
+        Parameters
+        ----------
+        table : str
+            "records": coordinates, velocities, forces, energies, sensors by their names. A velocity that has the name of a
+            coordinate has the prefix "v_". "impacts", "changes", "contacts": the fields of these arrays; components have
+            numbered columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        ValueError
+            The table is unknown.
+        """
+        return _frames.pandas_of(self, table)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns a dataset of xarray, over the time and the names of coordinates, velocities, constraints and contacts.
+
+        Contacts of a list are in ``to_pandas("contacts")``.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
+        return _frames.xarray_of(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes an HDF5 file for nsdae-plot, nsdae-animate, nsdae-vtk and `load`.
