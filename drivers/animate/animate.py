@@ -13,11 +13,9 @@ import subprocess
 import sys
 
 import numpy as np
-from PIL import Image
 
 from bodies import WHOLE, columns_of, count_of, read_motion, times_of
 from contacts import force_lines
-from raster import Drawing
 from scene import scene
 from trajectory import Parser, Problem, has_list, heading, open_trajectory, replace, tell
 
@@ -76,6 +74,7 @@ def records_at(time, first, last, step):
 
 def palette_of(drawing, count):
     """One for all frames: of three of them side by side."""
+    from PIL import Image
     width, height = drawing.size
     some = Image.new("RGB", (3 * width, height))
     for i, number in enumerate((0, count // 2, count - 1)):
@@ -200,6 +199,7 @@ def write(output, file, time, first, last, arguments):
     if on_page:
         replace(output, page(shown_scene, title, speed))
         return len(frames), len(bodies)
+    from raster import Drawing  # with Pillow and Matplotlib, which a page does not need
     drawing = Drawing(shown_scene, arguments.width, title, speed)
     whole = gif(drawing, len(frames), delay) if output.lower().endswith(".gif") else \
         mp4(drawing, len(frames), 100 / delay, output)

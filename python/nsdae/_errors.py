@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
 from typing import Any
@@ -119,3 +120,11 @@ def of_record(status: int, code: int, index: int, time: float, argument: str, wh
 
 def of_callback(cause: BaseException) -> CallbackError:
     return CallbackError(f"a callback raised {type(cause).__name__}: {cause}", Status.E_CALLBACK)
+
+
+def needed(module: str, extra: str) -> Any:
+    """A module of an optional part of the package."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f"{module} is not installed: pip install 'nsdae[{extra}]'") from error

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _core, _frames
-from ._errors import Error
+from ._errors import Error, needed
 
 if TYPE_CHECKING:
     import pandas
@@ -79,7 +79,7 @@ class Sweep:
         ValueError
             A quantity or parameter is unknown.
         """
-        import h5py
+        h5py, _ = needed("h5py", "hdf5"), needed("matplotlib", "plot")
         from .pictures import sweeps, trajectory
         try:
             own = not self.path  # made by this process
@@ -119,6 +119,7 @@ class Sweep:
 @contextlib.contextmanager
 def _reading(path: str | os.PathLike[str]) -> Iterator[Any]:
     """Opens a file of unknown origin; errors are an OSError or a ValueError."""
+    needed("h5py", "hdf5")
     from .pictures import trajectory
     try:
         with trajectory.reading(os.fspath(path)) as file:
@@ -224,7 +225,7 @@ class _File:
             raise ValueError(f"'{self.path}' is the file of another sweep: it has {differ}; give another output, or remove it")
 
     def _create(self, dimensions: Any, model: str, first: Mapping[str, np.ndarray], setting: str) -> None:
-        import h5py
+        h5py = needed("h5py", "hdf5")
         from .pictures import trajectory
         whole = io.BytesIO()  # HDF5 itself crashes after a write that found the disk full
         with h5py.File(whole, "w") as file:
@@ -245,7 +246,7 @@ class _File:
 
     @staticmethod
     def _put(file: Any, path: str, values: Any, unit: str, said: str, shape: Any = None) -> Any:
-        import h5py
+        h5py = needed("h5py", "hdf5")
         kind = {"data": values} if values is not None else \
             {"shape": shape, "dtype": "i4" if path == "status" else "f8",
              "fillvalue": np.int32(NOT_DONE) if path == "status" else np.nan}
@@ -281,7 +282,7 @@ class _File:
         os.pwrite(self.raw, np.int32(status).tobytes(), self.at["status"] + 4 * run)
 
     def finish(self, failures: Mapping[int, str]) -> None:
-        import h5py
+        h5py = needed("h5py", "hdf5")
         from .pictures import trajectory
         with open(self.path, "rb") as old:
             whole = io.BytesIO(old.read())

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Sequence
 import numpy as np
 
 from . import _file, _frames
+from ._errors import needed
 from ._records import EVENTS, ContactColumns, certificates, events
 from ._system import KINDS, System
 
@@ -39,8 +40,8 @@ class Shape:
     name : str
         Unique name.
     shape : str
-        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron" or
-        "cylinder".
+        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
+        "cylinder", "cone" or "ellipsoid".
     size : sequence of float
         Up to three lengths [m], see Notes.
     position : sequence of str or float
@@ -63,8 +64,8 @@ class Shape:
     - disc: radius, radius of its hole
     - segment, path: width
     - sphere: radius
-    - capsule, cylinder: radius, length
-    - box: edges
+    - capsule, cylinder, cone: radius, length
+    - box, ellipsoid: edges, axes
     - plane: its normal
     """
 
@@ -286,10 +287,10 @@ class Trajectory(ContactColumns):
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[Any]:
-        """Opens it as an HDF5 file in memory."""
-        with _file.in_memory() as file:
-            _file.fill(self, file)
-            yield file
+        """Opens it as a file in memory."""
+        file = _file.Arrays()
+        _file.fill(self, file)
+        yield file
 
     def plot(self, only: Sequence[str] | None = None, title: str | None = None, *, phase: Sequence[str] = (),
              path: Sequence[str] = ()) -> Any:
@@ -316,6 +317,7 @@ class Trajectory(ContactColumns):
         ValueError
             A panel, coordinate or body is unknown.
         """
+        needed("matplotlib", "plot")
         from .pictures import plot
         if phase or path:
             with self._opened() as file:
@@ -393,31 +395,29 @@ class Trajectory(ContactColumns):
         return viewer
 
     def _animate(self, path: str, options: dict[str, Any]) -> None:
+        if not path.endswith(".html"):
+            needed("PIL", "plot")
         from .pictures import animate
         words = {"start": "from", "end": "to"}
-        with tempfile.TemporaryDirectory() as folder:
-            whole = os.path.join(folder, "trajectory.h5")
-            self.save(whole)
-            arguments = [whole, f"--output={path}"]
-            for name, value in options.items():
-                if name == "point":
-                    value = ",".join("-" if c is None else str(c) for c in value)
-                if value is not False:
-                    arguments.append(f"--{words.get(name, name)}" + ("" if value is True else f"={value}"))
-            try:
-                told = animate.parse(arguments)
-            except SystemExit:
-                raise ValueError(f"animate() was given {options!r} for '{path}': see its help") from None
-            try:
-                with animate.open_trajectory(whole) as file:
-                    name = self.model or "the trajectory"
-                    told.file = name
-                    told.title = animate.heading(file) if told.title is None else told.title
-                    time = animate.times_of(file)
-                    first, last = animate.shown(time, told.start, told.end, name)
-                    animate.write(path, file, time, first, last, told)
-            except animate.Problem as problem:
-                raise ValueError(str(problem)) from problem
+        arguments = ["", f"--output={path}"]
+        for name, value in options.items():
+            if name == "point":
+                value = ",".join("-" if c is None else str(c) for c in value)
+            if value is not False:
+                arguments.append(f"--{words.get(name, name)}" + ("" if value is True else f"={value}"))
+        try:
+            told = animate.parse(arguments)
+        except SystemExit:
+            raise ValueError(f"animate() was given {options!r} for '{path}': see its help") from None
+        try:
+            with self._opened() as file:
+                told.file = self.model or "the trajectory"
+                told.title = animate.heading(file) if told.title is None else told.title
+                time = animate.times_of(file)
+                first, last = animate.shown(time, told.start, told.end, told.file)
+                animate.write(path, file, time, first, last, told)
+        except animate.Problem as problem:
+            raise ValueError(str(problem)) from problem
 
 
 class Page:
@@ -450,6 +450,7 @@ def load(path: str | os.PathLike[str]) -> Trajectory:
     ValueError
         The file is no trajectory, or is damaged.
     """
+    needed("h5py", "hdf5")
     from .pictures import trajectory as tool
     try:
         with tool.open_trajectory(os.fspath(path), "v") as file:
