@@ -60,8 +60,8 @@ def read_frames(file, arguments, frames):
     """The bodies, and which of the records they were read at the frames are: all, or of a long motion of
     many the frames alone."""
     records = np.arange(frames[-1] + 1) if file["q"].size <= WHOLE else frames
-    bodies, q = read_motion(file, arguments.file, arguments.point, records)
-    return bodies, q, np.searchsorted(records, frames)
+    bodies = read_motion(file, arguments.file, arguments.point, records)
+    return bodies, np.searchsorted(records, frames)
 
 
 def records_at(time, first, last, step):
@@ -193,8 +193,8 @@ def write(output, file, time, first, last, arguments):
         step = step_of(time[last] - time[first], speed * delay / 100, count)
         delay = max(round(100 * step / speed), delay)
         frames = records_at(time, first, last, step)
-    bodies, q, at = read_frames(file, arguments, frames)
-    forces = force_lines(file, bodies, q[at], frames) if arguments.forces else []
+    bodies, at = read_frames(file, arguments, frames)
+    forces = force_lines(file, bodies, at, frames) if arguments.forces else []
     shown_scene = scene(file, time, bodies, frames, at, forces)
     if on_page:
         replace(output, page(shown_scene, title, speed))

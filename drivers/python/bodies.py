@@ -29,6 +29,11 @@ def is_fixed(body):
     return all(part is None or part.ndim == least for part, least in zip(parts, (1, 2, 1)))
 
 
+def normal_of(plane):
+    """Unit normals [n, 3] of a plane, or [3]."""
+    return (np.eye(3) if plane.rotation is None else plane.rotation) @ plane.size / np.linalg.norm(plane.size)
+
+
 def is_thread(body):
     return body.shape in ("segment", "path") and body.size[0] == 0
 
@@ -45,7 +50,7 @@ def colours_of(bodies):
 
 def given_colours(group, count):
     """Texts "#rrggbb" or "" of the dataset `colour` of a group, if it has one."""
-    given = [text(value) for value in group["colour"]] if "colour" in group else [""] * count
+    given = [text(value) for value in group["colour"][...]] if "colour" in group else [""] * count
     if len(given) != count or not all(re.fullmatch("(#[0-9a-fA-F]{6})?", colour) for colour in given):
         raise Problem(f"its {group.name}/colour is not one of #rrggbb for each body")
     return given
@@ -132,7 +137,7 @@ def firsts(count, rows):
 def named(file, time, q):
     """The bodies that the file names."""
     group, names, coordinates = file["bodies"], names_of(file, time, q), coordinates_of(file, q.shape[1])
-    table = {column: [text(value) for value in group[column]] for column in COLUMNS}
+    table = {column: [text(value) for value in group[column][...]] for column in COLUMNS}
     point = group["point"][...].reshape(-1, 3) if "point" in group else np.zeros((0, 3))
     first = firsts(group["points"][...], len(point))
     if first is None or not len(group["size"]) == len(table["name"]) == len(first) - 1:
@@ -148,7 +153,7 @@ def shaped(file, q):
     kind, dimension, position, turn, size, count = (group[name][...] for name in (
         "shape", "dimension", "position", "turn", "size", "points"))
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
-    name, first = [text(n) for n in group["name"]], firsts(count, len(point))
+    name, first = [text(n) for n in group["name"][...]], firsts(count, len(point))
     far = np.maximum(position + dimension, turn + np.where(dimension == 2, 1, 4))
     if not len(name) == len(kind) == len(dimension) == len(position) == len(turn) == len(size) == len(count) or \
             first is None or np.any(far > q.shape[1]) or np.any(position < 0) or \
@@ -222,11 +227,11 @@ def read_rows(dataset, records):
 
 
 def read_motion(file, path, columns, records):
-    """The bodies at these records (numbers, ascending), and their coordinates q."""
+    """The bodies at these records (numbers, ascending)."""
     q = read_rows(file["q"], records)
     if not np.isfinite(q).all():
         raise Problem(f"'{path}' has coordinates that are not finite")
-    return bodies_of(file, path, columns, file["time"][...][records], q), q
+    return bodies_of(file, path, columns, file["time"][...][records], q)
 
 
 def at(values, least, records):

@@ -113,9 +113,15 @@ def slab(body, low, high, depth, reach):
     return one._replace(points=middle - normal * (middle @ normal) + (one.points - [0, 0, depth / 2]) @ basis.T)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=64)
+def unit_globe(length, facets):
+    return globe(1.0, length, 2 * facets, facets)
+
+
 def round_shape(radius, length, facets):
-    return globe(radius, length, 2 * facets, facets)
+    """A ball or capsule; those of one proportion share their polygons."""
+    one = unit_globe(length / radius if radius > 0 else 0.0, facets)
+    return one._replace(points=radius * one.points)
 
 
 def facets_of(count):
@@ -146,9 +152,13 @@ def solids_of(bodies, facets=None, reach=1.3):
     low, high = extent(bodies)
     facets, solids = facets or facets_of(len(bodies)), []
     for body in bodies:
-        matrix = body.rotation if body.end is None else frame_along(body.end - body.position)
-        solids.append(Solid(body.name, shape_of(body, low, high, facets, reach), body.position, matrix, is_fixed(body)))
+        solids.append(Solid(body.name, shape_of(body, low, high, facets, reach), body.position, matrix_of(body), is_fixed(body)))
     return solids
+
+
+def matrix_of(body):
+    """Of a segment the third column is the vector to its end."""
+    return body.rotation if body.end is None else frame_along(body.end - body.position)
 
 
 def placed(solid, records):
@@ -159,3 +169,14 @@ def placed(solid, records):
         points = points @ np.swapaxes(matrix, -1, -2)
     position = solid.position if solid.position.ndim == 1 else solid.position[records, None]
     return np.broadcast_to(position + points, (len(records), *solid.shape.points.shape))
+
+
+def normals_of(points, polygons):
+    """Of polygons of these points, by Newell's sum; of length one, or zero if it has no area."""
+    normals, corners = np.zeros((len(polygons), 3)), np.array([len(polygon) for polygon in polygons])
+    for count in set(corners):  # all of as many corners at once
+        mine = np.flatnonzero(corners == count)
+        loops = points[np.array([polygons[i] for i in mine])]
+        normals[mine] = np.cross(loops, np.roll(loops, -1, axis=1)).sum(axis=1)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.where(length > 0, length, 1)

@@ -21,6 +21,8 @@ from ._trajectory import Shape, Trajectory, names_of
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+    from ._viewer import LiveViewer
+
 METHODS: dict[str, str] = dict(_core.METHODS)
 
 
@@ -444,6 +446,62 @@ class Sim:
             if growing is not None:
                 growing.close()
         return whole("complete")
+
+    def show(self, *, title: str | None = None, shapes: list[Shape] | None = None, port: int = 8080,
+             block: bool = True) -> LiveViewer:
+        """Shows the simulation in a browser, which starts, pauses and steps it. It needs viser: ``pip install 'nsdae[viewer]'``.
+
+        Parameters
+        ----------
+        title : str, optional
+            Title, by default the method.
+        shapes : list of Shape, optional
+            Bodies; default: those of the `Bodies`.
+        port : int
+            Port of the page, 1 to 65535; the next one that is free is taken.
+        block : bool
+            True: open a browser and take steps until Ctrl-C. False: return at once; the program takes the steps, and calls
+            ``update`` after each.
+
+        Returns
+        -------
+        LiveViewer
+
+        Raises
+        ------
+        ImportError
+            viser is not installed.
+        ValueError
+            There are no bodies, or no port is free.
+
+        Examples
+        --------
+        >>> viewer = sim.show(block=False)
+        >>> while viewer.update() and sim.time < 3:
+        ...     sim.step()
+        """
+        from ._viewer import opened, shown
+        start = self.state
+
+        def now() -> tuple[float, np.ndarray, np.ndarray]:
+            record = self.record
+            return record.time, record.q, record.contacts
+
+        def restart() -> None:
+            self.state = start
+
+        with self.record_run(self.time, shapes=shapes)._opened() as file:
+            viewer: LiveViewer = opened("live", file, "the simulation", now, restart, title=title, port=port, playing=not block)
+        if block:
+            try:
+                shown(viewer)
+                while viewer.update():
+                    self.step()
+            except KeyboardInterrupt:
+                pass
+            finally:
+                viewer.close()
+        return viewer
 
     def __repr__(self) -> str:
         return f"nsdae.Sim({self.system!r}, method={self.options['method']!r}, dt={self.options['dt']!r})"

@@ -18,6 +18,7 @@ from ._system import KINDS, System
 if TYPE_CHECKING:
     import pandas
     import xarray
+    from ._viewer import Viewer
 
 
 def names_of(system: System) -> dict[str, list[tuple[str, str]]]:
@@ -357,6 +358,40 @@ class Trajectory(ContactColumns):
             self._animate(page, options)
             with open(page, encoding="utf-8") as file:
                 return Page(file.read())
+
+    def show(self, *, title: str | None = None, point: Sequence[tuple[int | None, int | None, int | None]] | None = None,
+             port: int = 8080, block: bool = True) -> Viewer:
+        """Shows the bodies in a browser, as nsdae-view does. It needs viser: ``pip install 'nsdae[viewer]'``.
+
+        Parameters
+        ----------
+        title : str, optional
+            Title, by default model and method.
+        point : list of tuple, optional
+            (0, 1, None) is a point at (q0, q1, 0), in place of the bodies.
+        port : int
+            Port of the page, 1 to 65535; the next one that is free is taken.
+        block : bool
+            True: open a browser and wait for Ctrl-C. False: return at once.
+
+        Returns
+        -------
+        Viewer
+
+        Raises
+        ------
+        ImportError
+            viser is not installed.
+        ValueError
+            There are no bodies, or no port is free.
+        """
+        from ._viewer import opened, shown
+        with self._opened() as file:
+            viewer: Viewer = opened("playback", file, self.model or "the trajectory", title=title, point=point, port=port)
+        if block:
+            shown(viewer)
+            viewer.wait()
+        return viewer
 
     def _animate(self, path: str, options: dict[str, Any]) -> None:
         if not path.endswith(".html"):
