@@ -53,7 +53,7 @@ def outline(body, colour, scale):
     size, xy = body.size, body.points[:, :2]
     line = {"edge": colour, "metres": size[0], "width": 1.2, "round": 1}
     area = {"fill": colour, "edge": shaded(colour, 0.75), "width": 1}
-    if body.shape in ("disc", "sphere", "capsule", "cylinder"):
+    if body.shape in ("disc", "sphere", "capsule", "cylinder", "cone"):
         hole = size[1] if body.shape == "disc" else 0.0
         spoke = [({"edge": BACKGROUND, "width": 2}, 0, 1)] if body.rotation is not None and not hole > 0 else []
         return [[0.0, 0.0], [size[0], 0.0]], [({**area, "radius": size[0], "hole": hole, "least": 1}, 0), *spoke]

@@ -12,7 +12,7 @@ WHOLE = 4 << 20  # numbers of a dataset that are read at once
 
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
-          "cylinder")
+          "cylinder", "cone", "ellipsoid")
 
 OF_POINTS = ("polygon", "path", "polyhedron")
 
@@ -246,9 +246,10 @@ def at_records(body, records):
 
 def ends_of(body):
     """Points [..., p, 3] in space that its extent is judged by, without its thickness."""
+    cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
     own = {"polygon": body.points, "path": body.points, "polyhedron": body.points,
-           "box": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * body.size / 2,
-           "cylinder": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-0.5, 0.5)]) * body.size[[0, 0, 1]],
+           "box": cube * body.size, "ellipsoid": cube * body.size,
+           "cylinder": cube * body.size[[0, 0, 1]] * [2, 2, 1], "cone": cube * body.size[[0, 0, 1]] * [2, 2, 1],
            "capsule": np.array([[0, 0, -1], [0, 0, 1]]) * body.size[1] / 2}.get(body.shape, np.zeros((1, 3)))
     if body.rotation is not None:
         own = own @ np.swapaxes(body.rotation, -1, -2)

@@ -81,6 +81,12 @@ def rod(radius):
     return prism(circle(radius, 16) + [0, 0, 0.5], 1)
 
 
+def cone(radius, height, sides):
+    """Its base below, the apex above."""
+    points = np.concatenate([circle(radius, sides) - [0, 0, height / 2], [[0, 0, height / 2]]])
+    return Shape(points, [list(range(sides))[::-1], *([i, (i + 1) % sides, sides] for i in range(sides))])
+
+
 def frame_along(direction):
     """Matrices [..., 3, 3] whose third column is the direction [..., 3], the others unit vectors at
     right angles to it and to each other."""
@@ -134,11 +140,18 @@ def shape_of(body, low, high, facets, reach):
     scale = np.linalg.norm(high - low) or 1.0
     thickness, thin = scale / 30, scale / 400
     if body.shape == "disc":
-        return ring(size[0], size[1], thickness) if size[1] > 0 else prism(circle(size[0], 4 * facets), thickness)
+        tilts = body.rotation is not None and np.abs(body.rotation[..., 2, 2] - 1).max() > 1e-9  # of a model in space
+        deep = thin if tilts else thickness
+        return ring(size[0], size[1], deep) if size[1] > 0 else prism(circle(size[0], 4 * facets), deep)
     if body.shape == "polygon":
         return prism(body.points if area(body.points) > 0 else body.points[::-1], thickness)
     if body.shape == "cylinder":
         return prism(circle(size[0], 4 * facets), size[1])
+    if body.shape == "cone":
+        return cone(size[0], size[1], 4 * facets)
+    if body.shape == "ellipsoid":
+        ball = round_shape(0.5, 0.0, facets)
+        return ball._replace(points=ball.points * size)
     if body.shape == "polyhedron":
         return Shape(body.points, np.arange(len(body.points)).reshape(-1, 3).tolist())
     if body.shape == "plane":

@@ -27,7 +27,7 @@ _USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constr
                    "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
                    "contacts", "potential")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane",
-          "polyhedron", "cylinder")
+          "polyhedron", "cylinder", "cone", "ellipsoid")
 
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
@@ -56,12 +56,13 @@ class Solid(NamedTuple):
     Parameters
     ----------
     shape : str
-        Planar: "point", "disc", "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder".
-        Both: "plane".
+        Planar: "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder", "cone",
+        "ellipsoid". Both: "point", "disc", "plane".
     radius : float
-        Radius of a disc, sphere, capsule or cylinder; half the thickness of a segment [m].
+        Radius of a disc, sphere, capsule, cylinder or base of a cone; half the thickness of a segment [m].
     length : float or array_like
-        Length of a segment or cylinder; distance of the centres of a capsule; three edges of a box [m].
+        Length of a segment or cylinder; height of a cone; distance of the centres of a capsule; three edges of a box,
+        axes (diameters) of an ellipsoid [m].
     hollow : bool
         The solid is outside the disc.
     points : array_like, shape (p, 2) or (p, 3)
@@ -100,7 +101,7 @@ class Solid(NamedTuple):
     def _given(self) -> dict[str, Any]:
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
-            length = [0, 0, length] if self.shape in ("capsule", "cylinder") else [length]
+            length = [0, 0, length] if self.shape in ("capsule", "cylinder", "cone") else [length]
         points = np.ascontiguousarray(self.points, dtype=float)
         wide = 3 if self.shape == "polyhedron" else 2
         if points.size and (points.ndim != 2 or points.shape[1] != wide):
@@ -836,7 +837,7 @@ def _spatial(name: str, body: int, solid: Solid) -> Shape:
         moved = _turned(quaternion, position) if any(position) else ["0", "0", "0"]
         place = [f"{axis}{body}+{way}" for axis, way in zip("xyz", moved)]
     size = {"sphere": (solid.radius,), "capsule": (solid.radius, fields["length"][2]), "box": fields["length"],
-            "cylinder": (solid.radius, fields["length"][2]),
-            "plane": (0, 0, 1)}.get(solid.shape, ())
+            "cylinder": (solid.radius, fields["length"][2]), "cone": (solid.radius, fields["length"][2]),
+            "ellipsoid": fields["length"], "disc": (solid.radius,), "plane": (0, 0, 1)}.get(solid.shape, ())
     points = solid.triangles().reshape(-1, 3) if solid.shape == "polyhedron" else ()
     return Shape(name, solid.shape, size, place, quaternion=_product(quaternion, own), points=points)

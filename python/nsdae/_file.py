@@ -373,7 +373,8 @@ def _put_placed(file: Any, shapes: list[Any], places: list[tuple[int, int, int]]
     from .pictures.bodies import SHAPES
     _put(file, "shapes/name", _text(s.name for s in shapes), "", "names of what is placed by coordinates alone")
     _put(file, "shapes/shape", np.array([SHAPES.index(s.shape) for s in shapes], dtype="i4"), "1",
-         "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane, 9 polyhedron, 10 cylinder")
+         "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane, 9 polyhedron, 10 cylinder, "
+         "11 cone, 12 ellipsoid")
     for i, (name, said) in enumerate((
             ("dimension", "2: in the plane, 3: in space"),
             ("position", "coordinate, from 0, that is x of the origin; y, z come after it"),

@@ -18,6 +18,7 @@ from ._system import KINDS, System
 if TYPE_CHECKING:
     import pandas
     import xarray
+
     from ._viewer import Viewer
 
 
@@ -39,8 +40,8 @@ class Shape:
     name : str
         Unique name.
     shape : str
-        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron" or
-        "cylinder".
+        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
+        "cylinder", "cone" or "ellipsoid".
     size : sequence of float
         Up to three lengths [m], see Notes.
     position : sequence of str or float
@@ -63,8 +64,8 @@ class Shape:
     - disc: radius, radius of its hole
     - segment, path: width
     - sphere: radius
-    - capsule, cylinder: radius, length
-    - box: edges
+    - capsule, cylinder, cone: radius, length
+    - box, ellipsoid: edges, axes
     - plane: its normal
     """
 
