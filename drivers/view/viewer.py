@@ -242,21 +242,12 @@ class Live(Viewer):
         return False
 
 
-class Copy(dict):
-    """A group of a file in memory: datasets and groups by their paths."""
-
-    def __init__(self, group):
-        super().__init__()
-        self.name = group.name
-        group.visititems(lambda path, item: self.update({path: Copy(item) if hasattr(item, "keys") else item[...]}))
-
-
 def live(file, path, now, restart, *, title=None, port=PORT, playing=True):
-    """Opens a viewer of a simulation; its file has the shapes, and a record."""
-    copy, (t, q, _) = Copy(file), now()
+    """Opens a viewer of a simulation; its file, in memory, has the shapes, and a record."""
+    t, q, _ = now()
     title = heading(file, path) if title is None else title
-    bodies = bodies_of(copy, path, None, np.array([t]), q[None])
-    return Live(stage_of(bodies, title, port), title, copy, now, restart, playing)
+    bodies = bodies_of(file, path, None, np.array([t]), q[None])
+    return Live(stage_of(bodies, title, port), title, file, now, restart, playing)
 
 
 def parse(argv):
