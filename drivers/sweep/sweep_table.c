@@ -1,6 +1,6 @@
 #include "sweep_table.h"
 
-#include "hdf5_file.h"
+#include "hdf5_guard.h"
 
 #include <errno.h>
 #include <fcntl.h>

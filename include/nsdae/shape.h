@@ -9,7 +9,7 @@ extern "C" {
 /* Shapes, planar and spatial. */
 enum nsdae_shape {
   NSDAE_SHAPE_POINT,   /* a marker */
-  NSDAE_SHAPE_DISC,    /* planar, with an optional hole */
+  NSDAE_SHAPE_DISC,    /* planar, with an optional hole; spatial, without thickness, across z */
   NSDAE_SHAPE_SEGMENT, /* straight line between two points: rod, string, spring */
   NSDAE_SHAPE_POLYGON, /* planar, filled */
   NSDAE_SHAPE_PATH,    /* open line through points */
@@ -18,7 +18,9 @@ enum nsdae_shape {
   NSDAE_SHAPE_BOX,
   NSDAE_SHAPE_PLANE,      /* half-space (spatial) or half-plane (planar): floor, wall */
   NSDAE_SHAPE_POLYHEDRON, /* convex, spatial */
-  NSDAE_SHAPE_CYLINDER    /* along z of its frame */
+  NSDAE_SHAPE_CYLINDER,   /* along z of its frame */
+  NSDAE_SHAPE_CONE,       /* round, its apex towards z, the origin at half its height */
+  NSDAE_SHAPE_ELLIPSOID   /* axes along those of its frame */
 };
 
 /* Shape and pose of a body, for programs that draw trajectories (nsdae-animate, nsdae-vtk). These
@@ -43,7 +45,9 @@ typedef struct nsdae_body {
    * - sphere: radius
    * - capsule: radius, length between the centres of its caps
    * - cylinder: radius, length
+   * - cone: radius of its base, height
    * - box: edge lengths along x, y, z of its frame
+   * - ellipsoid: axes (diameters) along x, y, z of its frame
    * - plane: outward normal, of any length */
   double size[3];
   int points;                /* polygon: >= 3; path: >= 2; polyhedron: 3 for each triangle of its

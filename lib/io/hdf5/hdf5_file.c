@@ -1,5 +1,7 @@
 #include "hdf5_file.h"
 
+#include "hdf5_guard.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
