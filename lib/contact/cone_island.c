@@ -324,129 +324,6 @@ static int mode_of(const nsdae_cone_island *c, const nsdae_island_equations *w, 
   return c->at.rows[i] > 1 && !(sqrt(square) > c->slow) ? NSDAE_MODE_STICK : NSDAE_MODE_SLIP;
 }
 
-/* Momentum f + H r in f, and in u (whose place is free then) nothing; sizes of its terms in size
- * of the whole. */
-static void add_impulses(nsdae_cone_island *c, const nsdae_island_equations *w)
-{
-  const nsdae_blocks *blocks = &w->system->blocks;
-  size_t at = 0;
-  for (int i = 0, row = 0; i < c->items; i++) {
-    int columns = i < c->problem.contacts ? c->at.rows[i] : 1;
-    for (int e = c->at.first[i]; e < c->at.first[i + 1]; e++) {
-      int b = c->at.member[c->at.block[e]], n = nsdae_blocks_size(blocks, b);
-      double *v = w->v + blocks->first[b], *size = w->size + blocks->first[b];
-      for (int d = 0; d < columns; d++, at += (size_t)n)
-        for (int j = 0; j < n; j++) {
-          double term = c->at.value[at + (size_t)j] * c->at.r[row + d];
-          v[j] += term;
-          size[j] += fabs(term);
-        }
-    }
-    row += columns;
-  }
-}
-
-/* |M^-1| times sizes, by the diagonal. */
-static void sizes_of_velocity(const double *M, int n, double *size)
-{
-  for (int j = 0; j < n; j++) size[j] /= M[(size_t)j * (size_t)(n + 1)];
-}
-
-/* v := M^-1 v over the blocks of the problem. */
-static int solve_masses(const nsdae_cone_island *c, const nsdae_island_equations *w, double *L)
-{
-  nsdae_block_factor factor = {.L = L};
-  for (int i = 0; i < c->problem.blocks; i++) {
-    int b = c->at.member[i];
-    if (nsdae_blocks_factor(&w->system->blocks, b, w->M, &factor) != 0) return NSDAE_E_MASS;
-    nsdae_blocks_solve(&factor, w->v + w->system->blocks.first[b]);
-  }
-  return NSDAE_OK;
-}
-
-/* v := f, and the sizes of its terms. */
-static void begin_velocities(const nsdae_cone_island *c, const nsdae_island_equations *w)
-{
-  const double *f = c->at.f;
-  for (int i = 0; i < c->problem.blocks; f += c->at.size[i++]) {
-    int at = w->system->blocks.first[c->at.member[i]];
-    for (int j = 0; j < c->at.size[i]; j++) {
-      w->v[at + j] = f[j];
-      w->size[at + j] = fabs(f[j]);
-    }
-  }
-}
-
-/* The largest entry of H along each velocity. */
-static void levers(nsdae_cone_island *c, const nsdae_island_equations *w)
-{
-  const nsdae_blocks *blocks = &w->system->blocks;
-  const double *value = c->at.value;
-  for (int i = 0; i < c->problem.blocks; i++)
-    memset(c->lever + blocks->first[c->at.member[i]], 0, (size_t)c->at.size[i] * sizeof *c->lever);
-  for (int i = 0; i < c->items; i++) {
-    int columns = i < c->problem.contacts ? c->at.rows[i] : 1;
-    for (int e = c->at.first[i]; e < c->at.first[i + 1]; e++) {
-      int b = c->at.block[e], n = c->at.size[b];
-      double *lever = c->lever + blocks->first[c->at.member[b]];
-      for (int d = 0; d < columns; d++, value += n)
-        for (int j = 0; j < n; j++)
-          lever[j] = fabs(value[j]) > lever[j] ? fabs(value[j]) : lever[j];
-    }
-  }
-}
-
-/* Whether entry j of v is none: it cancels to the rounding of its terms; or it moves no item of its
- * body by more than the digits of the solution times speed, and is no free motion, that moves none:
- * a spin about a contact's normal, a slide without friction, of which rounding may leave a lever.
- * Its own lever is its largest entry in a direction of an item, most that of all entries of its
- * body.
- */
-static int stands(const nsdae_cone_island *c, const nsdae_island_equations *w, int j, double most,
-                  double tol, double speed)
-{
-  double v = fabs(w->v[j]), digits = fmin(tol, NSDAE_STILL);
-  if (v <= 32 * DBL_EPSILON * w->size[j]) return 1;
-  return !c->driven && v * c->lever[j] <= digits * speed &&
-         ((c->lever[j] > 0 && v * most <= digits * speed) || v <= digits * w->size[j]);
-}
-
-static void settle(const nsdae_cone_island *c, const nsdae_island_equations *w, int at, int n,
-                   double tol, double speed)
-{
-  double most = 0;
-  for (int j = at; j < at + n; j++) most = fmax(most, c->lever[j]);
-  for (int j = at; j < at + n; j++)
-    if (stands(c, w, j, most, tol, speed)) w->v[j] = 0;
-}
-
-/* v = M^-1 (f + H r), with the sizes of its terms and the levers. */
-static int form_velocities(nsdae_cone_island *c, const nsdae_island_equations *w, double *L)
-{
-  levers(c, w);
-  begin_velocities(c, w);
-  add_impulses(c, w);
-  return solve_masses(c, w, L);
-}
-
-/* The same, and the items at rest; speed: of the fastest item without impulses, for which all are
- * scaled. */
-static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
-                      const nsdae_cone_work *work, double speed)
-{
-  const nsdae_blocks *blocks = &w->system->blocks;
-  const double *M = c->at.M;
-  c->slow = work->tol * speed;
-  int status = form_velocities(c, w, work->L);
-  for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
-    int at = blocks->first[c->at.member[i]], n = c->at.size[i];
-    sizes_of_velocity(M, n, w->size + at);
-    settle(c, w, at, n, work->tol, speed);
-    M += (size_t)n * (size_t)n;
-  }
-  return status;
-}
-
 static void scatter(const nsdae_cone_island *c, const nsdae_island_equations *w, int island)
 {
   const nsdae_members *joint = &w->islands->joint;
@@ -500,7 +377,8 @@ static int is_at_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
 {
   const int *first = w->system->blocks.first;
   const double most = FROM_RESIDUAL * work->info.residual * nsdae_fc_speed(work->solver);
-  if (!(nsdae_largest(c->m, c->at.u) <= most) || form_velocities(c, w, work->L) < 0) return 0;
+  if (!(nsdae_largest(c->m, c->at.u) <= most) || nsdae_cone_form_velocities(c, w, work->L) < 0)
+    return 0;
   const double stacked = most * sqrt(c->problem.blocks);
   for (int i = 0; i < c->problem.blocks; i++)
     for (int b = c->at.member[i], j = first[b]; j < first[b + 1]; j++)
@@ -561,8 +439,8 @@ static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   double most = 0, size = 0;
-  begin_velocities(c, w);
-  int status = solve_masses(c, w, work->L);
+  nsdae_cone_begin_velocities(c, w);
+  int status = nsdae_cone_solve_masses(c, w, work->L);
   for (int i = 0; i < c->problem.blocks; i++)
     for (int b = c->at.member[i], j = blocks->first[b]; j < blocks->first[b + 1]; j++)
       w->size[j] = fabs(w->v[j]);
@@ -618,9 +496,9 @@ static int change_sets(nsdae_cone_island *c, const nsdae_island_equations *w, in
     int j = c->at.item[c->items - i];
     impulse[j] = c->at.r[c->m - i] * w->beside[j].scale;
   }
-  begin_velocities(c, w);
-  add_impulses(c, w);
-  if (solve_masses(c, w, work->L) < 0) return 0;
+  nsdae_cone_begin_velocities(c, w);
+  nsdae_cone_add_impulses(c, w);
+  if (nsdae_cone_solve_masses(c, w, work->L) < 0) return 0;
   for (int i = joint->first[island]; i < joint->first[island + 1]; i++) {
     int j = joint_at(w, i), set = c->set[j], to = set;
     const double bound = w->joint_bound[j];
@@ -678,7 +556,7 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
   work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
-  status = velocities(c, w, work, speed);
+  status = nsdae_cone_velocities(c, w, work, speed);
   if (status == NSDAE_OK) scatter(c, w, island);
   return status;
 }

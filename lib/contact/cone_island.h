@@ -71,4 +71,17 @@ typedef struct nsdae_cone_work {
 int nsdae_cone_island_solve(nsdae_cone_island *cones, const nsdae_island_equations *whole,
                             int island, nsdae_cone_work *work);
 
+/* ---- cone_velocities.c: v = M^-1 (f + H r) over the blocks of the island, and the sizes of the
+ * terms of f + H r. L has room for the factor of a block. */
+
+/* v := f; v += H r; v := M^-1 v, NSDAE_E_MASS if a mass is not positive definite. */
+void nsdae_cone_begin_velocities(const nsdae_cone_island *c, const nsdae_island_equations *w);
+void nsdae_cone_add_impulses(nsdae_cone_island *c, const nsdae_island_equations *w);
+int nsdae_cone_solve_masses(const nsdae_cone_island *c, const nsdae_island_equations *w, double *L);
+/* All three, and the levers. */
+int nsdae_cone_form_velocities(nsdae_cone_island *c, const nsdae_island_equations *w, double *L);
+/* The same, and zero for items at rest; speed: of the fastest item without impulses. */
+int nsdae_cone_velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
+                          const nsdae_cone_work *work, double speed);
+
 #endif
