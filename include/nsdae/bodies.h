@@ -67,15 +67,30 @@ typedef struct nsdae_rigid_body {
  *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame
  *   POLYHEDRON   spatial: the convex hull of points in any order, with at most 1024 corners and a
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
- *                without Qhull */
+ *                without Qhull
+ *   MESH      surface of triangles of the ground, anticlockwise seen from outside; beneath it is
+ *             material, length[2] > 0 deep. Points in the same place are one. It may be open. A
+ *             triangle without area is refused
+ *   HEIGHT_FIELD   the same of grid[0] x grid[1] heights z over a rectangle of length[0] x
+ *                  length[1] about the origin. A cell is two triangles with a common side from its
+ *                  corner of least x and y
+ *
+ * MESH and HEIGHT_FIELD touch POINT, SPHERE, CAPSULE, BOX and POLYHEDRON by nsdae_bodies_set_pair. A
+ * body may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to
+ * 1.2e-7 of the largest coordinate, are one face. Edges within a face and in a valley have no
+ * contacts */
 typedef struct nsdae_solid {
   int shape;            /* enum nsdae_shape, except PATH */
   double radius;        /* >= 0 [m] */
   double length[3];     /* [m] */
   int hollow;           /* a disc: not 0 for a hole */
-  int points;           /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4 */
-  const double *point;  /* POLYGON: points x 2, x and y of each corner; POLYHEDRON: points x 3;
-                           copied */
+  int points;           /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4; MESH: of
+                           points, >= 3 */
+  const double *point;  /* POLYGON: points x 2, x and y of each corner; POLYHEDRON, MESH: points x 3;
+                           HEIGHT_FIELD: grid[1] x grid[0] heights, x runs fastest; copied */
+  int triangles;        /* MESH: number of triangles, 1 .. 2^24 */
+  const int *triangle;  /* MESH: triangles x 3, numbers of points from 0; copied */
+  int grid[2];          /* HEIGHT_FIELD: number of heights along x and y, >= 2 */
   double position[3];   /* of its frame in the body's frame [m] */
   double angle;         /* planar: of its frame in the body's frame [rad] */
   double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */

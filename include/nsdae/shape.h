@@ -18,7 +18,9 @@ enum nsdae_shape {
   NSDAE_SHAPE_BOX,
   NSDAE_SHAPE_PLANE,      /* half-space (spatial) or half-plane (planar): floor, wall */
   NSDAE_SHAPE_POLYHEDRON, /* convex, spatial */
-  NSDAE_SHAPE_CYLINDER    /* along z of its frame */
+  NSDAE_SHAPE_CYLINDER,   /* along z of its frame */
+  NSDAE_SHAPE_MESH,       /* surface of triangles, spatial; the ground's */
+  NSDAE_SHAPE_HEIGHT_FIELD /* heights on a grid, spatial; the ground's */
 };
 
 /* Shape and pose of a body, for programs that draw trajectories (nsdae-animate, nsdae-vtk). These

@@ -378,6 +378,10 @@ void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const ns
 typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to);
+/* The contacts of these two, in the order of nsdae_pair_is_turned, handed to add until that returns
+ * < 0. Gaps up to the reach are there, some others too. */
+int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to);
 /* Whether two shapes have contacts; the error if not; whether those of all materials that touch. */
 int nsdae_pair_is_exact(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 int nsdae_bodies_refuse_pair(nsdae_bodies *bodies, const char *what, int index, int solid0,

@@ -1,7 +1,9 @@
 #include "broad_phase.h"
 
 #include "errors.h"
+#include "mesh.h"
 
+#include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -21,13 +23,15 @@ static int by_value(const void *a, const void *b)
 
 long nsdae_broad_features(const nsdae_bodies *b)
 {
-  long corners = 1, edges = 0;
+  double corners = 1, edges = 0, parts = 0;
   for (int i = 0; i < b->solid.count; i++) {
-    long n = nsdae_solid_at(b, i)->points, e = nsdae_solid_edges(nsdae_solid_at(b, i));
-    if (n > corners) corners = n;
-    if (e > edges) edges = e;
+    const nsdae_solid_of *s = nsdae_solid_at(b, i);
+    corners = fmax(corners, s->points);
+    edges = fmax(edges, nsdae_solid_edges(s));
+    if (s->mesh) parts = fmax(parts, (double)nsdae_mesh_parts(s->mesh));
   }
-  return 2 * corners + edges * edges;
+  double most = fmax(2 * corners + edges * edges, (1 + corners + edges) * parts);
+  return (long)fmin(most, (double)(LONG_MAX / 2)); /* which nsdae_bodies_check_ids refuses */
 }
 
 /* ---- memory */
@@ -149,8 +153,8 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
 
 static inline int may_touch(const nsdae_broad *p, const nsdae_solid_of *s, int i, int j)
 {
-  return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL &&
-         !((s[i].group & s[j].exclude) | (s[j].group & s[i].exclude));
+  return s[i].body != s[j].body && p->pair[s[i].filter.material][s[j].filter.material] != NULL &&
+         !((s[i].filter.group & s[j].filter.exclude) | (s[j].filter.group & s[i].filter.exclude));
 }
 
 static int are_near(const nsdae_broad *p, int i, int j, double reach)

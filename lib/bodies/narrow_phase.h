@@ -74,6 +74,10 @@ int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *feature
 int nsdae_polyhedron_closest(const nsdae_meeting *met, int base, const double *x,
                              nsdae_closest *closest);
 
+/* A contact of two solids: its number, its closest parts and the solids in their order. */
+typedef int (*nsdae_contact_fn)(void *to, long number, const nsdae_closest *closest,
+                                const nsdae_couple *two);
+
 /* The closest parts of a feature of two solids that met, and these with the base first. 0: another
  * feature is nearer, or the gap is larger than the reach; there are none then. */
 int nsdae_feature_closest(const nsdae_feature *feature, const nsdae_meeting *met,

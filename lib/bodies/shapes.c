@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "bodies_impl.h"
+#include "mesh.h"
 
 /* Solids in the plane, in space; their corners (a polygon has its own number), and what is above 0:
  * the radius, bit i of lengths for length[i]. */
@@ -24,6 +25,8 @@ static const struct {
     [NSDAE_SHAPE_PLANE] = {"plane", 1, 1, 0, 0, 0},
     [NSDAE_SHAPE_POLYHEDRON] = {"polyhedron", 0, 1, 0, 0, 0},
     [NSDAE_SHAPE_CYLINDER] = {"cylinder", 0, 1, 8, 1, 1 << 2},
+    [NSDAE_SHAPE_MESH] = {"mesh", 0, 1, 0, 0, 1 << 2},
+    [NSDAE_SHAPE_HEIGHT_FIELD] = {"height field", 0, 1, 0, 0, 7},
 };
 
 const char *nsdae_solid_name(int shape)
@@ -103,6 +106,9 @@ int nsdae_solid_check(const nsdae_solid *s, nsdae_error *error)
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
                              "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
                              name);
+  if (s->radius != 0 && (s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD))
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius", "radius = %g of a %s is not 0",
+                           s->radius, name);
   return s->shape == NSDAE_SHAPE_POLYGON      ? check_polygon(s, error)
          : s->shape == NSDAE_SHAPE_POLYHEDRON ? check_polyhedron(s, error)
                                               : NSDAE_OK;
@@ -149,6 +155,7 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
     made->size = fmax(made->size, sqrt(nsdae_dot3(d, d)));
   }
   made->size += made->radius;
+  if (made->mesh) nsdae_mesh_extent(made->mesh, made->origin, &made->size);
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
   if (s->shape == NSDAE_SHAPE_CYLINDER) made->half[0] = made->half[1] = s->radius;
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
@@ -187,6 +194,33 @@ static int check_material(nsdae_bodies *b, const char *what, int index, int mate
                              NSDAE_MATERIALS - 1);
 }
 
+static int is_surface(const nsdae_solid *s)
+{
+  return s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD;
+}
+
+/* The mesh of a mesh or height field in the frame of its body. */
+static int add_surface(nsdae_bodies *b, int body, const nsdae_solid *s, int index,
+                       const nsdae_mesh **mesh)
+{
+  nsdae_solid_of frame = {.points = 0};
+  nsdae_surface surface;
+  nsdae_error why;
+  int status = NSDAE_OK;
+  if (body != NSDAE_GROUND && s->exclude != -1)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
+                               "a %s of body %d: give it to the ground (%d), or set exclude = -1 "
+                               "if it is for pictures alone",
+                               kinds[s->shape].name, body, NSDAE_GROUND);
+  place_solid(b, s, &frame);
+  status = nsdae_surface_of(s, &surface, &why);
+  if (status == NSDAE_OK)
+    status = nsdae_mesh_create(&surface, s->length[2], frame.R, frame.origin, mesh, &why);
+  nsdae_surface_release(&surface);
+  return status < 0 ? nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text)
+                    : NSDAE_OK;
+}
+
 int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 {
   int status = nsdae_bodies_open(b, s, "solid");
@@ -220,12 +254,15 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                : s->shape == NSDAE_SHAPE_POLYGON ? s->points
                                                  : kinds[s->shape].corners;
   int faces = hull ? hull->faces : points; /* of a polygon its edges */
+  const nsdae_mesh *mesh = NULL;
+  if (is_surface(s) && (status = add_surface(b, body, s, index, &mesh)) < 0) return status;
   size_t numbers = 3 * (size_t)points + 4 * (size_t)faces;
   double *corners = calloc(numbers + 1, sizeof *corners);
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
     free(corners);
     nsdae_hull_release(hull);
+    nsdae_mesh_release(mesh);
     return nsdae_error_memory(&b->error, "nsdae_bodies");
   }
   *made =
@@ -233,13 +270,13 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                        .shape = s->shape,
                        .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
                        .points = points,
-                       .material = s->material,
-                       .group = s->group | INT_MIN, /* so that exclude = -1 has a bit in common */
-                       .exclude = s->exclude,
+                       /* INT_MIN: exclude = -1 has a bit in common */
+                       .filter = {s->material, s->group | INT_MIN, s->exclude},
                        .radius = s->shape == NSDAE_SHAPE_CYLINDER ? 0 : s->radius,
                        .point = corners,
                        .edge = corners + 3 * points,
-                       .hull = hull};
+                       .hull = hull,
+                       .mesh = mesh};
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
   if (hull) measure_faces(made);
@@ -257,7 +294,7 @@ static int is_round(const nsdae_solid_of *s)
 /* Whether nothing but corners of others can touch it. */
 static int is_base(const nsdae_solid_of *s)
 {
-  return s->shape == NSDAE_SHAPE_PLANE || s->hollow;
+  return s->shape == NSDAE_SHAPE_PLANE || s->hollow || s->mesh;
 }
 
 /* Where the features of a pair go. */
@@ -336,9 +373,34 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   return s.status;
 }
 
+typedef struct closest_sink {
+  nsdae_meeting met;
+  nsdae_contact_fn add;
+  void *to;
+} closest_sink;
+
+static int add_closest(void *to, const nsdae_feature *f)
+{
+  const closest_sink *s = to;
+  nsdae_closest closest;
+  if (!nsdae_feature_closest(f, &s->met, &closest)) return 0;
+  const nsdae_couple two = nsdae_feature_couple(f, &s->met);
+  return s->add(s->to, f->number, &closest, &two);
+}
+
+int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to)
+{
+  closest_sink s = {.add = add, .to = to};
+  if (two->solid[0]->mesh) return nsdae_mesh_contacts(two, reach, add, to);
+  nsdae_meet(two, reach, &s.met);
+  return s.met.far ? 0 : nsdae_pair_features(solids, solid0, solid1, &s.met, add_closest, &s);
+}
+
 int nsdae_pair_is_exact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
   int first = s0->shape == NSDAE_SHAPE_CYLINDER, second = s1->shape == NSDAE_SHAPE_CYLINDER;
+  if ((first && s1->mesh) || (second && s0->mesh)) return 0;
   return !(first || second) || (!first && s0->points < 2) || (!second && s1->points < 2);
 }
 
@@ -418,6 +480,10 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (is_base(s0) && is_base(s1))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", solid0, solid1);
+  if (s0->mesh || s1->mesh)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d: a %s has contacts by nsdae_bodies_set_pair alone",
+                               solid0, solid1, nsdae_solid_name(s0->mesh ? s0->shape : s1->shape));
   if (!nsdae_pair_is_exact(s0, s1)) nsdae_bodies_refuse_pair(b, what, index, solid0, solid1);
   status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
