@@ -20,9 +20,10 @@ enum { FEW = 16, REFINE = 4, STEPS = 10 };
 enum motor_set { AT_LOW = -1, WITHIN, AT_HIGH, PLANAR };
 enum { MOTOR_ROUNDS = 10 };
 
-/* Velocities at rest, over those without impulses, which gravity gives in a step: a body that falls
- * has one, and one that creeps by the tolerance has some ten times that of it. */
-static const double RESTING = 5e-3;
+/* The natural residual of a contact that sticks is its velocity: bodies at rest move as fast,
+ * within an order of magnitude. Faster motion goes on after the residual is 0: a ball that rolls in
+ * a heap. */
+static const double FROM_RESIDUAL = 10;
 
 void nsdae_cone_island_layout(nsdae_cone_island *c, const nsdae_system *system, nsdae_arena *arena)
 {
@@ -419,18 +420,24 @@ static void settle(const nsdae_cone_island *c, const nsdae_island_equations *w, 
     if (stands(c, w, j, most, tol, speed)) w->v[j] = 0;
 }
 
-/* v = M^-1 (f + H r), and the items at rest; speed: of the fastest item without impulses, for which
- * all are scaled. */
+/* v = M^-1 (f + H r), with the sizes of its terms and the levers. */
+static int form_velocities(nsdae_cone_island *c, const nsdae_island_equations *w, double *L)
+{
+  levers(c, w);
+  begin_velocities(c, w);
+  add_impulses(c, w);
+  return solve_masses(c, w, L);
+}
+
+/* The same, and the items at rest; speed: of the fastest item without impulses, for which all are
+ * scaled. */
 static int velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
                       const nsdae_cone_work *work, double speed)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
   const double *M = c->at.M;
   c->slow = work->tol * speed;
-  levers(c, w);
-  begin_velocities(c, w);
-  add_impulses(c, w);
-  int status = solve_masses(c, w, work->L);
+  int status = form_velocities(c, w, work->L);
   for (int i = 0; i < c->problem.blocks && status == NSDAE_OK; i++) {
     int at = blocks->first[c->at.member[i]], n = c->at.size[i];
     sizes_of_velocity(M, n, w->size + at);
@@ -486,30 +493,47 @@ static int solve_to(nsdae_cone_island *c, nsdae_cone_work *work, double tol, dou
   return status;
 }
 
-/* A warm start within tol has a residual up to tol, which moves bodies at rest for ever. If it is
- * taken as it is and no item moves, Newton's method solves it to rounding, once: from then on the
- * impulses are those of rest. Walls take 4 to 7 steps of it. */
-static int solve_rest(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
+/* Whether the residual explains all velocities; also that of a body that rolls, which moves no
+ * item. Over n bodies, one upon the other, random errors add up to sqrt(n) times one. */
+static int is_at_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
+                      const nsdae_cone_work *work)
 {
-  const double tol = work->tol, most = RESTING * nsdae_fc_speed(work->solver);
+  const int *first = w->system->blocks.first;
+  const double most = FROM_RESIDUAL * work->info.residual * nsdae_fc_speed(work->solver);
+  if (!(nsdae_largest(c->m, c->at.u) <= most) || form_velocities(c, w, work->L) < 0) return 0;
+  const double stacked = most * sqrt(c->problem.blocks);
+  for (int i = 0; i < c->problem.blocks; i++)
+    for (int b = c->at.member[i], j = first[b]; j < first[b + 1]; j++)
+      if (!(fabs(w->v[j]) * c->lever[j] <= stacked)) return 0;
+  return 1;
+}
+
+/* A warm start within tol has a residual up to tol, which moves bodies at rest for ever. If it is
+ * taken as it is and nothing else moves, Newton's method solves it to rounding, once: from then on
+ * the impulses are those of rest. Walls take 4 to 7 steps of it. */
+static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
+                      double budget)
+{
   if (c->driven || work->info.sweeps + work->info.iterations > 0 ||
-      !(work->info.residual > NSDAE_STILL) || !(nsdae_largest(c->m, c->at.u) <= most))
+      !(work->info.residual > NSDAE_STILL) || !is_at_rest(c, w, work))
     return NSDAE_OK;
   c->options.stages = NSDAE_FRICTION_WARM;
   c->options.max_iterations = STEPS;
   int status = solve_to(c, work, 1e-2 * NSDAE_STILL, budget);
-  return status == NSDAE_E_LCP && work->info.residual <= tol ? NSDAE_OK : status;
+  return status == NSDAE_E_LCP && work->info.residual <= work->tol ? NSDAE_OK : status;
 }
 
 /* A share of the work is for the tolerance; the rest for the residual that is taken instead. */
-static int solve(nsdae_cone_island *c, nsdae_cone_work *work, double budget)
+static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
+                 double budget)
 {
   const double share = NSDAE_SHARE_TO_TOL * budget;
   work->info = (nsdae_friction_info){0};
   int status = solve_to(c, work, work->tol, share);
   if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > work->accept)
     status = solve_to(c, work, fmax(work->accept, work->tol), budget - share);
-  if (status == NSDAE_OK && work->info.residual <= work->tol) status = solve_rest(c, work, budget);
+  if (status == NSDAE_OK && work->info.residual <= work->tol)
+    status = solve_rest(c, w, work, budget);
   return status == NSDAE_E_LCP && work->info.residual <= work->accept ? NSDAE_OK : status;
 }
 
@@ -630,7 +654,7 @@ static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int
   for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
     if (planar) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
-    status = solve(c, work, budget);
+    status = solve(c, w, work, budget);
     if (!planar || !reaches_limit(c, w)) return status;
   }
 }
