@@ -102,8 +102,8 @@ typedef struct nsdae_solid {
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
  * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
- * CAPSULE, BOX, POLYHEDRON, CYLINDER. The points of a POLYGON or POLYHEDRON must be relative to its
- * centroid, and the axes of its frame principal axes; else use nsdae_body_from_solids.
+ * CAPSULE, BOX, POLYHEDRON, CYLINDER, and MESH if its surface is closed. The points of a POLYGON,
+ * POLYHEDRON or MESH must be relative to its centroid, and the axes of its frame principal axes; else use nsdae_body_from_solids.
  * NSDAE_E_ARGUMENT: the text names the invalid field. error may be NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
@@ -117,8 +117,9 @@ NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, doub
 NSDAE_API int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density,
                                      nsdae_rigid_body *body, nsdae_error *error);
 
-/* The surface of a POLYHEDRON in its frame, for pictures: triangles x 3 corners x 3 coordinates,
- * anticlockwise seen from outside. triangle has room for 9 (2 points - 4) numbers. Returns the
+/* The surface of a POLYHEDRON, MESH or HEIGHT_FIELD in its frame, for pictures: triangles x 3
+ * corners x 3 coordinates, anticlockwise seen from outside. triangle has room for 9 (2 points - 4)
+ * numbers, of a MESH 9 triangles, of a HEIGHT_FIELD 18 (grid[0] - 1) (grid[1] - 1). Returns the
  * number of triangles, or an error as above. */
 NSDAE_API int nsdae_solid_triangles(const nsdae_solid *solid, double *triangle, nsdae_error *error);
 
@@ -424,7 +425,8 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
  *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
  *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12,
- * POLYHEDRON its own, else 0). Limit i has the id L + i with L = K + S^2 C.
+ * POLYHEDRON its own, else 0); with a MESH or HEIGHT_FIELD at least (1 + corners + edges) P, where P
+ * is 4 triangles + points of the largest one. Limit i has the id L + i with L = K + S^2 C.
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,
