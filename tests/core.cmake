@@ -45,6 +45,7 @@ foreach(name continuity controls derivatives distance flush forces inertia joint
                              ${PROJECT_SOURCE_DIR}/lib/base)
 endforeach()
 
+target_link_libraries(test_unit_bodies_meshes PRIVATE test_allocator)
 target_link_libraries(test_unit_bodies_polyhedra PRIVATE test_allocator)
 
 nsdae_test(anomaly arguments LINKS test_support)

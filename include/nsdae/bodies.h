@@ -52,7 +52,7 @@ typedef struct nsdae_rigid_body {
 
 /* A solid: the shape of a body or of a part of it, for contacts and inertia. Its frame is the
  * body's frame unless position, angle or quaternion are given. All solids are convex, except a
- * hollow disc. A body that is not convex has several solids.
+ * hollow disc, meshes and height fields. A body that is not convex has several solids.
  *
  *   POINT
  *   DISC      planar: radius; hollow: the material is outside the circle
@@ -75,24 +75,24 @@ typedef struct nsdae_rigid_body {
  *                  length[1] about the origin. A cell is two triangles with a common side from its
  *                  corner of least x and y
  *
- * MESH and HEIGHT_FIELD touch POINT, SPHERE, CAPSULE, BOX and POLYHEDRON by nsdae_bodies_set_pair. A
- * body may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to
+ * MESH and HEIGHT_FIELD touch POINT, SPHERE, CAPSULE, BOX and POLYHEDRON by nsdae_bodies_set_pair.
+ * A body may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to
  * 1.2e-7 of the largest coordinate, are one face. Edges within a face and in a valley have no
  * contacts */
 typedef struct nsdae_solid {
-  int shape;            /* enum nsdae_shape, except PATH */
-  double radius;        /* >= 0 [m] */
-  double length[3];     /* [m] */
-  int hollow;           /* a disc: not 0 for a hole */
-  int points;           /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4; MESH: of
-                           points, >= 3 */
-  const double *point;  /* POLYGON: points x 2, x and y of each corner; POLYHEDRON, MESH: points x 3;
-                           HEIGHT_FIELD: grid[1] x grid[0] heights, x runs fastest; copied */
-  int triangles;        /* MESH: number of triangles, 1 .. 2^24 */
-  const int *triangle;  /* MESH: triangles x 3, numbers of points from 0; copied */
-  int grid[2];          /* HEIGHT_FIELD: number of heights along x and y, >= 2 */
-  double position[3];   /* of its frame in the body's frame [m] */
-  double angle;         /* planar: of its frame in the body's frame [rad] */
+  int shape;           /* enum nsdae_shape, except PATH */
+  double radius;       /* >= 0 [m] */
+  double length[3];    /* [m] */
+  int hollow;          /* a disc: not 0 for a hole */
+  int points;          /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4; MESH: of
+                          points, >= 3 */
+  const double *point; /* POLYGON: points x 2, x and y of each corner; POLYHEDRON, MESH: points x 3;
+                          HEIGHT_FIELD: grid[1] x grid[0] heights, x runs fastest; copied */
+  int triangles;       /* MESH: number of triangles, 1 .. 2^24 */
+  const int *triangle; /* MESH: triangles x 3, numbers of points from 0; copied */
+  int grid[2];         /* HEIGHT_FIELD: number of heights along x and y, >= 2 */
+  double position[3];  /* of its frame in the body's frame [m] */
+  double angle;        /* planar: of its frame in the body's frame [rad] */
   double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */
   int material;         /* 0 .. NSDAE_MATERIALS - 1, for nsdae_bodies_set_pair */
   int group;            /* bits 0 .. 30 of the groups of the solid; 0: none */
@@ -103,8 +103,9 @@ typedef struct nsdae_solid {
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
  * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
  * CAPSULE, BOX, POLYHEDRON, CYLINDER, and MESH if its surface is closed. The points of a POLYGON,
- * POLYHEDRON or MESH must be relative to its centroid, and the axes of its frame principal axes; else use nsdae_body_from_solids.
- * NSDAE_E_ARGUMENT: the text names the invalid field. error may be NULL. */
+ * POLYHEDRON or MESH must be relative to its centroid, and the axes of its frame principal axes;
+ * else use nsdae_body_from_solids. NSDAE_E_ARGUMENT: the text names the invalid field. error may be
+ * NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
 
@@ -425,8 +426,8 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
  *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
  *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12,
- * POLYHEDRON its own, else 0); with a MESH or HEIGHT_FIELD at least (1 + corners + edges) P, where P
- * is 4 triangles + points of the largest one. Limit i has the id L + i with L = K + S^2 C.
+ * POLYHEDRON its own, else 0). With a MESH or HEIGHT_FIELD C is at least (1 + corners + edges) P,
+ *  where P is 4 triangles + points of the largest one. Limit i has the id L + i with L = K + S^2 C.
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,

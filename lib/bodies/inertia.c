@@ -93,7 +93,8 @@ static int add_mesh(moments *m, const nsdae_solid *s, nsdae_error *error)
   nsdae_surface surface;
   const nsdae_mesh *mesh = NULL;
   int status = nsdae_surface_of(s, &surface, error);
-  if (status == NSDAE_OK) status = nsdae_mesh_create(&surface, s->length[2], same, zero, &mesh, error);
+  if (status == NSDAE_OK)
+    status = nsdae_mesh_create(&surface, s->length[2], same, zero, &mesh, error);
   for (int i = 0; status == NSDAE_OK && i < 3 * mesh->triangles; i++)
     if (mesh->beside[i / 3][i % 3] < 0)
       status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "triangle",

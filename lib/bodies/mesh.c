@@ -204,7 +204,8 @@ static side *sort_sides(nsdae_mesh *m)
   return s;
 }
 
-/* Faces grow from their first triangles, as far as all corners are in its plane. todo: triangles. */
+/* Faces grow from their first triangles, as far as all corners are in its plane. todo: triangles.
+ */
 static void grow_faces(nsdae_mesh *m, int *todo)
 {
   for (int t = 0; t < m->triangles; t++) m->face[t] = -1;

@@ -214,8 +214,7 @@ static int is_nearer(void *to, int t)
 {
   const search *s = to;
   const nsdae_mesh *m = s->m;
-  return m->face[t] != m->face[s->t] &&
-         m->piece[m->corner[t][0]] == m->piece[m->corner[s->t][0]] &&
+  return m->face[t] != m->face[s->t] && m->piece[m->corner[t][0]] == m->piece[m->corner[s->t][0]] &&
          distance_to(m, t, s->x) < s->depth - m->rounding;
 }
 

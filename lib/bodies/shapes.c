@@ -265,18 +265,17 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
     nsdae_mesh_release(mesh);
     return nsdae_error_memory(&b->error, "nsdae_bodies");
   }
-  *made =
-      (nsdae_solid_of){.body = body,
-                       .shape = s->shape,
-                       .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
-                       .points = points,
-                       /* INT_MIN: exclude = -1 has a bit in common */
-                       .filter = {s->material, s->group | INT_MIN, s->exclude},
-                       .radius = s->shape == NSDAE_SHAPE_CYLINDER ? 0 : s->radius,
-                       .point = corners,
-                       .edge = corners + 3 * points,
-                       .hull = hull,
-                       .mesh = mesh};
+  *made = (nsdae_solid_of){.body = body,
+                           .shape = s->shape,
+                           .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
+                           .points = points,
+                           /* INT_MIN: exclude = -1 has a bit in common */
+                           .filter = {s->material, s->group | INT_MIN, s->exclude},
+                           .radius = s->shape == NSDAE_SHAPE_CYLINDER ? 0 : s->radius,
+                           .point = corners,
+                           .edge = corners + 3 * points,
+                           .hull = hull,
+                           .mesh = mesh};
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
   if (hull) measure_faces(made);

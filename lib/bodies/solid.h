@@ -26,7 +26,7 @@ typedef struct nsdae_solid_of {
   double *edge; /* behind the corners; planar, of more than one corner: points x 4, the outer unit
                    normal of the edge from each corner (3) and its length; spatial: faces x 4, outer
                    unit normal n of each face and n . x of its points */
-  const nsdae_hull *hull; /* spatial, of more than one corner */
+  const nsdae_hull *hull;        /* spatial, of more than one corner */
   const struct nsdae_mesh *mesh; /* a mesh or height field, which has no corners here */
 } nsdae_solid_of;
 
