@@ -113,6 +113,10 @@ endif()
 set(NSDAE_SUNDIALS_VERSION none)
 if(NSDAE_SUNDIALS)
   set(modules ida nvecserial)
+  # The configuration of Debian 12's asks for OpenMP if there is no such target. The modules do not use it.
+  if(NOT TARGET OpenMP::OpenMP_C)
+    add_library(OpenMP::OpenMP_C INTERFACE IMPORTED)
+  endif()
   find_package(SUNDIALS QUIET COMPONENTS ${modules})
   if(NOT SUNDIALS_FOUND)
     message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for stiff phases; "

@@ -1,11 +1,8 @@
 # nsdae.hpp, as the oldest C++ that it promises and a recent one.
-include(CheckLanguage)
-check_language(CXX)
 if(NOT CMAKE_CXX_COMPILER)
   message(STATUS "no C++ compiler: nsdae.hpp is not tested")
   return()
 endif()
-enable_language(CXX)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 find_package(Threads REQUIRED)

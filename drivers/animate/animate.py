@@ -13,11 +13,9 @@ import subprocess
 import sys
 
 import numpy as np
-from PIL import Image
 
 from bodies import WHOLE, columns_of, count_of, read_motion, times_of
 from contacts import force_lines
-from raster import Drawing
 from scene import scene
 from trajectory import Parser, Problem, has_list, heading, open_trajectory, replace, tell
 
@@ -62,8 +60,8 @@ def read_frames(file, arguments, frames):
     """The bodies, and which of the records they were read at the frames are: all, or of a long motion of
     many the frames alone."""
     records = np.arange(frames[-1] + 1) if file["q"].size <= WHOLE else frames
-    bodies, q = read_motion(file, arguments.file, arguments.point, records)
-    return bodies, q, np.searchsorted(records, frames)
+    bodies = read_motion(file, arguments.file, arguments.point, records)
+    return bodies, np.searchsorted(records, frames)
 
 
 def records_at(time, first, last, step):
@@ -76,6 +74,7 @@ def records_at(time, first, last, step):
 
 def palette_of(drawing, count):
     """One for all frames: of three of them side by side."""
+    from PIL import Image
     width, height = drawing.size
     some = Image.new("RGB", (3 * width, height))
     for i, number in enumerate((0, count // 2, count - 1)):
@@ -194,12 +193,13 @@ def write(output, file, time, first, last, arguments):
         step = step_of(time[last] - time[first], speed * delay / 100, count)
         delay = max(round(100 * step / speed), delay)
         frames = records_at(time, first, last, step)
-    bodies, q, at = read_frames(file, arguments, frames)
-    forces = force_lines(file, bodies, q[at], frames) if arguments.forces else []
+    bodies, at = read_frames(file, arguments, frames)
+    forces = force_lines(file, bodies, at, frames) if arguments.forces else []
     shown_scene = scene(file, time, bodies, frames, at, forces)
     if on_page:
         replace(output, page(shown_scene, title, speed))
         return len(frames), len(bodies)
+    from raster import Drawing  # with Pillow and Matplotlib, which a page does not need
     drawing = Drawing(shown_scene, arguments.width, title, speed)
     whole = gif(drawing, len(frames), delay) if output.lower().endswith(".gif") else \
         mp4(drawing, len(frames), 100 / delay, output)

@@ -7,6 +7,7 @@ import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from scene import BACKGROUND, INK, shaded
+from shapes import normals_of
 
 FINE = 2  # how much finer is drawn than shown
 MARGIN = 8
@@ -197,14 +198,3 @@ def even(number):
 
 def disc(draw, centre, radius, **look):
     draw.ellipse([*(centre - radius), *(centre + radius)], **look)
-
-
-def normals_of(points, polygons):
-    """Of polygons of these points, by Newell's sum; of length one, or zero if it has no area."""
-    normals, corners = np.zeros((len(polygons), 3)), np.array([len(polygon) for polygon in polygons])
-    for count in set(corners):  # all of as many corners at once
-        mine = np.flatnonzero(corners == count)
-        loops = points[np.array([polygons[i] for i in mine])]
-        normals[mine] = np.cross(loops, np.roll(loops, -1, axis=1)).sum(axis=1)
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / np.where(length > 0, length, 1)

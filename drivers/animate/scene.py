@@ -19,7 +19,7 @@ import json
 
 import numpy as np
 
-from bodies import at_records, boxes_of, colours_of, extent, is_fixed, is_spatial, is_thread
+from bodies import at_records, boxes_of, colours_of, extent, is_fixed, is_spatial, is_thread, normal_of
 from modes import MODE_COLOURS, MODES, strips
 from shapes import solids_of
 from trajectory import has_list, text
@@ -53,7 +53,7 @@ def outline(body, colour, scale):
     size, xy = body.size, body.points[:, :2]
     line = {"edge": colour, "metres": size[0], "width": 1.2, "round": 1}
     area = {"fill": colour, "edge": shaded(colour, 0.75), "width": 1}
-    if body.shape in ("disc", "sphere", "capsule", "cylinder"):
+    if body.shape in ("disc", "sphere", "capsule", "cylinder", "cone"):
         hole = size[1] if body.shape == "disc" else 0.0
         spoke = [({"edge": BACKGROUND, "width": 2}, 0, 1)] if body.rotation is not None and not hole > 0 else []
         return [[0.0, 0.0], [size[0], 0.0]], [({**area, "radius": size[0], "hole": hole, "least": 1}, 0), *spoke]
@@ -150,13 +150,18 @@ class Styles:
         return [json.loads(style) for style in self.all]
 
 
+def colour_of(body, own):
+    """Its own colour, or that of what is fixed."""
+    return own or (THREAD if is_thread(body) else GROUND if body.shape == "plane" else FIXED)
+
+
 def drawn_bodies(bodies, frames, spatial, scale, styles):
     """In the order of drawing: fixed bodies first. frames: indices into the records of the bodies."""
     moved = [at_records(body, frames) for body in bodies]
     solids = solids_of(bodies, facets_of(len(bodies)) if len(bodies) <= MESHES_MAX else None, REACH) if spatial else [None] * len(bodies)
     drawn = []
     for own, whole, body, solid in zip(colours_of(bodies), bodies, moved, solids):
-        colour = own or (THREAD if is_thread(body) else GROUND if body.shape == "plane" else FIXED)
+        colour = colour_of(body, own)
         if spatial and is_ball(body, len(bodies)):
             pose, (points, parts) = body.position.reshape(-1, 3), ball(body.size[0], colour)
         elif spatial:
@@ -197,8 +202,7 @@ def bounds(bodies, spatial):
 def shadows(bodies):
     """Planes that shadows fall on."""
     planes = [b for b in bodies if b.shape == "plane" and is_fixed(b)] if len(bodies) <= MESHES_MAX else []
-    normals = [(np.eye(3) if b.rotation is None else b.rotation) @ b.size / np.linalg.norm(b.size) for b in planes]
-    return [[n.tolist(), b.position.tolist()] for n, b in zip(normals, planes) if n @ LIGHT > STEEP]
+    return [[normal_of(b).tolist(), b.position.tolist()] for b in planes if normal_of(b) @ LIGHT > STEEP]
 
 
 def camera(bodies, count):

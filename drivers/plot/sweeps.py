@@ -1,7 +1,6 @@
 """Pictures of a sweep: curves and bifurcation diagrams over one parameter, maps over two."""
 
 import numpy as np
-import matplotlib.pyplot as plt
 
 from trajectory import Problem, text
 
@@ -157,6 +156,7 @@ def draw(file, only=None, title=None, at=()):
         raise Problem(f"these are {len(rows)} pictures: choose with --only, e.g. --only {sorted(results(file))[0]}")
     flat = len(free) == 1 and len(free[0]) < 2
     height = (HEIGHT if flat else MAP_HEIGHT) * len(rows) + 0.8
+    import matplotlib.pyplot as plt  # reading a sweep does not need it
     figure, axes = plt.subplots(len(rows), 1, squeeze=False, figsize=(8, height), layout="constrained")
     for axis, (name, values) in zip(axes[:, 0], rows):
         if len(free) == 2:

@@ -12,7 +12,7 @@ WHOLE = 4 << 20  # numbers of a dataset that are read at once
 
 COLOURS = ["#3b6ea5", "#d1792f", "#4f9d5b", "#b0483f", "#7d67a8", "#8a6d4f", "#c66fa1", "#3f9ea3"]
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
-          "cylinder")
+          "cylinder", "cone", "ellipsoid")
 
 OF_POINTS = ("polygon", "path", "polyhedron")
 
@@ -27,6 +27,11 @@ Body = namedtuple("Body", "name shape size points position rotation end columns 
 def is_fixed(body):
     parts = (body.position, body.rotation, body.end)
     return all(part is None or part.ndim == least for part, least in zip(parts, (1, 2, 1)))
+
+
+def normal_of(plane):
+    """Unit normals [n, 3] of a plane, or [3]."""
+    return (np.eye(3) if plane.rotation is None else plane.rotation) @ plane.size / np.linalg.norm(plane.size)
 
 
 def is_thread(body):
@@ -45,7 +50,7 @@ def colours_of(bodies):
 
 def given_colours(group, count):
     """Texts "#rrggbb" or "" of the dataset `colour` of a group, if it has one."""
-    given = [text(value) for value in group["colour"]] if "colour" in group else [""] * count
+    given = [text(value) for value in group["colour"][...]] if "colour" in group else [""] * count
     if len(given) != count or not all(re.fullmatch("(#[0-9a-fA-F]{6})?", colour) for colour in given):
         raise Problem(f"its {group.name}/colour is not one of #rrggbb for each body")
     return given
@@ -132,7 +137,7 @@ def firsts(count, rows):
 def named(file, time, q):
     """The bodies that the file names."""
     group, names, coordinates = file["bodies"], names_of(file, time, q), coordinates_of(file, q.shape[1])
-    table = {column: [text(value) for value in group[column]] for column in COLUMNS}
+    table = {column: [text(value) for value in group[column][...]] for column in COLUMNS}
     point = group["point"][...].reshape(-1, 3) if "point" in group else np.zeros((0, 3))
     first = firsts(group["points"][...], len(point))
     if first is None or not len(group["size"]) == len(table["name"]) == len(first) - 1:
@@ -148,7 +153,7 @@ def shaped(file, q):
     kind, dimension, position, turn, size, count = (group[name][...] for name in (
         "shape", "dimension", "position", "turn", "size", "points"))
     point = group["point"][...] if "point" in group else np.zeros((0, 3))
-    name, first = [text(n) for n in group["name"]], firsts(count, len(point))
+    name, first = [text(n) for n in group["name"][...]], firsts(count, len(point))
     far = np.maximum(position + dimension, turn + np.where(dimension == 2, 1, 4))
     if not len(name) == len(kind) == len(dimension) == len(position) == len(turn) == len(size) == len(count) or \
             first is None or np.any(far > q.shape[1]) or np.any(position < 0) or \
@@ -222,11 +227,11 @@ def read_rows(dataset, records):
 
 
 def read_motion(file, path, columns, records):
-    """The bodies at these records (numbers, ascending), and their coordinates q."""
+    """The bodies at these records (numbers, ascending)."""
     q = read_rows(file["q"], records)
     if not np.isfinite(q).all():
         raise Problem(f"'{path}' has coordinates that are not finite")
-    return bodies_of(file, path, columns, file["time"][...][records], q), q
+    return bodies_of(file, path, columns, file["time"][...][records], q)
 
 
 def at(values, least, records):
@@ -241,9 +246,10 @@ def at_records(body, records):
 
 def ends_of(body):
     """Points [..., p, 3] in space that its extent is judged by, without its thickness."""
+    cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
     own = {"polygon": body.points, "path": body.points, "polyhedron": body.points,
-           "box": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * body.size / 2,
-           "cylinder": np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-0.5, 0.5)]) * body.size[[0, 0, 1]],
+           "box": cube * body.size, "ellipsoid": cube * body.size,
+           "cylinder": cube * body.size[[0, 0, 1]] * [2, 2, 1], "cone": cube * body.size[[0, 0, 1]] * [2, 2, 1],
            "capsule": np.array([[0, 0, -1], [0, 0, 1]]) * body.size[1] / 2}.get(body.shape, np.zeros((1, 3)))
     if body.rotation is not None:
         own = own @ np.swapaxes(body.rotation, -1, -2)

@@ -1,12 +1,13 @@
 """Contact lists: the contacts of a record, and the lines of their forces.
 
-A line joins the origins of the two blocks that touch, or of one and the place of the nearest fixed plane
-that is next to it: a chain of forces. Only blocks that a shape of the file is placed by have an origin."""
+A line joins the places of the two blocks that touch, or of one and the place of the nearest fixed plane
+that is next to it: a chain of forces. A block is where the first shape is that its coordinates place."""
 
 from collections import namedtuple
 
 import numpy as np
 
+from bodies import WHOLE, is_fixed, normal_of
 from trajectory import Problem
 
 # Of one record: id [c], block [c, 2] with -1 for the ground, gap [c], normal and tangential impulse [c],
@@ -25,6 +26,12 @@ def rows_of(file, record):
     return slice(first, first + count)
 
 
+def in_memory(file):
+    """The contact list of a file, if it is not too long."""
+    names = [f"contacts/{name}" for name in ("first", "count", "id", "block", "gap", "normal_impulse", "tangential_impulse", "mode")]
+    return {name: file[name][...] for name in names if name in file} if file["contacts/id"].size <= WHOLE else file
+
+
 def contacts_of(file, record):
     rows = rows_of(file, record)
     path = "contacts/tangential_impulse"
@@ -34,25 +41,23 @@ def contacts_of(file, record):
 
 
 class Origins:
-    """Where the blocks are: their first coordinates, where a shape is placed by those."""
+    """Where the blocks are: the places of the first shapes that their coordinates place."""
 
     def __init__(self, file, bodies):
         first = file["blocks/q"][...]
-        placed = {}
-        if "shapes" in file:
-            placed = dict(zip(file["shapes/position"][...].tolist(), file["shapes/dimension"][...].tolist()))
-        self.first = first
-        self.dimension = np.array([placed.get(int(q), 0) for q in first])
-        self.planes = [(b.position, b.size / np.linalg.norm(b.size)) for b in bodies
-                       if b.shape == "plane" and b.position.ndim == 1 and b.rotation is None]
+        self.place = [None] * len(first)
+        for body in bodies:
+            block = np.searchsorted(first, body.columns, side="right") - 1
+            if body.rigid and block[0] >= 0 and np.ptp(block) == 0 and self.place[block[0]] is None:
+                self.place[block[0]] = body.position
+        self.planes = [(b.position, normal_of(b)) for b in bodies if b.shape == "plane" and is_fixed(b)]
 
-    def at(self, q):
-        """[blocks, 3] for the coordinates q of one record; NaN where there is none."""
-        where = np.full((len(self.first), 3), np.nan)
-        for dimension in (2, 3):
-            mine = np.flatnonzero(self.dimension == dimension)
-            where[mine] = 0
-            where[mine, :dimension] = q[self.first[mine, None] + np.arange(dimension)]
+    def at(self, row):
+        """[blocks, 3] of one record of the bodies; NaN where there is none."""
+        where = np.full((len(self.place), 3), np.nan)
+        for i, place in enumerate(self.place):
+            if place is not None:
+                where[i] = place[row] if place.ndim > 1 else place
         return where
 
     def feet(self, points):
@@ -65,8 +70,8 @@ class Origins:
             foot[nearer] = points[nearer] - distance[nearer, None] * normal
         return foot
 
-    def lines(self, q, contacts):
-        where = self.at(q)
+    def lines(self, row, contacts):
+        where = self.at(row)
         block = contacts.block
         if len(block) and (block.max(initial=-1) >= len(where) or block.min(initial=0) < -1):
             raise Problem("a contact is of a block that is not there")
@@ -95,12 +100,13 @@ def by_pair(contacts, lines):
     return lines.ends[first[strongest]], impulse[strongest]
 
 
-def force_lines(file, bodies, q, records):
-    """Of each record [[x0, y0, z0, x1, y1, z1, w], ...]: w is 1 for the force that one in twenty is larger
-    than, of all records."""
-    origins, found = Origins(file, bodies), []
-    for row, record in zip(q, records):
-        contacts = contacts_of(file, int(record))
+def force_lines(file, bodies, rows, records):
+    """Lines [[x0, y0, z0, x1, y1, z1, w], ...] of each record. Rows are the records among those of the bodies.
+
+    w is 1 for the force that one in twenty of all is larger than."""
+    origins, listed, found = Origins(file, bodies), in_memory(file), []
+    for row, record in zip(rows, records):
+        contacts = contacts_of(listed, int(record))
         found.append(by_pair(contacts, origins.lines(row, contacts)))
     impulses = np.concatenate([impulse[impulse > 0] for _, impulse in found] or [[]])
     scale = np.quantile(impulses, 0.95) if len(impulses) else 1.0

@@ -81,6 +81,12 @@ def rod(radius):
     return prism(circle(radius, 16) + [0, 0, 0.5], 1)
 
 
+def cone(radius, height, sides):
+    """Its base below, the apex above."""
+    points = np.concatenate([circle(radius, sides) - [0, 0, height / 2], [[0, 0, height / 2]]])
+    return Shape(points, [list(range(sides))[::-1], *([i, (i + 1) % sides, sides] for i in range(sides))])
+
+
 def frame_along(direction):
     """Matrices [..., 3, 3] whose third column is the direction [..., 3], the others unit vectors at
     right angles to it and to each other."""
@@ -113,9 +119,15 @@ def slab(body, low, high, depth, reach):
     return one._replace(points=middle - normal * (middle @ normal) + (one.points - [0, 0, depth / 2]) @ basis.T)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=64)
+def unit_globe(length, facets):
+    return globe(1.0, length, 2 * facets, facets)
+
+
 def round_shape(radius, length, facets):
-    return globe(radius, length, 2 * facets, facets)
+    """A ball or capsule; those of one proportion share their polygons."""
+    one = unit_globe(length / radius if radius > 0 else 0.0, facets)
+    return one._replace(points=radius * one.points)
 
 
 def facets_of(count):
@@ -128,11 +140,18 @@ def shape_of(body, low, high, facets, reach):
     scale = np.linalg.norm(high - low) or 1.0
     thickness, thin = scale / 30, scale / 400
     if body.shape == "disc":
-        return ring(size[0], size[1], thickness) if size[1] > 0 else prism(circle(size[0], 4 * facets), thickness)
+        tilts = body.rotation is not None and np.abs(body.rotation[..., 2, 2] - 1).max() > 1e-9  # of a model in space
+        deep = thin if tilts else thickness
+        return ring(size[0], size[1], deep) if size[1] > 0 else prism(circle(size[0], 4 * facets), deep)
     if body.shape == "polygon":
         return prism(body.points if area(body.points) > 0 else body.points[::-1], thickness)
     if body.shape == "cylinder":
         return prism(circle(size[0], 4 * facets), size[1])
+    if body.shape == "cone":
+        return cone(size[0], size[1], 4 * facets)
+    if body.shape == "ellipsoid":
+        ball = round_shape(0.5, 0.0, facets)
+        return ball._replace(points=ball.points * size)
     if body.shape == "polyhedron":
         return Shape(body.points, np.arange(len(body.points)).reshape(-1, 3).tolist())
     if body.shape == "plane":
@@ -146,9 +165,13 @@ def solids_of(bodies, facets=None, reach=1.3):
     low, high = extent(bodies)
     facets, solids = facets or facets_of(len(bodies)), []
     for body in bodies:
-        matrix = body.rotation if body.end is None else frame_along(body.end - body.position)
-        solids.append(Solid(body.name, shape_of(body, low, high, facets, reach), body.position, matrix, is_fixed(body)))
+        solids.append(Solid(body.name, shape_of(body, low, high, facets, reach), body.position, matrix_of(body), is_fixed(body)))
     return solids
+
+
+def matrix_of(body):
+    """Of a segment the third column is the vector to its end."""
+    return body.rotation if body.end is None else frame_along(body.end - body.position)
 
 
 def placed(solid, records):
@@ -159,3 +182,14 @@ def placed(solid, records):
         points = points @ np.swapaxes(matrix, -1, -2)
     position = solid.position if solid.position.ndim == 1 else solid.position[records, None]
     return np.broadcast_to(position + points, (len(records), *solid.shape.points.shape))
+
+
+def normals_of(points, polygons):
+    """Of polygons of these points, by Newell's sum; of length one, or zero if it has no area."""
+    normals, corners = np.zeros((len(polygons), 3)), np.array([len(polygon) for polygon in polygons])
+    for count in set(corners):  # all of as many corners at once
+        mine = np.flatnonzero(corners == count)
+        loops = points[np.array([polygons[i] for i in mine])]
+        normals[mine] = np.cross(loops, np.roll(loops, -1, axis=1)).sum(axis=1)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.where(length > 0, length, 1)

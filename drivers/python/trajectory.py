@@ -7,10 +7,7 @@ import os
 import re
 import sys
 
-import h5py
 import numpy as np
-
-from guard import Unsafe, open_guarded
 
 VERSION = 3  # of the format, the newest that is read here
 # ranks of the datasets of numbers that are read by rows and columns
@@ -101,12 +98,13 @@ def check(file, path, needed):
 
 
 def check_rank(dataset, path, name, rank):
-    if not isinstance(dataset, (h5py.Dataset, np.ndarray)) or dataset.dtype.kind not in "iuf" or dataset.ndim != rank:
+    if not hasattr(dataset, "ndim") or dataset.dtype.kind not in "iuf" or dataset.ndim != rank:
         raise Problem(f"'{path}' is damaged: /{name} must be a dataset of numbers of rank {rank}")
 
 
 def open_file(path):
     """Also one that a run with --live writes, or that such a run left when it was killed."""
+    from guard import open_guarded  # with h5py, which pictures of what is in memory do not need
     try:
         return open_guarded(path)
     except OSError as error:
@@ -122,6 +120,7 @@ DAMAGE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeEr
 @contextlib.contextmanager
 def reading(path):
     """The file, which may be of unknown origin; whatever cannot be read in it is a Problem."""
+    from guard import Unsafe
     try:
         with open_file(path) as file:
             yield file

@@ -124,10 +124,10 @@ def points_of(bodies):
     return sum(len(b.shape.points) for b in bodies)
 
 
-def contact_lines(file, bodies, q, records):
+def contact_lines(file, bodies, records):
     """Of each record its contacts and their lines."""
     origins = Origins(file, bodies)
-    for row, record in zip(q, records):
+    for row, record in enumerate(records):
         contacts = contacts_of(file, int(record))
         yield contacts, origins.lines(row, contacts)
 
@@ -178,13 +178,13 @@ def parse(argv):
 def convert(file, arguments):
     time = times_of(file)
     records = np.arange(0, len(time), arguments.every)
-    bodies, q = read_motion(file, arguments.file, arguments.point, records)
+    bodies = read_motion(file, arguments.file, arguments.point, records)
     solids = solids_of(bodies)
     check_size(arguments.file, arguments.every, len(records), points_of(solids))
     replace(arguments.output, image(time[records], solids, colours_of(bodies) if any(b.colour for b in bodies) else ()))
     tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
     if has_list(file) and not arguments.point:
-        found = list(contact_lines(file, bodies, q, records))
+        found = list(contact_lines(file, bodies, records))
         path = os.path.splitext(arguments.output)[0] + ".contacts.vtkhdf"
         replace(path, contact_image(file, time[records], records, found))
         tell(f"their contacts in {path}")

@@ -55,15 +55,17 @@ typedef struct nsdae_rigid_body {
  * hollow disc, meshes and height fields. A body that is not convex has several solids.
  *
  *   POINT
- *   DISC      planar: radius; hollow: the material is outside the circle
+ *   DISC      planar: radius; hollow: the material is outside the circle. Spatial: radius; across z
+ *             of its frame, without thickness. It touches PLANE and SPHERE
  *   SEGMENT   planar: from (-length[0]/2, 0) to (length[0]/2, 0); radius > 0: rounded on both
  *             sides; radius = 0: material below (y < 0 in its frame)
  *   POLYGON   planar: corners in anticlockwise order
  *   SPHERE    spatial: radius
  *   CAPSULE   spatial: radius; length[2] between the centres of its caps, along z of its frame
  *   BOX       spatial: edge lengths length[0..2]
- *   CYLINDER  spatial: radius; length[2] along z of its frame. It touches PLANE, SPHERE and POINT;
- *             other pairs are refused: use a POLYHEDRON with many sides
+ *   CYLINDER  spatial: radius; length[2] along z of its frame
+ *   CONE      spatial: radius of its base at z = -length[2]/2; apex at z = length[2]/2
+ *   ELLIPSOID   spatial: axes (diameters) length[0..2] along those of its frame
  *   PLANE     half-space of material: y <= 0 (planar) or z <= 0 (spatial) in its frame
  *   POLYHEDRON   spatial: the convex hull of points in any order, with at most 1024 corners and a
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
@@ -78,7 +80,10 @@ typedef struct nsdae_rigid_body {
  * MESH and HEIGHT_FIELD touch POINT, SPHERE, CAPSULE, BOX and POLYHEDRON by nsdae_bodies_set_pair.
  * A body may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to
  * 1.2e-7 of the largest coordinate, are one face. Edges within a face and in a valley have no
- * contacts */
+ * contacts
+ *
+ * CYLINDER, CONE and ELLIPSOID touch PLANE, SPHERE and POINT. Their other pairs are refused: use a
+ * POLYHEDRON with many sides. */
 typedef struct nsdae_solid {
   int shape;           /* enum nsdae_shape, except PATH */
   double radius;       /* >= 0 [m] */
@@ -102,10 +107,10 @@ typedef struct nsdae_solid {
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
  * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
- * CAPSULE, BOX, POLYHEDRON, CYLINDER, and MESH if its surface is closed. The points of a POLYGON,
- * POLYHEDRON or MESH must be relative to its centroid, and the axes of its frame principal axes;
- * else use nsdae_body_from_solids. NSDAE_E_ARGUMENT: the text names the invalid field. error may be
- * NULL. */
+ * CAPSULE, BOX, POLYHEDRON, CYLINDER, ELLIPSOID, closed MESH; of a DISC density is that of its area
+ * [kg/m^2]. The points of a POLYGON, POLYHEDRON or MESH must be relative to its centroid, and the
+ * axes of its frame principal axes; else, and for a CONE, use nsdae_body_from_solids.
+ * NSDAE_E_ARGUMENT: the text names the invalid field. error may be NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
 
@@ -114,7 +119,7 @@ NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, doub
  * the same axes: position of the body += R c, position of each solid -= c. So the solids stay where
  * they are in space. Before the call position, angle and quaternion of the body place the frame in
  * which the solids are given. Where solids overlap the mass counts for each. All are planar or all
- * are spatial. Errors as above; index is the number of the solid. */
+ * are spatial; a DISC is both. Errors as above; index is the number of the solid. */
 NSDAE_API int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density,
                                      nsdae_rigid_body *body, nsdae_error *error);
 

@@ -9,7 +9,7 @@ extern "C" {
 /* Shapes, planar and spatial. */
 enum nsdae_shape {
   NSDAE_SHAPE_POINT,   /* a marker */
-  NSDAE_SHAPE_DISC,    /* planar, with an optional hole */
+  NSDAE_SHAPE_DISC,    /* planar, with an optional hole; spatial, without thickness, across z */
   NSDAE_SHAPE_SEGMENT, /* straight line between two points: rod, string, spring */
   NSDAE_SHAPE_POLYGON, /* planar, filled */
   NSDAE_SHAPE_PATH,    /* open line through points */
@@ -19,6 +19,8 @@ enum nsdae_shape {
   NSDAE_SHAPE_PLANE,       /* half-space (spatial) or half-plane (planar): floor, wall */
   NSDAE_SHAPE_POLYHEDRON,  /* convex, spatial */
   NSDAE_SHAPE_CYLINDER,    /* along z of its frame */
+  NSDAE_SHAPE_CONE,        /* round, its apex towards z, the origin at half its height */
+  NSDAE_SHAPE_ELLIPSOID,   /* axes along those of its frame */
   NSDAE_SHAPE_MESH,        /* surface of triangles, spatial; the ground's */
   NSDAE_SHAPE_HEIGHT_FIELD /* heights on a grid, spatial; the ground's */
 };
@@ -45,7 +47,9 @@ typedef struct nsdae_body {
    * - sphere: radius
    * - capsule: radius, length between the centres of its caps
    * - cylinder: radius, length
+   * - cone: radius of its base, height
    * - box: edge lengths along x, y, z of its frame
+   * - ellipsoid: axes (diameters) along x, y, z of its frame
    * - plane: outward normal, of any length */
   double size[3];
   int points;                /* polygon: >= 3; path: >= 2; polyhedron: 3 for each triangle of its

@@ -7,8 +7,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "suggest.h"
-#include "number.h"
+#include "words.h"
 
 static void *field(const nsdae_param *param, void *base)
 {

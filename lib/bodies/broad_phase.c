@@ -200,7 +200,7 @@ int nsdae_bodies_check_shapes(nsdae_bodies *b)
   const nsdae_solid_of *s = b->solid.at;
   nsdae_broad *p = NULL;
   for (int i = 0; i < b->solid.count; i++)
-    for (int j = 0; s[i].shape == NSDAE_SHAPE_CYLINDER && j < b->solid.count; j++) {
+    for (int j = 0; nsdae_solid_is_smooth(&s[i]) && j < b->solid.count; j++) {
       if (nsdae_pair_is_exact(&s[i], &s[j]) || s[i].body == s[j].body) continue;
       if (!p && !(p = nsdae_broad_take(b))) return nsdae_error_memory(&b->error, "nsdae_bodies");
       if (may_touch(p, s, i, j) && !nsdae_broad_is_excluded(p, i, j))

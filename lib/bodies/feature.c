@@ -35,48 +35,75 @@ static void corner_on_rod(const nsdae_solid_of *s, const double *place, nsdae_cl
   if (!beyond) set(s->R + 3 * (one_side ? 1 : axis), c->u[0]);
 }
 
-/* ---- a cylinder: of each rim the lowest point, and three that are fixed to it
+/* ---- smooth shapes
  *
- * On its side and on its rim the lowest points touch. The others are there for one that stands on a
- * cap, up to a tilt of this sine: as it rolls on its side they would only graze. */
-static const double standing = 0.1;
+ * Each is the convex hull of ellipsoids of half axes along those of its frame: an ellipsoid of
+ * itself, a disc of one without height, a cylinder of its caps, a cone of its base and a point. The
+ * foremost point of each may touch a plane; these are their corners, kept as centres. Behind that
+ * of a disc are three points fixed to it, for one that lies flat: see on_disc in shapes.c. */
+enum { OF_DISC = 4 };
 
-enum { RIM = 4 };
-
-/* x := the centre of a cap, on side 1 or -1. */
-static void cap_of(const nsdae_solid_of *s, double side, double *x)
+/* x := the centre of the end on side 1 or -1 of the axis. */
+static void end_of(const nsdae_solid_of *s, double side, double *x)
 {
   for (int i = 0; i < 3; i++) x[i] = s->origin[i] + side * s->half[2] * s->R[6 + i];
 }
 
-static int rim_on_plane(const nsdae_couple *two, int corner, nsdae_closest *c)
+static void half_axes(const nsdae_solid_of *s, double *half)
 {
-  const nsdae_solid_of *s = two->solid[1];
-  double n[3], a[3], tilt[3];
-  if (corner % RIM > 0) {
-    nsdae_turn(two->pose[0]->R, c->u[0], n);
-    nsdae_turn(two->pose[1]->R, s->R + 6, a);
-    nsdae_cross3(n, a, tilt);
-    return nsdae_dot3(tilt, tilt) < standing * standing;
-  }
-  c->kind = NSDAE_PLANE_RIM;
-  c->radius[1] = s->half[0];
-  cap_of(s, corner < RIM ? -1 : 1, c->x[1]);
-  set(s->R + 6, c->u[1]);
-  return 1;
+  set(s->half, half);
+  if (s->shape != NSDAE_SHAPE_ELLIPSOID) half[2] = 0;
 }
 
-/* Beyond a cap and beside it: the rim; within, the nearer of side and cap. */
-static void point_on_cylinder(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
+static void smooth_on_plane(const nsdae_solid_of *s, int corner, nsdae_closest *c)
 {
-  double beside = hypot(place[0], place[1]) - s->half[0], beyond = fabs(place[2]) - s->half[2];
-  double side = place[2] < 0 ? -1 : 1;
-  c->kind = beside > 0 && beyond > 0 ? NSDAE_RIM_POINT
-            : beside > beyond        ? NSDAE_LINE_POINT
-                                     : NSDAE_PLANE_POINT;
-  c->radius[0] = s->half[0];
-  cap_of(s, side, c->x[0]);
-  for (int i = 0; i < 3; i++) c->u[0][i] = side * s->R[6 + i];
+  int apex = s->shape == NSDAE_SHAPE_CONE && corner == OF_DISC;
+  if (corner % OF_DISC > 0 || apex) return;
+  c->kind = NSDAE_PLANE_ELLIPSOID;
+  half_axes(s, c->half);
+}
+
+/* The part of a cylinder, cone or disc that is the nearest to a place, or within the least deep. In
+ * the half plane of the place and the axis they are bounded by an edge from the rim of the base at
+ * (r, -h) upwards along (u, v), and the base. Of a disc both sides are a base. */
+static void point_on_turned(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
+{
+  int cone = s->shape == NSDAE_SHAPE_CONE, top = !cone && place[2] >= 0;
+  double side = top ? 1 : -1, r = s->half[0], height = 2 * s->half[2], inwards = cone ? -r : 0;
+  double beside = hypot(place[0], place[1]) - r, beyond = side * place[2] - s->half[2];
+  double length = height > 0 ? hypot(inwards, height) : 1, u = inwards / length,
+         v = height / length;
+  double up = place[2] + s->half[2], along = beside * u + up * v, apart = beside * v - up * u;
+  int below = beside <= 0 && (beyond > 0 || height == 0);
+  int within = beyond <= 0 && height > 0 && apart <= beyond;
+  set(s->R + 6, c->u[0]);
+  if (below || within) {
+    c->kind = NSDAE_PLANE_POINT;
+    for (int i = 0; i < 3; i++) c->u[0][i] *= side;
+    end_of(s, side, c->x[0]);
+  } else if (height == 0 || beyond > 0 || (cone && along < 0)) {
+    c->kind = NSDAE_ELLIPSOID_POINT;
+    half_axes(s, c->half);
+    end_of(s, side, c->x[0]);
+  } else if (cone && along > length) {
+    end_of(s, 1, c->x[0]);
+    c->kind = NSDAE_POINT_POINT;
+  } else {
+    c->kind = NSDAE_SIDE_POINT;
+    set((const double[]){r, -inwards, height}, c->half);
+    end_of(s, -1, c->x[0]);
+  }
+}
+
+static void point_on_smooth(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
+{
+  if (s->shape != NSDAE_SHAPE_ELLIPSOID) {
+    point_on_turned(s, place, c);
+    return;
+  }
+  c->kind = NSDAE_ELLIPSOID_POINT;
+  half_axes(s, c->half);
+  set(s->origin, c->x[0]);
 }
 
 /* ---- a corner on a box */
@@ -356,18 +383,20 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
   if (s0->shape == NSDAE_SHAPE_POLYGON ||
       (s0->shape == NSDAE_SHAPE_SEGMENT && s0->radius > 0 && s1->points > 1))
     return nsdae_polygon_closest(met, base_of(f), f->part[1], c);
-  if (s0->shape == NSDAE_SHAPE_PLANE || s0->points == 1) {
+  int smooth = nsdae_solid_is_smooth(s0);
+  if (s0->shape == NSDAE_SHAPE_PLANE || (s0->points == 1 && !smooth)) {
     c->kind = s0->shape == NSDAE_SHAPE_PLANE ? NSDAE_PLANE_POINT : NSDAE_POINT_POINT;
     set(s0->origin, c->x[0]);
     if (c->kind == NSDAE_PLANE_POINT) set(s0->R + 6, c->u[0]);
-    return s1->shape == NSDAE_SHAPE_CYLINDER ? rim_on_plane(&two, f->part[1], c) : 1;
+    if (nsdae_solid_is_smooth(s1)) smooth_on_plane(s1, f->part[1], c);
+    return 1;
   }
   place_in(&two, x1, own, place);
   if (s0->shape == NSDAE_SHAPE_POLYHEDRON || (s0->shape == NSDAE_SHAPE_BOX && met->polyhedra))
     return nsdae_polyhedron_closest(met, base_of(f), own, c);
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(met, base_of(f), place, c);
-  if (s0->shape == NSDAE_SHAPE_CYLINDER)
-    point_on_cylinder(s0, place, c);
+  if (smooth)
+    point_on_smooth(s0, place, c);
   else
     corner_on_rod(s0, place, c);
   return 1;

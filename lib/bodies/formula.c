@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "number.h"
+#include "words.h"
 #include "bodies_impl.h"
 #include "mesh.h"
 
@@ -213,9 +213,11 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
     size[0] = 1.15 * s->radius;
     size[1] = s->radius;
   }
-  if (s->shape == NSDAE_SHAPE_CYLINDER) size[0] = s->half[0];
-  if (s->shape == NSDAE_SHAPE_CAPSULE || s->shape == NSDAE_SHAPE_CYLINDER) size[1] = 2 * s->half[2];
-  for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_BOX; j++) size[j] = 2 * s->half[j];
+  int axes = s->shape == NSDAE_SHAPE_BOX || s->shape == NSDAE_SHAPE_ELLIPSOID;
+  int smooth = nsdae_solid_is_smooth(s);
+  if (smooth) size[0] = s->half[0];
+  if (smooth || s->shape == NSDAE_SHAPE_CAPSULE) size[1] = 2 * s->half[2];
+  for (int j = 0; j < 3 && axes; j++) size[j] = 2 * s->half[j];
   for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_PLANE; j++) size[j] = s->R[6 + j];
   if (s->shape == NSDAE_SHAPE_SEGMENT) {
     set_position(&p, b, s->body, s->point);

@@ -130,6 +130,30 @@ static void round_moments(double r, double l, double density, moments *m)
   m->second[8] = cylinder * l * l / 12 + ball * (r * r / 5 + l * l / 4 + 3 * l * r / 8);
 }
 
+/* Of shapes with three planes of symmetry, and of a cone, whose centroid is a quarter of its height
+ * above the base: volume V (of a disc its area), and int x_i^2 / V about the origin of its frame.
+ */
+static void symmetric_moments(const nsdae_solid *s, moments *m)
+{
+  const double *l = s->length, square = s->radius * s->radius, disc = nsdae_pi * square;
+  double part[3] = {square / 4, square / 4, 0};
+  m->mass = disc;
+  if (s->shape == NSDAE_SHAPE_CYLINDER) {
+    m->mass = disc * l[2];
+    part[2] = l[2] * l[2] / 12;
+  } else if (s->shape == NSDAE_SHAPE_CONE) {
+    m->mass = disc * l[2] / 3;
+    m->centre[2] = -m->mass * l[2] / 4;
+    part[0] = part[1] = 3 * square / 20;
+    part[2] = l[2] * l[2] / 10;
+  } else if (s->shape != NSDAE_SHAPE_DISC) {
+    int box = s->shape == NSDAE_SHAPE_BOX;
+    m->mass = (box ? 1 : nsdae_pi / 6) * l[0] * l[1] * l[2];
+    for (int i = 0; i < 3; i++) part[i] = l[i] * l[i] / (box ? 12 : 20);
+  }
+  for (int i = 0; i < 3; i++) m->second[4 * i] = m->mass * part[i];
+}
+
 static int find_moments(const nsdae_solid *s, double density, moments *m, nsdae_error *error)
 {
   const double zero[3] = {0, 0, 0};
@@ -148,21 +172,11 @@ static int find_moments(const nsdae_solid *s, double density, moments *m, nsdae_
   } else if (hull) {
     add_hull(m, hull);
     finish(m, hull->corner, density);
-  } else if (s->shape == NSDAE_SHAPE_DISC) {
-    m->mass = nsdae_pi * s->radius * s->radius;
-    m->second[0] = m->second[4] = m->mass * s->radius * s->radius / 4;
-    finish(m, zero, density);
-  } else if (s->shape == NSDAE_SHAPE_BOX) {
-    m->mass = s->length[0] * s->length[1] * s->length[2];
-    for (int i = 0; i < 3; i++) m->second[4 * i] = m->mass * s->length[i] * s->length[i] / 12;
-    finish(m, zero, density);
-  } else if (s->shape == NSDAE_SHAPE_CYLINDER) {
-    m->mass = nsdae_pi * s->radius * s->radius * s->length[2];
-    m->second[0] = m->second[4] = m->mass * s->radius * s->radius / 4;
-    m->second[8] = m->mass * s->length[2] * s->length[2] / 12;
-    finish(m, zero, density);
-  } else {
+  } else if (s->shape == NSDAE_SHAPE_SPHERE || s->shape == NSDAE_SHAPE_CAPSULE) {
     round_moments(s->radius, s->shape == NSDAE_SHAPE_CAPSULE ? s->length[2] : 0, density, m);
+  } else {
+    symmetric_moments(s, m);
+    finish(m, zero, density);
   }
   nsdae_hull_release(hull);
   return NSDAE_OK;
@@ -178,9 +192,10 @@ static void tensor_of(const double *second, double inertia[3], double product[3]
   product[2] = -second[5];
 }
 
-static int is_planar(const nsdae_solid *s)
+/* Bits 1: a solid in the plane, 2: in space. A disc is both. */
+static int dimensions_of(const nsdae_solid *s)
 {
-  return s->shape == NSDAE_SHAPE_DISC || s->shape == NSDAE_SHAPE_POLYGON;
+  return s->shape == NSDAE_SHAPE_DISC ? 3 : s->shape == NSDAE_SHAPE_POLYGON ? 1 : 2;
 }
 
 static int check_shape(const nsdae_solid *s, double density, const char *where, nsdae_error *error)
@@ -197,33 +212,35 @@ static int check_shape(const nsdae_solid *s, double density, const char *where, 
   case NSDAE_SHAPE_POLYHEDRON:
   case NSDAE_SHAPE_CYLINDER:
   case NSDAE_SHAPE_MESH:
+  case NSDAE_SHAPE_CONE:
+  case NSDAE_SHAPE_ELLIPSOID:
     if (!s->hollow) return NSDAE_OK;
   }
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
                          "shape = %d has no mass by density (disc, polygon, sphere, capsule, box, "
-                         "polyhedron, cylinder, closed mesh have)",
+                         "polyhedron, cylinder, cone, ellipsoid, closed mesh have)",
                          s->shape);
 }
 
 /* ---- a body of several solids */
 
-/* The rotation of a frame. */
-static void frame_of(int dimension, double angle, const double *quaternion, double *R)
+/* The rotation of a frame: by the angle, unless the quaternion turns it. */
+static void frame_of(double angle, const double *quaternion, double *R)
 {
   double p[4];
   memcpy(p, quaternion, sizeof p);
   nsdae_unit_quaternion(p);
-  if (dimension == 2)
+  if (p[1] == 0 && p[2] == 0 && p[3] == 0)
     nsdae_rotation_planar(angle, R);
   else
     nsdae_rotation_spatial(p, R);
 }
 
 /* m, in the frame of the body. */
-static void place_moments(int dimension, const nsdae_solid *s, moments *m)
+static void place_moments(const nsdae_solid *s, moments *m)
 {
   double R[9], half[9], turned[3];
-  frame_of(dimension, s->angle, s->quaternion, R);
+  frame_of(s->angle, s->quaternion, R);
   nsdae_turn(R, m->centre, turned);
   for (int i = 0; i < 3; i++) m->centre[i] = turned[i] + s->position[i];
   for (int i = 0; i < 3; i++) nsdae_turn(R, m->second + 3 * i, half + 3 * i); /* R S, S = S^T */
@@ -233,19 +250,20 @@ static void place_moments(int dimension, const nsdae_solid *s, moments *m)
   }
 }
 
-/* The moments of solid i in the frame of the body, the second ones about its centre. */
-static int find_placed(int i, const nsdae_solid *solid, const double *density, moments *m,
+/* The moments of solid i in the frame of the body, the second ones about its centre; of the
+ * dimensions those that it has too. */
+static int find_placed(int i, const nsdae_solid *s, double density, int *dimensions, moments *m,
                        const char *where, nsdae_error *error)
 {
-  const nsdae_solid *s = &solid[i];
-  int planar = is_planar(&solid[0]), status = check_shape(s, density[i], where, error);
-  if (status == NSDAE_OK && is_planar(s) != planar)
+  int status = check_shape(s, density, where, error), before = *dimensions;
+  *dimensions &= dimensions_of(s);
+  if (status == NSDAE_OK && *dimensions == 0)
     status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
-                             "solid %d, a %s, is no solid in %d dimensions as solid 0 is", i,
-                             nsdae_solid_name(s->shape), planar ? 2 : 3);
-  if (status == NSDAE_OK) status = find_moments(s, density[i], m, error);
+                             "solid %d, a %s, is no solid in %d dimensions as those before it are",
+                             i, nsdae_solid_name(s->shape), before == 1 ? 2 : 3);
+  if (status == NSDAE_OK) status = find_moments(s, density, m, error);
   if (status < 0) return status;
-  place_moments(planar ? 2 : 3, s, m);
+  place_moments(s, m);
   double all = m->mass; /* finite if each of them is */
   for (int j = 0; j < 3; j++) all += fabs(m->centre[j]);
   for (int j = 0; j < 9; j++) all += fabs(m->second[j]);
@@ -263,12 +281,13 @@ static int find_body(int n, nsdae_solid *solid, const double *density, nsdae_rig
 {
   moments sum = {.mass = 0}, m;
   double R[9], o[3] = {0, 0, 0}, moved[3];
+  int dimensions = 3;
   nsdae_error_clear(error);
   if (n < 1 || !solid || !density || !body)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
                            "n = %d is less than 1, or solid, density or body is NULL", n);
   for (int i = 0; i < n; i++) {
-    int status = find_placed(i, solid, density, &m, where, error);
+    int status = find_placed(i, &solid[i], density[i], &dimensions, &m, where, error);
     if (status < 0) {
       if (error) error->index = i;
       return status;
@@ -281,8 +300,7 @@ static int find_body(int n, nsdae_solid *solid, const double *density, nsdae_rig
     for (int j = 0; j < 9; j++) sum.second[j] += m.second[j];
   }
   finish(&sum, o, 1);
-  int dimension = is_planar(&solid[0]) ? 2 : 3;
-  frame_of(dimension, body->angle, body->quaternion, R);
+  frame_of(body->angle, body->quaternion, R);
   nsdae_turn(R, sum.centre, moved);
   double all = sum.mass;
   for (int j = 0; j < 9; j++)
@@ -295,8 +313,8 @@ static int find_body(int n, nsdae_solid *solid, const double *density, nsdae_rig
                            moved[2] + body->position[2]);
   body->mass = sum.mass;
   tensor_of(sum.second, body->inertia, body->product);
-  if (dimension == 2) memset(body->product, 0, sizeof body->product);
-  if (dimension == 2) body->inertia[0] = body->inertia[1] = 0;
+  if (dimensions == 1) memset(body->product, 0, sizeof body->product);
+  if (dimensions == 1) body->inertia[0] = body->inertia[1] = 0;
   for (int j = 0; j < 3; j++) body->position[j] += moved[j];
   for (int i = 0; i < n; i++)
     for (int j = 0; j < 3; j++) solid[i].position[j] -= sum.centre[j];

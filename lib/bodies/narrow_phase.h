@@ -21,16 +21,20 @@ enum {
   NSDAE_LINE_POINT,
   NSDAE_PLANE_POINT,
   NSDAE_LINE_LINE,
-  NSDAE_RIM_POINT, /* the circle of radius r_0 about x_0 across u_0 */
-  NSDAE_PLANE_RIM  /* the lowest point of that about x_1 */
+  NSDAE_ELLIPSOID_POINT, /* the ellipsoid about x_0 */
+  NSDAE_PLANE_ELLIPSOID, /* that about x_1 */
+  NSDAE_SIDE_POINT       /* the side of the cone or cylinder with the base about x_0 */
 };
 
 /* The closest parts, each in its body's frame: points, unit vectors along lines and the unit normal
- * of a plane (u_0), roundings. */
+ * of a plane (u_0), roundings. half: half axes of an ellipsoid along those of its solid, the last
+ * may be 0: a disc; of a side the radius, by how much it decreases up to the top, and the height.
+ */
 typedef struct nsdae_closest {
   int kind;
   double side; /* -1: x_0 is a hole's centre; two lines: n is along -(u_0 x u_1) */
   double radius[2], x[2][3], u[2][3];
+  double half[3];
 } nsdae_closest;
 
 /* The contact of them, and its values alone. */
@@ -40,6 +44,13 @@ nsdae_still nsdae_closest_still(const nsdae_closest *closest, const nsdae_couple
 static inline const double *nsdae_solid_corner(const nsdae_solid_of *s, int i)
 {
   return s->point + 3 * i;
+}
+
+/* Whether its surface is curved other than by a rounding. */
+static inline int nsdae_solid_is_smooth(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_CYLINDER || s->shape == NSDAE_SHAPE_CONE ||
+         s->shape == NSDAE_SHAPE_ELLIPSOID || (s->shape == NSDAE_SHAPE_DISC && s->points > 1);
 }
 
 /* "disc", "box" */

@@ -7,7 +7,7 @@
 
 #include "bodies_impl.h"
 #include "errors.h"
-#include "suggest.h"
+#include "words.h"
 
 static int in_degrees(double angle)
 {

@@ -18,7 +18,7 @@
 
 #include "bodies_impl.h"
 #include "errors.h"
-#include "number.h"
+#include "words.h"
 
 enum { LINE_SIZE = 4096, WORD_SIZE = 64 };
 

@@ -15,7 +15,7 @@ static const struct {
   int planar, spatial, corners, rounded, lengths;
 } kinds[] = {
     [NSDAE_SHAPE_POINT] = {"point", 1, 1, 1, 0, 0},
-    [NSDAE_SHAPE_DISC] = {"disc", 1, 0, 1, 1, 0},
+    [NSDAE_SHAPE_DISC] = {"disc", 1, 1, 1, 1, 0}, /* in space four, as each end of a cylinder */
     [NSDAE_SHAPE_SEGMENT] = {"segment", 1, 0, 2, 0, 1},
     [NSDAE_SHAPE_POLYGON] = {"polygon", 1, 0, 0, 0, 0},
     [NSDAE_SHAPE_PATH] = {"path", 0, 0, 0, 0, 0},
@@ -25,6 +25,8 @@ static const struct {
     [NSDAE_SHAPE_PLANE] = {"plane", 1, 1, 0, 0, 0},
     [NSDAE_SHAPE_POLYHEDRON] = {"polyhedron", 0, 1, 0, 0, 0},
     [NSDAE_SHAPE_CYLINDER] = {"cylinder", 0, 1, 8, 1, 1 << 2},
+    [NSDAE_SHAPE_CONE] = {"cone", 0, 1, 5, 1, 1 << 2},
+    [NSDAE_SHAPE_ELLIPSOID] = {"ellipsoid", 0, 1, 1, 0, 7},
     [NSDAE_SHAPE_MESH] = {"mesh", 0, 1, 0, 0, 1 << 2},
     [NSDAE_SHAPE_HEIGHT_FIELD] = {"height field", 0, 1, 0, 0, 7},
 };
@@ -81,9 +83,6 @@ static int check_polyhedron(const nsdae_solid *s, nsdae_error *error)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "points",
                            "points = %d of a polyhedron is less than 4, or point is NULL",
                            s->points);
-  if (s->radius != 0)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius",
-                           "radius = %g of a polyhedron is not 0", s->radius);
   for (long i = 0; i < 3L * s->points; i++)
     if (!isfinite(s->point[i]))
       return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",
@@ -101,6 +100,10 @@ int nsdae_solid_check(const nsdae_solid *s, nsdae_error *error)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius",
                            "radius = %g of a %s is not a number %s 0", s->radius, name,
                            rounded ? "above" : "of at least");
+  if ((s->shape == NSDAE_SHAPE_POLYHEDRON || s->shape == NSDAE_SHAPE_ELLIPSOID) && s->radius != 0)
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius", "radius = %g of %s is not 0",
+                           s->radius,
+                           s->shape == NSDAE_SHAPE_POLYHEDRON ? "a polyhedron" : "an ellipsoid");
   for (int i = 0; i < 3; i++)
     if (kinds[s->shape].lengths >> i & 1 && !(isfinite(s->length[i]) && s->length[i] > 0))
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
@@ -115,6 +118,18 @@ int nsdae_solid_check(const nsdae_solid *s, nsdae_error *error)
 }
 
 /* ---- a solid in its body */
+
+/* Corner i of a smooth shape, in its frame: see feature.c. The points of a disc that are fixed to
+ * it bear it if it lies flat. Else they are above its lowest point, and pass it as the disc rolls.
+ */
+static void on_disc(const nsdae_solid *s, int i, double *x)
+{
+  double angle = 2 * nsdae_pi * (i % 4) / 3, r = i % 4 ? s->radius : 0;
+  x[0] = r * cos(angle);
+  x[1] = r * sin(angle);
+  if (s->shape != NSDAE_SHAPE_DISC && s->shape != NSDAE_SHAPE_ELLIPSOID)
+    x[2] = (i < 4 ? -0.5 : 0.5) * s->length[2];
+}
 
 static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid_of *made)
 {
@@ -142,11 +157,7 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
       x[j] = (i >> j & 1 ? 0.5 : -0.5) * s->length[j];
     for (int j = 0; j < 3 && s->shape == NSDAE_SHAPE_POLYHEDRON; j++)
       x[j] = made->hull->corner[3 * i + j] - middle[j];
-    if (s->shape == NSDAE_SHAPE_CYLINDER) { /* four of each rim: see feature.c */
-      x[0] = s->radius * cos(2 * nsdae_pi * (i % 4) / 3);
-      x[1] = s->radius * sin(2 * nsdae_pi * (i % 4) / 3);
-      x[2] = (i < 4 ? -0.5 : 0.5) * s->length[2];
-    }
+    if (nsdae_solid_is_smooth(made)) on_disc(s, i, x);
     nsdae_turn(made->R, x, corner);
     for (int j = 0; j < 3; j++) {
       corner[j] += made->origin[j];
@@ -157,7 +168,13 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   made->size += made->radius;
   if (made->mesh) nsdae_mesh_extent(made->mesh, made->origin, &made->size);
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
-  if (s->shape == NSDAE_SHAPE_CYLINDER) made->half[0] = made->half[1] = s->radius;
+  if (nsdae_solid_is_smooth(made)) {
+    double *half = made->half;
+    if (s->shape != NSDAE_SHAPE_ELLIPSOID) half[0] = half[1] = s->radius;
+    if (s->shape == NSDAE_SHAPE_DISC) half[2] = 0;
+    made->size = s->shape == NSDAE_SHAPE_ELLIPSOID ? fmax(fmax(half[0], half[1]), half[2])
+                                                   : hypot(half[0], half[2]);
+  }
   if (s->shape != NSDAE_SHAPE_PLANE || b->dimension == 3) return;
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
 }
@@ -236,6 +253,9 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                                "body = %d is not a body: there are %d, from 0, and the ground (%d)",
                                body, b->body.count, NSDAE_GROUND);
   status = check_material(b, "solid", index, s->material);
+  if (status == NSDAE_OK && s->hollow && s->shape == NSDAE_SHAPE_DISC && b->dimension == 3)
+    status = nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "hollow", index,
+                                 "hollow = %d: a disc in space has no hole", s->hollow);
   nsdae_error why;
   if (status == NSDAE_OK && (status = nsdae_solid_check(s, &why)) < 0)
     return nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text);
@@ -250,9 +270,10 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   if (s->shape == NSDAE_SHAPE_POLYHEDRON &&
       (status = nsdae_hull_create(s->points, s->point, &hull, &why)) < 0)
     return nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text);
-  int points = hull                              ? hull->corners
-               : s->shape == NSDAE_SHAPE_POLYGON ? s->points
-                                                 : kinds[s->shape].corners;
+  int points = hull                                                ? hull->corners
+               : s->shape == NSDAE_SHAPE_POLYGON                   ? s->points
+               : s->shape == NSDAE_SHAPE_DISC && b->dimension == 3 ? 4
+                                                                   : kinds[s->shape].corners;
   int faces = hull ? hull->faces : points; /* of a polygon its edges */
   const nsdae_mesh *mesh = NULL;
   if (is_surface(s) && (status = add_surface(b, body, s, index, &mesh)) < 0) return status;
@@ -271,11 +292,12 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                            .points = points,
                            /* INT_MIN: exclude = -1 has a bit in common */
                            .filter = {s->material, s->group | INT_MIN, s->exclude},
-                           .radius = s->shape == NSDAE_SHAPE_CYLINDER ? 0 : s->radius,
+                           .radius = s->radius,
                            .point = corners,
                            .edge = corners + 3 * points,
                            .hull = hull,
                            .mesh = mesh};
+  if (nsdae_solid_is_smooth(made)) made->radius = 0;
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
   if (hull) measure_faces(made);
@@ -287,7 +309,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 /* Whether its corners alone can touch a convex solid: it is a point with a rounding. */
 static int is_round(const nsdae_solid_of *s)
 {
-  return s->points == 1 && !s->hollow;
+  return s->points == 1 && !s->hollow && !nsdae_solid_is_smooth(s);
 }
 
 /* Whether nothing but corners of others can touch it. */
@@ -396,20 +418,24 @@ int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
   return s.met.far ? 0 : nsdae_pair_features(solids, solid0, solid1, &s.met, add_closest, &s);
 }
 
+/* A point and a disc are both without inside: neither could bear the other. */
 int nsdae_pair_is_exact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
-  int first = s0->shape == NSDAE_SHAPE_CYLINDER, second = s1->shape == NSDAE_SHAPE_CYLINDER;
-  if ((first && s1->mesh) || (second && s0->mesh)) return 0;
-  return !(first || second) || (!first && s0->points < 2) || (!second && s1->points < 2);
+  const nsdae_solid_of *smooth = nsdae_solid_is_smooth(s0) ? s0 : s1,
+                       *other = smooth == s0 ? s1 : s0;
+  if (!nsdae_solid_is_smooth(smooth) || other->shape == NSDAE_SHAPE_PLANE) return 1;
+  return is_round(other) && (smooth->shape != NSDAE_SHAPE_DISC || other->radius > 0);
 }
 
 int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
 {
-  return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
-                             "solids %d and %d: a %s and a %s have no contacts: a cylinder touches "
-                             "planes, spheres and points; make it a polyhedron with many sides",
-                             solid0, solid1, nsdae_solid_name(nsdae_solid_at(b, solid0)->shape),
-                             nsdae_solid_name(nsdae_solid_at(b, solid1)->shape));
+  return nsdae_bodies_refuse(
+      b, NSDAE_E_ARGUMENT, what, "solid", index,
+      "solids %d and %d: a %s and a %s have no contacts: smooth shapes touch "
+      "planes, spheres and (not a disc) points; make one a polyhedron with "
+      "many sides",
+      solid0, solid1, nsdae_solid_name(nsdae_solid_at(b, solid0)->shape),
+      nsdae_solid_name(nsdae_solid_at(b, solid1)->shape));
 }
 
 typedef struct pairing {

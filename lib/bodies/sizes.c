@@ -27,8 +27,8 @@ static double width_of(const nsdae_solid_of *s)
 {
   double core = 0;
   if (s->shape == NSDAE_SHAPE_PLANE || s->hollow) return INFINITY;
-  if (s->shape == NSDAE_SHAPE_CYLINDER)
-    core = 2 * fmin(s->half[0], s->half[2]);
+  if (nsdae_solid_is_smooth(s))
+    core = 2 * fmin(fmin(s->half[0], s->half[1]), s->half[2] > 0 ? s->half[2] : s->half[0]);
   else if (s->points > 2)
     core = width_across(s);
   double width = core + 2 * s->radius;

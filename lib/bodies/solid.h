@@ -16,13 +16,12 @@ typedef struct nsdae_filter {
 typedef struct nsdae_solid_of {
   int body, shape, hollow, points;
   nsdae_filter filter;
-  double radius, half[3]; /* half edges; segment: half[0]; capsule: half[2];
-                             cylinder, whose radius is 0: its radius twice, half[2] */
-  double
-      size; /* largest distance of its corners from its origin, with the rounding; 0 of a plane */
+  double radius, half[3]; /* half edges or axes; segment: half[0]; capsule: half[2]; cylinder, cone
+                             and disc in space, whose radius is 0: its radius twice, half[2] */
+  double size; /* largest distance of its points from its origin, with the rounding; 0 of a plane */
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
   double turn[4];         /* spatial: the same as a unit quaternion; planar: turn[0] the angle */
-  double *point;          /* points x 3: its corners in the body's frame */
+  double *point;          /* points x 3: its corners in the body's frame; smooth: see feature.c */
   double *edge; /* behind the corners; planar, of more than one corner: points x 4, the outer unit
                    normal of the edge from each corner (3) and its length; spatial: faces x 4, outer
                    unit normal n of each face and n . x of its points */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "dynamic_array.h"
+#include "arena.h"
 #include "listed.h"
 #include "slides.h"
 #include "friction_solver.h"

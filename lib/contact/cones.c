@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "contacts.h"
 #include "friction_solver.h"
 #include "slides.h"
 #include "vector.h"

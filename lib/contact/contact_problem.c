@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 #include "errors.h"
 
 int nsdae_problem_make(nsdae_problem *p, const nsdae_system *system, int threads,

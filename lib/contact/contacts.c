@@ -7,11 +7,9 @@
 #include <string.h>
 
 #include "dense.h"
-#include "errors.h"
 #include "listed.h"
 #include "slides.h"
 #include "system_impl.h"
-#include "vector.h"
 
 void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_error *error,
                         double contact_tol, int polygon_edges)

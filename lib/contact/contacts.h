@@ -41,7 +41,7 @@ typedef struct nsdae_contact_lcp {
   double *A, *b, *x, *y; /* rows x rows, rows */
   int *basis;            /* rows */
   double edge[2 * NSDAE_POLYGON_MAX];
-  double *work, *other; /* lwork; 4 rows: of another problem, see painleve.c */
+  double *work, *other; /* lwork; 4 rows: of another problem, see acceleration.c */
   int *iwork, lwork, liwork;
 } nsdae_contact_lcp;
 

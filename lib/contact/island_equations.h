@@ -2,7 +2,7 @@
 #ifndef NSDAE_ISLAND_EQUATIONS_H
 #define NSDAE_ISLAND_EQUATIONS_H
 
-#include "closed.h"
+#include "impulses.h"
 #include "contact_islands.h"
 #include "contacts.h"
 #include "natural_residual.h"

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 
 enum { PAIRS = 200 }; /* of sweeps, forwards and backwards */
 

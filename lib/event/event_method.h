@@ -77,7 +77,7 @@ int nsdae_event_change_modes(nsdae_event *event, double t);
 /* The same at roots, of which one may be the pole of a force. */
 int nsdae_event_go_through(nsdae_event *event, double t);
 
-/* ---- event_slots.c: contacts of a list in slots; nothing is done for fixed contacts. NSDAE_OK,
+/* ---- contacts of a list in slots; nothing is done for fixed contacts. NSDAE_OK,
  * NSDAE_ARRAYS_GROW, or what the terms return. */
 
 /* Contacts that are new in their slots do not chatter. */
@@ -99,7 +99,7 @@ int nsdae_event_slots_show(nsdae_event *event, nsdae_terms *from);
  * constraint; or a callback's status. */
 int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from);
 
-/* ---- kink.c: Contacts whose normal turns faster than the steps: a gap with a kink, as of a disc
+/* ---- Contacts whose normal turns faster than the steps: a gap with a kink, as of a disc
  * that falls flat. */
 
 /* Constraints or closed contacts strayed at the point in work, and the error says so: where a

@@ -4,7 +4,7 @@
 #ifndef NSDAE_LINALG_SPARSE_SCHUR_H
 #define NSDAE_LINALG_SPARSE_SCHUR_H
 
-#include "adjacency.h"
+#include "symbolic.h"
 #include "rows.h"
 #include "multifrontal.h"
 
@@ -54,7 +54,7 @@ typedef struct nsdae_kkt_rank {
   double kept, left; /* smallest sine that counts, largest that does not; 1, 0: none */
 } nsdae_kkt_rank;
 
-/* The whole matrix with its couplings, see sparse_whole.c. Nodes are the blocks, then the nodes of
+/* The whole matrix with its couplings, see sparse_rank.c. Nodes are the blocks, then the nodes of
  * rows. */
 typedef struct nsdae_kkt_whole {
   nsdae_multifrontal fronts;
@@ -115,7 +115,7 @@ int nsdae_sparse_kkt_consistent(const nsdae_sparse_kkt *kkt);
 /* l := of least norm with the same J^T l, up to rounding. */
 void nsdae_sparse_kkt_shorten(const nsdae_sparse_kkt *kkt);
 
-/* ---- the whole matrix (sparse_whole.c) */
+/* ---- the whole matrix (sparse_rank.c) */
 
 /* nsdae_sparse_kkt_factor_in with A and couplings, of blocks in the part's numbers; A is positive
  * definite or NSDAE_E_MASS (see pivot, 0 if it is of no block alone). NSDAE_E_MEMORY, if the pairs

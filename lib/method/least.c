@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 #include "errors.h"
 
 /* Entries of dense rows up to which they have room in the arena, 8 MB. Longer rows of a list are

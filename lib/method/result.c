@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 #include "listed.h"
 
 /* Impacts of a step that are kept apart; and changes, after which it ends. The number of contacts

@@ -12,7 +12,7 @@
 
 #include <nsdae/sim.h>
 
-#include "closed.h"
+#include "impulses.h"
 
 typedef struct nsdae_memory {
   size_t reals, wholes; /* sizes, fixed by the method */

@@ -6,6 +6,94 @@
 #include "stalled_steps.h"
 #include "vector.h"
 
+/* ---- penalty law */
+
+static double damping(int kind, double e)
+{
+  switch (kind) {
+  case NSDAE_PENALTY_HUNT_CROSSLEY:
+    return 1.5 * (1 - e);
+  case NSDAE_PENALTY_LANKARANI_NIKRAVESH:
+    return 0.75 * (1 - e * e);
+  case NSDAE_PENALTY_FLORES:
+    return 1.6 * (1 - e) / e;
+  default:
+    return 0;
+  }
+}
+
+/* zeta of the half oscillation that leaves with e times the velocity it came with; 1 for e = 0. */
+static double damping_ratio(double e)
+{
+  const double pi = 3.14159265358979324;
+  if (e <= 0) return 1;
+  return -log(e) / sqrt(pi * pi + log(e) * log(e));
+}
+
+/* Normal force for overlap d (0 where d <= 0), its rate, d'_0 > 0, restitution e, effective mass.
+ */
+static double penalty_normal(const nsdae_penalty_force *law, double d, double rate,
+                             double start_rate, double e, double mass)
+{
+  double force;
+  if (!(d > 0)) return 0;
+  if (law->kind == NSDAE_PENALTY_KELVIN_VOIGT)
+    force = law->stiffness * d + 2 * damping_ratio(e) * sqrt(law->stiffness * mass) * rate;
+  else
+    force =
+        law->stiffness * pow(d, law->exponent) * (1 + damping(law->kind, e) * rate / start_rate);
+  return fmax(force, 0);
+}
+
+void nsdae_penalty_slopes(const nsdae_penalty_force *law, double d, double rate, double start_rate,
+                          double e, double mass, double *slope)
+{
+  double K = law->stiffness, n = law->exponent, c = damping(law->kind, e) / start_rate;
+  int any = penalty_normal(law, d, rate, start_rate, e, mass) > 0;
+  slope[0] = slope[1] = 0;
+  if (any && law->kind == NSDAE_PENALTY_KELVIN_VOIGT) {
+    slope[0] = K;
+    slope[1] = 2 * damping_ratio(e) * sqrt(K * mass);
+  } else if (any) {
+    slope[0] = n * K * pow(d, n - 1) * (1 + c * rate);
+    slope[1] = K * pow(d, n) * c;
+  }
+}
+
+/* The work of the way in less that of the way out, times c^2; it falls with e'. */
+static double work_left(double c, double e)
+{
+  return c * (1 + e) + log1p(-c * e) - log1p(c);
+}
+
+/* By halving. c below 1e-5 leaves rounding of the difference; the series is then as good. */
+static double separable(double c)
+{
+  double low = 0, high = c > 1 ? 1 / c : 1;
+  if (c < 1e-5) return 1 - 2 * c / 3;
+  for (int i = 0; i < 60; i++) {
+    double middle = (low + high) / 2;
+    if (work_left(c, middle) > 0)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+double nsdae_penalty_restitution(const nsdae_penalty_force *law, double e)
+{
+  if (law->kind != NSDAE_PENALTY_KELVIN_VOIGT) return separable(damping(law->kind, e));
+  double zeta = damping_ratio(e);
+  return zeta < 1 ? exp(-2 * zeta * acos(zeta) / sqrt(1 - zeta * zeta)) : exp(-2);
+}
+
+/* F_T / v_T: friction of a normal force at the slip speed. */
+static double penalty_friction(double mu, double normal, double speed, double regularisation)
+{
+  return -mu * normal / sqrt(speed * speed + regularisation * regularisation);
+}
+
 enum {
   CONTACT_TERMS = NSDAE_TERM_GAP | NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS,
   RATE_TERMS = CONTACT_TERMS | NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI |
@@ -27,14 +115,14 @@ static void contact_forces(nsdae_penalty_equations *p, const nsdae_terms *T)
     double speed = 0;
     at->v_n[i] = nsdae_terms_normal_rate(T, i, T->v);
     at->normal[i] = p->base.closed[i]
-                        ? nsdae_penalty_normal(&p->law, -T->gap[i], -at->v_n[i],
-                                               p->base.start_rate[i], c->e_n, p->base.mass[i])
+                        ? penalty_normal(&p->law, -T->gap[i], -at->v_n[i], p->base.start_rate[i],
+                                         c->e_n, p->base.mass[i])
                         : 0;
     for (int j = i * nt; j < (i + 1) * nt; j++) {
       at->v_t[j] = nsdae_terms_tangent_rate(T, j, T->v);
       speed = hypot(speed, at->v_t[j]);
     }
-    double per_speed = nsdae_penalty_friction(c->mu, at->normal[i], speed, regular);
+    double per_speed = penalty_friction(c->mu, at->normal[i], speed, regular);
     for (int j = i * nt; j < (i + 1) * nt; j++) at->tangential[j] = per_speed * at->v_t[j];
   }
 }
@@ -62,7 +150,7 @@ static double relax_slides(nsdae_penalty_equations *p, const nsdae_terms *T)
     if (joint->mu > 0) limit += joint->mu * fabs(multiplier(p, joint->constraint));
     for (int i = 0; i < joint->rows; i++) on[i] = multiplier(p, joint->first + i);
     if (joint->rows > 0) limit += joint->radius * nsdae_norm(joint->rows, on);
-    double force = v * nsdae_penalty_friction(1, limit, v, regular);
+    double force = v * penalty_friction(1, limit, v, regular);
     moved = fmax(moved, fabs(force - at->frictional_joint[j]) / (1 + fabs(force)));
     at->v_s[j] = v;
     at->frictional_joint[j] = force;
@@ -210,4 +298,37 @@ void nsdae_penalty_equations_layout(nsdae_penalty_equations *p, nsdae_arena *are
   at->v_s = NSDAE_ARENA_DOUBLES(arena, f);
   at->U = NSDAE_ARENA_DOUBLES(arena, d->nv * f);
   at->D = NSDAE_ARENA_DOUBLES(arena, d->m * f);
+}
+
+/* ---- base */
+
+static void lay(nsdae_penalty_base *b, nsdae_tracking *tracking, const nsdae_stepper *s,
+                nsdae_memory_part *part)
+{
+  const nsdae_dims *d = &s->system->dims;
+  double **of_contact[] = {&b->since, &b->start_rate, &b->mass, &b->impulse, &b->peak};
+  b->t = nsdae_memory_reals(part, 1);
+  b->first = nsdae_memory_reals(part, 1);
+  b->qv = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
+  for (int i = 0; i < 5; i++) *of_contact[i] = nsdae_memory_slot_reals(part, 1);
+  b->impulse_t = nsdae_memory_slot_reals(part, (size_t)d->nt);
+  b->steps = nsdae_memory_wholes(part, 1);
+  b->is_stiff = nsdae_memory_wholes(part, 1);
+  b->closed = nsdae_memory_slot_wholes(part, 1);
+  if (s->system->tracked) nsdae_tracking_lay(tracking, s->system, part);
+}
+
+void nsdae_penalty_base_lay(const nsdae_stepper *s, nsdae_memory_part *part)
+{
+  nsdae_penalty_base base;
+  nsdae_tracking tracking;
+  lay(&base, &tracking, s, part);
+}
+
+void nsdae_penalty_base_find(nsdae_penalty_base *b, nsdae_tracking *tracking,
+                             const nsdae_stepper *s, nsdae_memory *memory)
+{
+  nsdae_memory_part part = {
+      .real = memory->real, .whole = memory->whole, .slots = (size_t)s->system->dims.k};
+  lay(b, tracking, s, &part);
 }

@@ -1,4 +1,4 @@
-/* The equations of a smooth system with continuous contact forces (see penalty_law.h):
+/* The equations of a smooth system with continuous contact forces:
  *
  *   z = [q, v, Lambda, I_N, I_T, I_S, E, A]
  *   q' = H v,   [M Phi_q^T; Phi_q 0] [v'; lambda] = [F + W_N F_N + W_T F_T + W_S F_S;
@@ -12,11 +12,41 @@
 #ifndef NSDAE_PENALTY_EQUATIONS_H
 #define NSDAE_PENALTY_EQUATIONS_H
 
-#include "penalty_law.h"
+#include <nsdae/contact.h>
+
 #include "newton_kkt.h"
 #include "power.h"
 #include "stepper.h"
 #include "tracking.h"
+
+/* Continuous contact force: the bodies overlap by d and the contact is a spring with damping,
+ *
+ *   F_N = K d^n (1 + c d' / d'_0),   not below 0,    d'_0: closing velocity at first touch
+ *
+ *   hertz                  c = 0
+ *   hunt-crossley          c = 3 (1 - e) / 2          Hunt and Crossley, J. Appl. Mech. 42, 1975
+ *   lankarani-nikravesh    c = 3 (1 - e^2) / 4        Lankarani and Nikravesh, J. Mech. Des. 112,
+ * 1990 flores                 c = 8 (1 - e) / (5 e)      Flores et al., Multibody Syst. Dyn. 25,
+ * 2011 kelvin-voigt           F_N = K d + b d',  b = 2 zeta sqrt(K m), zeta = -ln e / sqrt(pi^2 +
+ * ln^2 e),  m the contact's effective mass
+ *
+ * and Coulomb's friction regularised over the velocity v_r:  F_T = -mu F_N v_T / sqrt(v_T^2 +
+ * v_r^2). */
+
+typedef struct nsdae_penalty_force {
+  int kind;                   /* enum nsdae_penalty_law */
+  double stiffness, exponent; /* K [N/m^n], n */
+} nsdae_penalty_force;
+
+/* slope [2] := dF_N/dd, dF_N/dd' of the same, zero where the force is. */
+void nsdae_penalty_slopes(const nsdae_penalty_force *law, double d, double rate, double start_rate,
+                          double e, double mass, double *slope);
+
+/* The restitution e' that the law gives where e is asked, with no other force on the contact. The
+ * separable laws: m w dw / (1 + c w / v) = -K d^n dd from w = v to -e' v gives
+ * c - ln(1 + c) = -c e' - ln(1 - c e'), whatever m, K, n and v are. kelvin-voigt ends at F_N = 0,
+ * before d = 0: e' = exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)), e^-2 for zeta = 1. */
+double nsdae_penalty_restitution(const nsdae_penalty_force *law, double e);
 
 /* ---- offsets in z = [q, v, Lambda, I_N, I_T, I_S, E, A] of the equations, and its length; those
  * of the forces in y = [q, v, lambda, F_N, F_T, F_S] are the same. */
@@ -51,7 +81,7 @@ static inline int nsdae_penalty_size(const nsdae_dims *d)
   return nsdae_penalty_at_work(d) + 2;
 }
 
-/* ---- base.c: where the integrator started last, and the contacts of then: the method's part of
+/* ---- where the integrator started last, and the contacts of then: the method's part of
  * the memory. The same start and the same number of steps lead to the same point, bit by bit. */
 
 typedef struct nsdae_penalty_base {
@@ -85,7 +115,7 @@ typedef struct nsdae_penalty_equations {
   nsdae_penalty_force law;
   nsdae_penalty_base base; /* within the memory of the step in work: how its contacts began */
   nsdae_penalty_forces at;
-  nsdae_newton_kkt newton; /* see newton.c */
+  nsdae_newton_kkt newton; /* see penalty/newton.c */
   int *border_force;       /* of its forces: the place behind lambda in y */
   double *border_room, cj; /* forces; of the factors */
   double *basis;           /* the independent constraints where IDA started, */

@@ -1,4 +1,4 @@
-/* Continuous contact force (see penalty_law.h), the baseline of Zhang, Gu and Sun, integrated as a
+/* Continuous contact force, the baseline of Zhang, Gu and Sun, integrated as a
  * smooth system (equations.h) with error control: by an explicit pair, and for stiff equations by
  * IDA. dt is only how often it records.
  *
@@ -21,7 +21,7 @@ enum { STEPS_MAX = 5000, STIFF_STEPS_MAX = 300 };
 /* Of the tolerance of a position: less deep between two steps a contact is none. */
 static const double DEEP = 0.1;
 
-/* Of a time: two crossings nearer to each other are one (fall.c). */
+/* Of a time: two crossings nearer to each other are one (dip.c). */
 static const double ROUNDING = 100 * DBL_EPSILON;
 
 /* ---- creation */

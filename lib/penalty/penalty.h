@@ -66,14 +66,10 @@ int nsdae_penalty_start(nsdae_penalty *penalty, double t, int stiff);
 int nsdae_penalty_begin(nsdae_penalty *penalty, const nsdae_terms *from);
 int nsdae_penalty_switch_contacts(nsdae_penalty *penalty, nsdae_result *result, double t);
 
-/* ---- slots.c: nothing is done for fixed contacts */
+/* ---- slots: nothing is done for fixed contacts */
 
 void nsdae_penalty_slots_layout(nsdae_penalty *penalty, nsdae_arena *arena);
 
-/* The table of contacts at the start of a motion, with an empty memory or without one; at the start
- * of a dt; of a step from there to `ahead`, where the integrator is. NSDAE_OK, NSDAE_ARRAYS_GROW,
- * or what the terms return. */
-int nsdae_penalty_slots_begin(nsdae_penalty *penalty, const nsdae_terms *from);
 int nsdae_penalty_slots_anew(void *penalty, nsdae_terms *at, double h);
 int nsdae_penalty_slots_trim(nsdae_penalty *penalty, const nsdae_terms *from);
 int nsdae_penalty_slots_cover(nsdae_penalty *penalty, double from);

@@ -2,7 +2,7 @@
  * much again as was called for, in every list at once. */
 #include <string.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 #include "errors.h"
 #include "listed.h"
 #include "sim_impl.h"

@@ -14,13 +14,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
 #include "listed.h"
-#include "penalty_law.h"
+#include "equations.h"
 #include "sim_impl.h"
 #include "system_impl.h"
 #include "tangent_check.h"
-#include "vector.h"
 
 static int refuse_start(const nsdae_terms *T, const char *argument, int kind, int i,
                         const char *what, double value, double bound)

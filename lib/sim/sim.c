@@ -4,11 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors.h"
 #include "callback_guard.h"
-#include "refusal.h"
 #include "sim_impl.h"
-#include "system_impl.h"
 
 void nsdae_sim_layout(void *object, nsdae_arena *arena)
 {

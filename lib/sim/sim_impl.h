@@ -283,7 +283,7 @@ double nsdae_sim_option_value(const nsdae_sim_options *options, const nsdae_para
 /* Whether a run of this method depends on it. */
 int nsdae_sim_option_matters(const char *key, int method);
 
-/* ---- method_table.c: All methods. */
+/* ---- All methods. */
 
 extern const nsdae_stepping nsdae_stepping_implicit, nsdae_stepping_printed, nsdae_stepping_moreau,
     nsdae_stepping_penalty, nsdae_stepping_event;

@@ -4,10 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
 #include "listed.h"
 #include "system_impl.h"
-#include "vector.h"
 
 enum {
   ROUNDS = 60, /* of Newton's method, and as many more for each contact */

@@ -16,7 +16,7 @@
 #ifndef NSDAE_SIM_PROJECTION_H
 #define NSDAE_SIM_PROJECTION_H
 
-#include "closed.h"
+#include "impulses.h"
 #include "least.h"
 #include "stepper.h"
 

@@ -1,5 +1,5 @@
 /* A function that falls through zero and rises again between two points of an integrator has the
- * same sign at both: what looks for falls there (fall.c) does not see it. Its values and rates at
+ * same sign at both: what looks for falls there (dip.c) does not see it. Its values and rates at
  * the ends and inside of a step bound how low it may come; where that is below zero, its
  * lowest point is where the rate changes its sign. */
 #ifndef NSDAE_DIP_H
@@ -30,7 +30,7 @@ void nsdae_dip_start(nsdae_dip *dip);
 int nsdae_dip_find(nsdae_dip *dip, double from, double to, int pieces, const int *out, double deep,
                    double *when, int *which);
 
-/* ---- fall.c: The first fall through zero of several functions in a step, by the method of
+/* ---- The first fall through zero of several functions in a step, by the method of
  * Illinois on the one that falls deepest, as IDA looks for roots (Hiebert and Shampine, "Implicitly
  * defined output points for solutions of ODEs", SAND80-0180, 1980). */
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 #include "errors.h"
 
 /* ---- the pattern */

@@ -5,10 +5,8 @@
 #include <string.h>
 
 #include "callback_guard.h"
-#include "callbacks.h"
 #include "derivative_check.h"
 #include "errors.h"
-#include "refusal.h"
 
 typedef nsdae_derivative_check check;
 

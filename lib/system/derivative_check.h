@@ -2,7 +2,7 @@
 #ifndef NSDAE_SYSTEM_DERIVATIVE_CHECK_H
 #define NSDAE_SYSTEM_DERIVATIVE_CHECK_H
 
-#include "contact_directions.h"
+#include "moment_arms.h"
 #include "differences.h"
 #include "system_impl.h"
 

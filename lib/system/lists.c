@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "dynamic_array.h"
+#include "arena.h"
 #include "maker.h"
 
 void nsdae_contact_list_clear(nsdae_contact_list *list)

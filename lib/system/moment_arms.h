@@ -39,18 +39,10 @@ typedef struct nsdae_moment_arms {
   double *v, *rate, *bend; /* work: nv, nq, k + nv */
 } nsdae_moment_arms;
 
-/* v^T H v of contact i along arms->v, at a fixed time: of a moving surface too. A
- * callback's code. */
-int nsdae_moment_arms_bend(nsdae_moment_arms *arms, int i, double *bend);
-
-/* Whether differences of half the step give this bend too, to tol: where another edge or corner
- * comes to touch within a step, or bodies overlap by more than one, they are no derivative. */
-int nsdae_moment_arms_bends(nsdae_moment_arms *arms, int i, double bend, double tol, int *bends);
-
 /* The first doubt as text of that size, "" where there is none; a callback's code. */
 int nsdae_moment_arms_doubt(nsdae_moment_arms *arms, double tol, char *text, size_t size);
 
-/* ---- in space: see moment_arm_check.c */
+/* ---- in space */
 
 /* Brings the quaternions in q, which is arms->q, to length one: for others R(e) need be no
  * rotation.
@@ -60,5 +52,33 @@ int nsdae_moment_arm_check_unit(const nsdae_moment_arms *arms, double *H, double
 /* As nsdae_moment_arms_doubt, where nt = 2; H [3 nq] and turns [nv] are work. */
 int nsdae_moment_arm_check_doubt(nsdae_moment_arms *arms, double *H, int *turns, double tol,
                                  char *text, size_t size);
+
+/* Directions of contacts at a place against what gap, mass and kinematics tell of them: see
+ * tangent_check.h, moment_arms.h. */
+
+typedef struct nsdae_directions {
+  nsdae_differences *differences; /* whose system it is; set before */
+  nsdae_moment_arms arms;
+  double *M, *normal, *other, *tangent; /* as in the terms; nv x k, nv x k, nv x k nt */
+  double *mass, *place, *q;             /* nv: diagonal of M, see below; nq: elsewhere, and here */
+  double *turn;                         /* 3 nq */
+  int *turns, *set;                     /* nv */
+  const char *callback;                 /* the one that failed */
+} nsdae_directions;
+
+void nsdae_directions_layout(nsdae_directions *directions, nsdae_arena *arena);
+
+/* Evaluates them at (t, q), W_N by differences where it is not given (and right, as far as anybody
+ * looked), and W_N and M a little elsewhere. A callback's code. */
+int nsdae_directions_at(nsdae_directions *directions, double t, const double *q);
+
+/* The first column of W_T, of a contact with friction, that is wrong as far as translations of
+ * bodies tell, and why; -1: none. */
+int nsdae_directions_wrong(const nsdae_directions *directions, double tol,
+                           char why[NSDAE_TANGENT_TEXT]);
+
+/* The first doubt, of arms and of gaps that are no lengths, as text; "": none. A callback's code.
+ */
+int nsdae_directions_doubt(nsdae_directions *directions, double tol, char *text, size_t size);
 
 #endif

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors.h"
 #include "system_impl.h"
 
 int nsdae_blocks_make(nsdae_blocks *made, int count, const int *size)

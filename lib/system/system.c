@@ -9,9 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors.h"
-#include "refusal.h"
-
 static int bad_size(nsdae_error *error, const char *name, int value, const char *range)
 {
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_system_create", name,

@@ -6,7 +6,7 @@
 
 #include <nsdae/system.h>
 
-#include "blocks.h"
+#include "rows.h"
 #include "errors.h"
 #include "maker.h"
 #include "tracked.h"

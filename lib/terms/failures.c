@@ -2,8 +2,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "errors.h"
-#include "system_impl.h"
 #include "terms.h"
 
 int nsdae_terms_outcome(const nsdae_terms *T, int code, const char *callback, const double *a,

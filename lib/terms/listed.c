@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "dynamic_array.h"
+#include "arena.h"
 
 /* The status, with what the system's maker knows of the failure of the callback. */
 static int explain(nsdae_terms *T, const char *callback, int status)

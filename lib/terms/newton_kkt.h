@@ -4,7 +4,7 @@
  *   r_lambda = Phi_q v' + omega + 2 alpha Phi' + beta^2 Phi
  *
  * all but r_q at q* = q - r_q / cj, see ida.h; and Newton's method for them. With dq = (H dv - r_q)
- * / cj, l = dlambda / cj, A = M + D / cj + K / cj^2 (newton_matrix.c), and without what is small as
+ * / cj, l = dlambda / cj, A = M + D / cj + K / cj^2, and without what is small as
  * 1 / cj is, the change of M, Phi_q and W along the motion:
  *
  *   A dv + Phi_q^T l - W dphi / cj = r_v / cj,   Phi_q dv = r_lambda / (cj + 2 alpha + beta^2 / cj)
@@ -17,7 +17,7 @@
 #include "block_list.h"
 #include "terms.h"
 
-/* ---- newton_matrix.c: The matrix of Newton's method in implicit integration. With c_j dq = H dv,
+/* ---- The matrix of Newton's method in implicit integration. With c_j dq = H dv,
  *
  *   A = M + D / c_j + K / c_j^2,   D = -dF/dv,   K = -(dF/dq) H   [nv x nv, by blocks]
  *

@@ -4,10 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
 #include "listed.h"
-#include "system_impl.h"
-#include "vector.h"
 
 void nsdae_terms_layout_rows(nsdae_rows *rows, const nsdae_blocks *blocks, long count, long begin,
                              long stride, nsdae_arena *arena)

@@ -13,7 +13,7 @@ static const double FASTER = 1.25;
 /* Of the largest W_N and velocities: rounding of a gap's rate, and of contact_speed. */
 static const double ROUNDING = 1e-9;
 
-/* Of a time: within which a root is found (fall.c). */
+/* Of a time: within which a root is found (dip.c). */
 static const double BRACKET = 100 * DBL_EPSILON;
 
 /* Factor of the reach, and how often, to have at the start what was listed later. */

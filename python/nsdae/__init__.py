@@ -27,7 +27,7 @@ finally:
     if not _CHOSEN:
         del _os.environ["OPENBLAS_NUM_THREADS"]
 from ._bodies import GROUND, Bodies, Scene, Solid, read_scene
-from ._errors import ArgumentError, CallbackError, Error, ModelWarning, ProblemError, RunWarning, Status
+from ._errors import ArgumentError, CallbackError, Error, ModelWarning, ProblemError, RunWarning
 from ._lists import CONTACT, BlockList, ContactList, RowList, block_add, contact_add, row_add
 from ._pointers import cfunc, signature
 from ._problems import FrictionResult, LcpResult, friction, friction_local, lcp
@@ -35,15 +35,16 @@ from ._records import OPEN, SLIP, STICK, LcpProblem, Record
 from ._sim import METHODS, Sim, solve
 from ._sweep import Sweep, load_sweep, sweep
 from ._system import Dims, System, Worst
+from ._tables import Options, Status
 from ._trajectory import Shape, Trajectory, load
 
 __version__: str = _core.VERSION
 build_info: str = _core.BUILD_INFO
 __doc__ += "\n" + "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('', '1') else ''}: {values}\n"
-                   for key, unit, what, values in _core.OPTIONS)
+                   for key, unit, what, values, _ in _core.OPTIONS)
 
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
-           "GROUND", "LcpProblem", "LcpResult", "METHODS", "ModelWarning", "OPEN", "ProblemError", "Record", "RowList", "RunWarning",
+           "GROUND", "LcpProblem", "LcpResult", "METHODS", "ModelWarning", "OPEN", "Options", "ProblemError", "Record", "RowList", "RunWarning",
            "SLIP", "STICK", "Scene", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
            "block_add", "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "read_scene", "row_add", "signature", "solve",
            "sweep"]

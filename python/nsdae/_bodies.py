@@ -10,7 +10,8 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from . import _core, _lists, _pointers
+from . import _core
+from ._copies import Callback, Recorded
 from ._errors import ModelWarning, in_python
 from ._system import System
 from ._trajectory import Shape
@@ -26,7 +27,7 @@ _USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constr
                    "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
                    "contacts", "potential")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane",
-          "polyhedron", "cylinder", "mesh", "height field")
+          "polyhedron", "cylinder", "cone", "ellipsoid", "mesh", "height field")
 
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
@@ -55,14 +56,14 @@ class Solid(NamedTuple):
     Parameters
     ----------
     shape : str
-        Planar: "point", "disc", "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder".
-        Spatial, of the ground: "mesh", "height field".
-        Both: "plane".
+        Planar: "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder", "cone",
+        "ellipsoid". Of the ground: "mesh", "height field". Both: "point", "disc", "plane".
     radius : float
-        Radius of a disc, sphere, capsule or cylinder; half the thickness of a segment [m].
+        Radius of a disc, sphere, capsule, cylinder or base of a cone; half the thickness of a segment [m].
     length : float or array_like
-        Length of a segment or cylinder; distance of the centres of a capsule; three edges of a box [m].
-        Depth of the material beneath a mesh; edges along x and y of a height field, and that depth.
+        Length of a segment or cylinder; height of a cone; distance of the centres of a capsule; three edges of a box,
+        axes (diameters) of an ellipsoid [m]. Depth of the material beneath a mesh; edges along x and y of a height field,
+        and that depth.
     hollow : bool
         The solid is outside the disc.
     points : array_like, shape (p, 2) or (p, 3)
@@ -105,7 +106,7 @@ class Solid(NamedTuple):
     def _given(self) -> dict[str, Any]:
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
-            length = [0, 0, length] if self.shape in ("capsule", "cylinder", "mesh") else [length]
+            length = [0, 0, length] if self.shape in ("capsule", "cylinder", "cone", "mesh") else [length]
         points = np.ascontiguousarray(self.points, dtype=float)
         field = self.shape == "height field" and points.ndim == 2
         wide = points.shape[1] if field else 3 if self.shape in ("polyhedron", "mesh") else 2
@@ -200,7 +201,7 @@ class Bodies:
     Notes
     -----
     `GROUND` stands for the ground in place of the number of a body. The attribute `scene` has the settings of a file of
-    `read_scene`, else it is None.
+    `read_scene`, else it is None. `Bodies` can be pickled, if their callbacks can (see `System`).
 
     Examples
     --------
@@ -211,11 +212,11 @@ class Bodies:
     """
 
     def __init__(self, dimension: int = 2, gravity: Sequence[float] = ()):
-        self._core = _core.Bodies(dimension)
+        self._core = Recorded("Bodies", dimension)
         self.dimension = dimension
         self._solids: list[tuple[int, Solid]] = []
-        self._kept: list[Any] = []
         self._system: System | None = None
+        self._changes: list[Any] | None = None  # of the system that was copied
         self._user_rows: Any = None
         self._names: dict[int, str] = {}
         self._colours: dict[int, str] = {}
@@ -364,17 +365,10 @@ class Bodies:
         int
             Number of the joint.
         """
-        function, pointer = self._callback("drive", drive, user)
         return self._core.add_joint(_one_of("kind", kind, JOINTS), body0, body1, self._vector("point", point),
                                     self._vector("end", end), self._vector("axis", axis), self._vector("cross", cross),
-                                    float(ratio), float(mu), float(radius), bool(collide_connected), function, *pointer)
-
-    def _callback(self, name: str, function: Any, user: Any) -> tuple[Any, tuple[int, int]]:
-        if function is None:
-            return None, (0, 0)
-        self._kept += [function, user]
-        pointer = _pointers.compiled(name, function, user)
-        return (function, (0, 0)) if pointer is None else (None, pointer)
+                                    float(ratio), float(mu), float(radius), bool(collide_connected),
+                                    Callback("drive", drive, user))
 
     def add_limit(self, joint: int, low: float = -math.inf, high: float = math.inf, *, coordinate: int = 0,
                   e_n: float = 0) -> int:
@@ -470,12 +464,11 @@ class Bodies:
         int
             Number of the motor.
         """
-        target_function, target_pointer = self._callback("drive", target if callable(target) else None, None)
-        limit_function, limit_pointer = self._callback("drive", limit if callable(limit) else None, None)
         return self._core.add_motor(joint, coordinate, _one_of("kind", kind, MOTORS),
                                     0.0 if callable(target) else float(target),
-                                    0.0 if callable(limit) else float(limit), float(kp), float(kd), target_function,
-                                    *target_pointer, limit_function, *limit_pointer)
+                                    0.0 if callable(limit) else float(limit), float(kp), float(kd),
+                                    Callback("drive", target if callable(target) else None),
+                                    Callback("drive", limit if callable(limit) else None))
 
     def add_joint_spring(self, joint: int, *, coordinate: int = 0, stiffness: float = 0, damping: float = 0,
                          rest: float = 0) -> int:
@@ -599,8 +592,7 @@ class Bodies:
         int
             Number of the load.
         """
-        function, pointer = self._callback("load", load, user)
-        return self._core.add_load(body, self._vector("point", point), function, *pointer)
+        return self._core.add_load(body, self._vector("point", point), Callback("load", load, user))
 
     def add_solid(self, body: int, solid: Solid) -> int:
         """Adds a solid to a body or to `GROUND`.
@@ -693,21 +685,8 @@ class Bodies:
         for name in callbacks:
             if name not in _USER_CALLBACKS:
                 raise TypeError(f"no callback of user rows is called '{name}': they are {', '.join(_USER_CALLBACKS)}")
-        self._user_rows = ((nq, nq if nv is None else nv, m, k, f), user, callbacks)
-
-    def _install_user_rows(self) -> None:
-        """With the sizes of all bodies, which are known at the end."""
-        if not self._user_rows:
-            return
-        sizes, user, callbacks = self._user_rows
-        given = []
-        for name, function in callbacks.items():
-            self._kept += [function, user]
-            pointer = _pointers.compiled(name, function, user)
-            given.append((name, _lists.wrapped(name, function, np.zeros(0, int)), 0, 0) if pointer is None
-                         else (name, None, *pointer))
-        self._core.set_user_rows(sizes, given)
-        self._user_rows = None
+        self._user_rows = ((nq, nq if nv is None else nv, m, k, f),
+                           [Callback(name, function, user) for name, function in callbacks.items()])
 
     def system(self) -> System:
         """Builds the system. Nothing can be added afterwards.
@@ -722,14 +701,20 @@ class Bodies:
             The model may have a mistake, such as a body whose solids touch nothing.
         """
         if self._system is None:
-            self._install_user_rows()
+            if self._user_rows:  # with the sizes of all bodies, which are known at the end
+                sizes, callbacks = self._user_rows
+                self._core.core.set_user_rows(sizes, [(c.name, *c.core()) for c in callbacks])
             core, note = self._core.system()
-            if note:
+            if note and self._changes is None:
                 warnings.warn(in_python(note), ModelWarning, stacklevel=2)
-            made = System._of(core)
-            made._kept["bodies"] = self  # its functions live as long as the system
+            made = System._of(core, self)
+            made._core.replay(self._changes or ())
             self._system = made
         return self._system
+
+    def __getstate__(self) -> dict[str, Any]:
+        changes = self._changes if self._system is None else self._system._core.calls()
+        return {**self.__dict__, "_system": None, "_changes": changes}
 
     def start(self) -> tuple[np.ndarray, np.ndarray]:
         """Returns the state at the start.
@@ -867,8 +852,8 @@ def _spatial(name: str, body: int, solid: Solid) -> Shape:
         moved = _turned(quaternion, position) if any(position) else ["0", "0", "0"]
         place = [f"{axis}{body}+{way}" for axis, way in zip("xyz", moved)]
     size = {"sphere": (solid.radius,), "capsule": (solid.radius, fields["length"][2]), "box": fields["length"],
-            "cylinder": (solid.radius, fields["length"][2]),
-            "plane": (0, 0, 1)}.get(solid.shape, ())
+            "cylinder": (solid.radius, fields["length"][2]), "cone": (solid.radius, fields["length"][2]),
+            "ellipsoid": fields["length"], "disc": (solid.radius,), "plane": (0, 0, 1)}.get(solid.shape, ())
     surface = solid.shape in ("polyhedron", "mesh", "height field")
     points = solid.triangles().reshape(-1, 3) if surface else ()
     return Shape(name, "polyhedron" if surface else solid.shape, size, place, quaternion=_product(quaternion, own), points=points)

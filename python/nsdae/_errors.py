@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import enum
+import importlib
 import math
 import re
 from typing import Any
 
-from . import _core
-
-Status = enum.IntEnum("Status", dict(_core.STATUS), module="nsdae")
-Status.__doc__ = "Status of a call of the library: 0 completed, < 0 failed, > 0 completed with a message."
+from ._tables import Status
 
 
 class Error(Exception):
@@ -46,6 +43,9 @@ class Error(Exception):
         self.record: Any = None
         self.problem: Any = None
         self.trajectory: Any = None
+
+    def __reduce__(self) -> Any:
+        return type(self), (str(self), self.status), self.__dict__
 
 
 class ArgumentError(Error, ValueError):
@@ -120,3 +120,11 @@ def of_record(status: int, code: int, index: int, time: float, argument: str, wh
 
 def of_callback(cause: BaseException) -> CallbackError:
     return CallbackError(f"a callback raised {type(cause).__name__}: {cause}", Status.E_CALLBACK)
+
+
+def needed(module: str, extra: str) -> Any:
+    """A module of an optional part of the package."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f"{module} is not installed: pip install 'nsdae[{extra}]'") from error

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator
 import numpy as np
 
 from . import _core
+from ._errors import needed
 from ._records import CERTIFICATE as CERTIFICATE_ROW
 
 if TYPE_CHECKING:
@@ -84,17 +85,50 @@ NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "cons
          "frictional_joint": JOINT}
 
 
-@contextlib.contextmanager
-def in_memory() -> Iterator[Any]:
-    """An HDF5 file in memory."""
-    import h5py
-    with h5py.File("nsdae", "w", driver="core", backing_store=False) as file:
-        yield file
+class Arrays:
+    """The arrays of a file by their paths, without HDF5: for pictures, which read it like a file of h5py."""
+
+    filename = ""
+
+    def __init__(self, of: dict[str, Any] | None = None, group: str = "", attributes: dict[str, dict[str, Any]] | None = None):
+        self.of, self.group, self.name = {} if of is None else of, group, f"/{group[:-1]}"
+        self.attributes = {} if attributes is None else attributes
+        self.attrs = self.attributes.setdefault(group, {})
+
+    def __contains__(self, path: str) -> bool:
+        whole = self.group + path
+        return whole in self.of or any(known.startswith(f"{whole}/") for known in self.of)
+
+    def __getitem__(self, path: str) -> Any:
+        if path not in self:
+            raise KeyError(path)
+        whole = self.group + path
+        return self.of[whole] if whole in self.of else Arrays(self.of, f"{whole}/", self.attributes)
+
+    def get(self, path: str, default: Any = None) -> Any:
+        return self[path] if path in self else default
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict.fromkeys(path[len(self.group):].split("/")[0] for path in self.of if path.startswith(self.group)))
+
+    def items(self) -> list[tuple[str, Any]]:
+        return [(name, self[name]) for name in self]
+
+    def put(self, path: str, values: Any, unit: str, description: str) -> None:
+        self.of[self.group + path] = np.asarray(values).view(_Column)
+        self.of[self.group + path].attrs = {"units": unit, "description": description}
+
+
+class _Column(np.ndarray):
+    """An array with attributes, as a dataset of h5py that may grow has them."""
+
+    attrs: dict[str, str]
+    maxshape = (None,)
 
 
 def write(trajectory: Trajectory, path: str) -> None:
     """Writes a new file. It is made in memory, because HDF5 crashes after a failed write on a full disk."""
-    import h5py
+    h5py = needed("h5py", "hdf5")
     from .pictures import trajectory as tool
     whole = io.BytesIO()
     with h5py.File(whole, "w") as file:
@@ -135,7 +169,7 @@ class Growing:
 
     def append(self, trajectory: Trajectory) -> None:
         """Writes the next records of the run."""
-        import h5py
+        h5py = needed("h5py", "hdf5")
         if self.file is None:
             self.file = h5py.File(self.image, "w")
             fill(trajectory, self.file)
@@ -157,7 +191,8 @@ class Growing:
             os.remove(self.part)
 
     def _extend(self, trajectory: Trajectory) -> None:
-        with in_memory() as part:
+        h5py = needed("h5py", "hdf5")
+        with h5py.File("nsdae", "w", driver="core", backing_store=False) as part:
             fill(trajectory, part)
             before = len(self.file["contacts/id"]) if trajectory.blocks is not None else 0
 
@@ -211,7 +246,9 @@ def _unit(file: Any, path: str, unit: str) -> str:
 
 
 def _put(file: Any, path: str, values: Any, unit: str, description: str, scales: tuple[str, ...] = ()) -> Any:
-    import h5py
+    if isinstance(file, Arrays):
+        return file.put(path, values, _unit(file, path, unit), description)
+    h5py = needed("h5py", "hdf5")
     values = np.asarray(values)
     kind = h5py.string_dtype() if values.dtype == object else values.dtype
     rows = 1024 if scales and scales[0].endswith("time") else 16384 if scales[:1] == ("contacts/id",) else 0
@@ -248,7 +285,7 @@ def _put_events(file: Any, group: str, rows: np.ndarray, table: Any, said: str, 
         if name == "block" and "side" not in file or not all(values.shape[1:]):
             continue
         made = _put(file, f"{group}/{name}", np.ascontiguousarray(values), unit, description, (time,))
-        if values.ndim == 2:
+        if values.ndim == 2 and made is not None:
             made.dims[1].attach_scale(file["side" if name == "block" else "tangent"])
 
 
@@ -336,7 +373,8 @@ def _put_placed(file: Any, shapes: list[Any], places: list[tuple[int, int, int]]
     from .pictures.bodies import SHAPES
     _put(file, "shapes/name", _text(s.name for s in shapes), "", "names of what is placed by coordinates alone")
     _put(file, "shapes/shape", np.array([SHAPES.index(s.shape) for s in shapes], dtype="i4"), "1",
-         "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane, 9 polyhedron, 10 cylinder")
+         "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane, 9 polyhedron, 10 cylinder, "
+         "11 cone, 12 ellipsoid")
     for i, (name, said) in enumerate((
             ("dimension", "2: in the plane, 3: in space"),
             ("position", "coordinate, from 0, that is x of the origin; y, z come after it"),
@@ -382,6 +420,10 @@ def _put_shapes(file: Any, shapes: list[Any]) -> None:
 
 
 def _put_values(file: Any, group: str, values: dict[str, Any]) -> None:
+    if isinstance(file, Arrays):
+        for name, value in values.items():
+            file.put(f"{group}/{name}", value, "", "")
+        return
     file.create_group(group)
     for name, value in values.items():
         file[group].create_dataset(name, data=value)

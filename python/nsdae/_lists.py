@@ -16,9 +16,9 @@ CONTACT = np.dtype([("id", "i8"), ("block", "i4", 2), ("gap", "f8"), ("mu", "f8"
 assert CONTACT.itemsize == _core.CONTACT_SIZE
 
 # the library's functions, for numba and compiled callbacks
-contact_add = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(_core.CONTACT_ADD)
+contact_add = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(_core.contact_add())
 _ADD = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p)
-row_add, block_add = _ADD(_core.ROW_ADD), _ADD(_core.BLOCK_ADD)
+row_add, block_add = _ADD(_core.row_add()), _ADD(_core.block_add())
 
 
 def _array(name: str, values: Any, shape: tuple[int, ...], kind: Any = float) -> np.ndarray:

@@ -4,28 +4,45 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, Iterator
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
 
 from . import _core
 from ._bodies import Bodies
-from ._errors import Error, RunWarning, Status, in_python
+from ._errors import ArgumentError, Error, RunWarning, in_python
 from ._file import Growing
 from ._records import LcpProblem, Record, certificates, joined
 from ._system import System, vector
+from ._tables import Options, Status
 from ._trajectory import Shape, Trajectory, names_of
 
-METHODS = dict(_core.METHODS)
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._viewer import LiveViewer
+
+METHODS: dict[str, str] = dict(_core.METHODS)
 
 
 # options with the values yes and no
-_SWITCHES = {key for key, _, _, values in _core.OPTIONS if values == "no or yes"}
+_SWITCHES = {key for key, _, _, _, kind in _core.OPTIONS if kind == ("no", "yes")}
+# arguments of scipy.integrate.solve_ivp, and what is in their place here
+_SCIPY = {
+    "args": "user=, the last argument of compiled callbacks", "dense_output": "Sim.interpolate, the state within a step",
+    "events": "Sim.run_to_event; impacts and mode transitions are found without it",
+    "first_step": "dt=, the time step", "fun": "System(mass=..., force=...)",
+    "jac": "the callbacks force_stiffness and force_damping", "max_step": "step_max=, or dt= of a time-stepping method",
+    "t_eval": "every=, which keeps every N-th step of dt=, or Sim.interpolate", "t_span": "t_end= and t0=", "y0": "q0= and v0=",
+}
 
 
-def _texts(options: dict[str, Any]) -> dict[str, Any]:
+def _texts(options: Mapping[str, Any]) -> dict[str, Any]:
     """Options as texts of the library, with all digits of a number; True and False of a switch are yes and no."""
     def text(key: str, value: Any) -> Any:
+        if key in _SCIPY:
+            raise ArgumentError(f"{key} is an argument of SciPy; here it is {_SCIPY[key]}", Status.E_OPTION, argument=key)
         if isinstance(value, (bool, np.bool_)):
             return ("yes" if value else "no") if key in _SWITCHES else int(value)
         if isinstance(value, (float, np.floating)):
@@ -63,6 +80,8 @@ class Sim:
     Only one call at a time may use a simulation. A second call, from a callback or another thread, raises `Error` with
     ``Status.E_STATE``.
 
+    A simulation can be pickled if its system can. The copy continues from its state with the same bytes.
+
     Examples
     --------
     >>> sim = nsdae.Sim(system, method="moreau", dt=1e-3)
@@ -71,10 +90,22 @@ class Sim:
     ...     print(record.time, record.q)
     """
 
-    def __init__(self, system: System | Bodies, **options: Any):
+    def __init__(self, system: System | Bodies, **options: Unpack[Options]):
         self._bodies = system if isinstance(system, Bodies) else None
         self.system = system.system() if isinstance(system, Bodies) else system
-        self._core = _core.Sim(self.system._core, _texts(options))
+        self._core = _core.Sim(self.system._core.core, _texts(options))
+        self._coefficients: dict[tuple[str, int], tuple[float, ...]] = {}  # that differ from the system
+        self._initial: tuple[float, np.ndarray, np.ndarray] | None = None
+
+    def __reduce__(self) -> Any:
+        started = self._core.started()
+        initial = self._initial if started and self.record.step == 0 else None  # the copy has a record of it, too
+        state = self.state if started and initial is None else None
+        return _copy, (self._bodies or self.system, self.options, self._coefficients, initial, state)
+
+    def _set(self, name: str, i: int, *values: float) -> None:
+        self._told(getattr(self._core, name), i, *map(float, values))
+        self._coefficients[name, i] = values
 
     def init(self, q0: Any = None, v0: Any = None, t0: float = 0) -> Status:
         """Sets the initial state, which must satisfy the constraints.
@@ -97,7 +128,10 @@ class Sim:
         ArgumentError
             The state is inconsistent.
         """
-        return Status(self._core.init(float(t0), *self._start(q0, v0)))
+        initial = float(t0), *map(np.array, self._start(q0, v0))
+        status = Status(self._core.init(*initial))
+        self._initial = initial
+        return status
 
     def _start(self, q0: Any, v0: Any) -> tuple[np.ndarray, np.ndarray]:
         d = self.system.dims
@@ -225,7 +259,7 @@ class Sim:
         """All options with their values."""
         return self._core.options()
 
-    def set_options(self, **options: Any) -> None:
+    def set_options(self, **options: Unpack[Options]) -> None:
         """Changes options for the following steps.
 
         The options method, polygon, projection and threads cannot be changed.
@@ -247,7 +281,7 @@ class Sim:
         mu, e_n, e_t : float
             Coefficient of friction, normal and tangential restitution.
         """
-        self._told(self._core.set_contact, i, float(mu), float(e_n), float(e_t))
+        self._set("set_contact", i, mu, e_n, e_t)
 
     def set_frictional_joint(self, j: int, mu: float) -> None:
         """Sets the coefficient of friction of a frictional joint in this simulation.
@@ -259,7 +293,7 @@ class Sim:
         mu : float
             Coefficient of friction.
         """
-        self._told(self._core.set_frictional_joint, j, float(mu))
+        self._set("set_frictional_joint", j, mu)
 
     def set_friction_bound(self, j: int, bound: float) -> None:
         """Sets the friction bound of a frictional joint in this simulation.
@@ -271,7 +305,7 @@ class Sim:
         bound : float
             Largest friction force [N] or torque [N m] without a load.
         """
-        self._told(self._core.set_friction_bound, j, float(bound))
+        self._set("set_friction_bound", j, bound)
 
     def set_control(self, i: int, value: float) -> None:
         """Sets the target of a motor in this simulation, in place of its constant target.
@@ -285,7 +319,7 @@ class Sim:
         value : float
             Target [N, N m; m/s, rad/s; m, rad].
         """
-        self._told(self._core.set_control, i, float(value))
+        self._set("set_control", i, value)
 
     def get_control(self, i: int) -> float:
         """Returns the target of a motor in this simulation.
@@ -343,6 +377,7 @@ class Sim:
     @state.setter
     def state(self, block: bytes) -> None:
         self._told(self._core.set_state, block)
+        self._initial = None
 
     def record_run(self, t_end: float, every: int = 1, *, model: str = "", parameters: dict[str, Any] | None = None,
                    shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None,
@@ -412,13 +447,83 @@ class Sim:
                 growing.close()
         return whole("complete")
 
+    def show(self, *, title: str | None = None, shapes: list[Shape] | None = None, port: int = 8080,
+             block: bool = True) -> LiveViewer:
+        """Shows the simulation in a browser, which starts, pauses and steps it. It needs viser: ``pip install 'nsdae[viewer]'``.
+
+        Parameters
+        ----------
+        title : str, optional
+            Title, by default the method.
+        shapes : list of Shape, optional
+            Bodies; default: those of the `Bodies`.
+        port : int
+            Port of the page, 1 to 65535; the next one that is free is taken.
+        block : bool
+            True: open a browser and take steps until Ctrl-C. False: return at once; the program takes the steps, and calls
+            ``update`` after each.
+
+        Returns
+        -------
+        LiveViewer
+
+        Raises
+        ------
+        ImportError
+            viser is not installed.
+        ValueError
+            There are no bodies, or no port is free.
+
+        Examples
+        --------
+        >>> viewer = sim.show(block=False)
+        >>> while viewer.update() and sim.time < 3:
+        ...     sim.step()
+        """
+        from ._viewer import opened, shown
+        start = self.state
+
+        def now() -> tuple[float, np.ndarray, np.ndarray]:
+            record = self.record
+            return record.time, record.q, record.contacts
+
+        def restart() -> None:
+            self.state = start
+
+        with self.record_run(self.time, shapes=shapes)._opened() as file:
+            viewer: LiveViewer = opened("live", file, "the simulation", now, restart, title=title, port=port, playing=not block)
+        if block:
+            try:
+                shown(viewer)
+                while viewer.update():
+                    self.step()
+            except KeyboardInterrupt:
+                pass
+            finally:
+                viewer.close()
+        return viewer
+
     def __repr__(self) -> str:
         return f"nsdae.Sim({self.system!r}, method={self.options['method']!r}, dt={self.options['dt']!r})"
 
 
+def _copy(model: System | Bodies, options: dict[str, Any], coefficients: dict[tuple[str, int], tuple[float, ...]],
+          initial: tuple[float, np.ndarray, np.ndarray] | None, state: bytes | None) -> Sim:
+    sim = Sim(model, **options)
+    for (name, i), values in coefficients.items():
+        sim._set(name, i, *values)
+    if initial is not None:
+        t0, q0, v0 = initial
+        sim.init(q0, v0, t0)
+    if state is not None:
+        sim.state = state
+    return sim
+
+
 def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None, *, t0: float = 0, every: int = 1,
           project: bool = False, model: str = "", parameters: dict[str, Any] | None = None,
-          shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None, **options: Any) -> Trajectory:
+          shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None,
+          **options: Unpack[Options]) -> Trajectory:
     """Integrates a system and returns its trajectory.
 
     Parameters
@@ -471,6 +576,9 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     RunWarning
         Energy, penetration or drift exceed the bound of the method.
     """
+    if np.size(t_end) == 2:
+        first, last = t_end
+        raise ArgumentError(f"t_end is {t_end}; it must be a number: give t_end={last}, t0={first}", Status.E_ARGUMENT, argument="t_end")
     sim = Sim(system, **options)
     if project:
         q0, v0 = sim.project(q0, v0, t0)

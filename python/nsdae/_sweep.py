@@ -10,12 +10,16 @@ import os
 import sys
 import tempfile
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from . import _core
-from ._errors import Error
+from . import _core, _frames
+from ._errors import Error, needed
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 NOT_DONE = 1
 REASON_SIZE = 160
@@ -75,7 +79,7 @@ class Sweep:
         ValueError
             A quantity or parameter is unknown.
         """
-        import h5py
+        h5py, _ = needed("h5py", "hdf5"), needed("matplotlib", "plot")
         from .pictures import sweeps, trajectory
         try:
             own = not self.path  # made by this process
@@ -83,6 +87,29 @@ class Sweep:
                 return sweeps.draw(file, only, title, list((at or {}).items()))
         except trajectory.Problem as problem:
             raise ValueError(str(problem)) from None
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table of pandas: a row for each run, with its parameters, status and results.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return _frames.sweep_to_pandas(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns a dataset of xarray, over the parameters.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
+        return _frames.sweep_to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        sizes = [(", ".join(d), f"{len(next(iter(d.values())))} values") for d in self.dimensions]
+        done = f"{int(np.sum(self.status == 0))} of {self.status.size}"
+        return _frames.page("nsdae.Sweep", [*sizes, ("runs done", done), ("results", ", ".join(self.results))])
 
     def __repr__(self) -> str:
         names = " x ".join(f"{', '.join(d)} ({len(next(iter(d.values())))})" for d in self.dimensions)
@@ -92,6 +119,7 @@ class Sweep:
 @contextlib.contextmanager
 def _reading(path: str | os.PathLike[str]) -> Iterator[Any]:
     """Opens a file of unknown origin; errors are an OSError or a ValueError."""
+    needed("h5py", "hdf5")
     from .pictures import trajectory
     try:
         with trajectory.reading(os.fspath(path)) as file:
@@ -197,7 +225,7 @@ class _File:
             raise ValueError(f"'{self.path}' is the file of another sweep: it has {differ}; give another output, or remove it")
 
     def _create(self, dimensions: Any, model: str, first: Mapping[str, np.ndarray], setting: str) -> None:
-        import h5py
+        h5py = needed("h5py", "hdf5")
         from .pictures import trajectory
         whole = io.BytesIO()  # HDF5 itself crashes after a write that found the disk full
         with h5py.File(whole, "w") as file:
@@ -218,7 +246,7 @@ class _File:
 
     @staticmethod
     def _put(file: Any, path: str, values: Any, unit: str, said: str, shape: Any = None) -> Any:
-        import h5py
+        h5py = needed("h5py", "hdf5")
         kind = {"data": values} if values is not None else \
             {"shape": shape, "dtype": "i4" if path == "status" else "f8",
              "fillvalue": np.int32(NOT_DONE) if path == "status" else np.nan}
@@ -254,7 +282,7 @@ class _File:
         os.pwrite(self.raw, np.int32(status).tobytes(), self.at["status"] + 4 * run)
 
     def finish(self, failures: Mapping[int, str]) -> None:
-        import h5py
+        h5py = needed("h5py", "hdf5")
         from .pictures import trajectory
         with open(self.path, "rb") as old:
             whole = io.BytesIO(old.read())

@@ -7,7 +7,8 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from . import _core, _lists, _pointers
+from . import _core, _lists
+from ._copies import Callback, Recorded
 from ._errors import Error, in_python
 
 KINDS = ("coordinate", "velocity", "constraint", "contact", "frictional_joint")
@@ -141,6 +142,8 @@ class System:
       fills the others by difference quotients.
     - A compiled callback runs without the GIL: a ``numba.cfunc``, a function pointer of ctypes or cffi, or a
       ``scipy.LowLevelCallable``, with the signature of `signature`.
+    - A system can be pickled, as for ``multiprocessing`` and joblib, if its callbacks can: functions of a module, functions of
+      numba, exported functions of shared libraries. ``user`` is then an array or a structure of ctypes, not an address.
     """
 
     def __init__(self, nq: int = 0, nv: int = 0, m: int = 0, k: int = 0, nt: int = 0, f: int = 0, *, user: Any = None,
@@ -150,11 +153,11 @@ class System:
         sizes = None if blocks is None else _lists.sizes_of(blocks)
         if sizes:
             nq, nv = nq or int(sizes[0].sum()), nv or int(sizes[1].sum())
-        self._core = _core.System(nq, nv, m, k, nt, f)
+        self._core = Recorded("System", nq, nv, m, k, nt, f)
         if sizes:
             self._core.set_blocks(*sizes)
         self._user = user
-        self._kept: dict[str, Any] = {}
+        self._bodies: Any = None
         self._listed = False
         self.set(**callbacks)
         for i, of in enumerate(zip(*(np.broadcast_to(c, k) for c in (mu, e_n, e_t)))):
@@ -165,11 +168,14 @@ class System:
                 self.set_name(kind, i, *((row,) if isinstance(row, str) else row))
 
     @classmethod
-    def _of(cls, core: Any) -> System:
+    def _of(cls, core: Any, bodies: Any) -> System:
         made = cls.__new__(cls)
-        made._core, made._user, made._kept = core, None, {}
+        made._core, made._user, made._bodies = Recorded.of(core), None, bodies  # whose functions live as long
         made._listed = made.blocks is not None
         return made
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        return super().__reduce_ex__(protocol) if self._bodies is None else (type(self._bodies).system, (self._bodies,))
 
     def set(self, **callbacks: Callable[..., Any]) -> None:
         """Sets callbacks by name. Not allowed while simulations of the system exist.
@@ -189,13 +195,8 @@ class System:
                 near = difflib.get_close_matches(name, _core.CALLBACKS, 1)
                 meant = f"did you mean '{near[0]}'?" if near else f"they are {', '.join(_core.CALLBACKS)}"
                 raise TypeError(f"no callback is called '{name}': {meant}")
-            pointer = _pointers.compiled(name, function, self._user)
-            if pointer is None:
-                self._core.set_function(name, _lists.wrapped(name, function, self._core.blocks()[1]))
-            else:
-                self._core.set_pointer(name, *pointer)
+            self._core.set_callback(name, Callback(name, function, self._user, self._core.blocks()[1]))
             self._listed |= name == "contacts"
-            self._kept[name] = function  # a compiled function lives as long as the system
 
     def set_contact(self, i: int, mu: float = 0, e_n: float = 0, e_t: float = 0) -> None:
         """Sets the coefficients of a contact.

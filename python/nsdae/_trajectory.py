@@ -6,13 +6,20 @@ import contextlib
 import os
 import tempfile
 from dataclasses import dataclass, field
-from typing import Any, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Iterator, Sequence
 
 import numpy as np
 
-from . import _file
+from . import _file, _frames
+from ._errors import needed
 from ._records import EVENTS, ContactColumns, certificates, events
 from ._system import KINDS, System
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from ._viewer import Viewer
 
 
 def names_of(system: System) -> dict[str, list[tuple[str, str]]]:
@@ -33,8 +40,8 @@ class Shape:
     name : str
         Unique name.
     shape : str
-        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron" or
-        "cylinder".
+        "point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane", "polyhedron",
+        "cylinder", "cone" or "ellipsoid".
     size : sequence of float
         Up to three lengths [m], see Notes.
     position : sequence of str or float
@@ -57,8 +64,8 @@ class Shape:
     - disc: radius, radius of its hole
     - segment, path: width
     - sphere: radius
-    - capsule, cylinder: radius, length
-    - box: edges
+    - capsule, cylinder, cone: radius, length
+    - box, ellipsoid: edges, axes
     - plane: its normal
     """
 
@@ -219,6 +226,45 @@ class Trajectory(ContactColumns):
         return (f"nsdae.Trajectory({self.model!r}, {self.method}, {span}, {len(self)} records, "
                 f"{len(self.impacts)} impacts, {self.status})")
 
+    def _repr_html_(self) -> str:
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "empty"
+        return _frames.page(self.model or "nsdae.Trajectory", [
+            ("method", self.method), ("time", span), ("records", len(self)), ("impacts", len(self.impacts)), ("status", self.status),
+            *((word.replace("_", " "), float(getattr(self, word).max())) for word in
+              ("penetration", "constraint_drift", "lcp_residual") if len(self))])
+
+    def to_pandas(self, table: str = "records") -> pandas.DataFrame:
+        """Returns a table of pandas, with the time as its index.
+
+        Parameters
+        ----------
+        table : str
+            "records": coordinates, velocities, forces, energies, sensors by their names. A velocity that has the name of a
+            coordinate has the prefix "v_". "impacts", "changes", "contacts": the fields of these arrays; components have
+            numbered columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        ValueError
+            The table is unknown.
+        """
+        return _frames.pandas_of(self, table)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns a dataset of xarray, over the time and the names of coordinates, velocities, constraints and contacts.
+
+        Contacts of a list are in ``to_pandas("contacts")``.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
+        return _frames.xarray_of(self)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes an HDF5 file for nsdae-plot, nsdae-animate, nsdae-vtk and `load`.
 
@@ -241,10 +287,10 @@ class Trajectory(ContactColumns):
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[Any]:
-        """Opens it as an HDF5 file in memory."""
-        with _file.in_memory() as file:
-            _file.fill(self, file)
-            yield file
+        """Opens it as a file in memory."""
+        file = _file.Arrays()
+        _file.fill(self, file)
+        yield file
 
     def plot(self, only: Sequence[str] | None = None, title: str | None = None, *, phase: Sequence[str] = (),
              path: Sequence[str] = ()) -> Any:
@@ -271,6 +317,7 @@ class Trajectory(ContactColumns):
         ValueError
             A panel, coordinate or body is unknown.
         """
+        needed("matplotlib", "plot")
         from .pictures import plot
         if phase or path:
             with self._opened() as file:
@@ -313,32 +360,64 @@ class Trajectory(ContactColumns):
             with open(page, encoding="utf-8") as file:
                 return Page(file.read())
 
+    def show(self, *, title: str | None = None, point: Sequence[tuple[int | None, int | None, int | None]] | None = None,
+             port: int = 8080, block: bool = True) -> Viewer:
+        """Shows the bodies in a browser, as nsdae-view does. It needs viser: ``pip install 'nsdae[viewer]'``.
+
+        Parameters
+        ----------
+        title : str, optional
+            Title, by default model and method.
+        point : list of tuple, optional
+            (0, 1, None) is a point at (q0, q1, 0), in place of the bodies.
+        port : int
+            Port of the page, 1 to 65535; the next one that is free is taken.
+        block : bool
+            True: open a browser and wait for Ctrl-C. False: return at once.
+
+        Returns
+        -------
+        Viewer
+
+        Raises
+        ------
+        ImportError
+            viser is not installed.
+        ValueError
+            There are no bodies, or no port is free.
+        """
+        from ._viewer import opened, shown
+        with self._opened() as file:
+            viewer: Viewer = opened("playback", file, self.model or "the trajectory", title=title, point=point, port=port)
+        if block:
+            shown(viewer)
+            viewer.wait()
+        return viewer
+
     def _animate(self, path: str, options: dict[str, Any]) -> None:
+        if not path.endswith(".html"):
+            needed("PIL", "plot")
         from .pictures import animate
         words = {"start": "from", "end": "to"}
-        with tempfile.TemporaryDirectory() as folder:
-            whole = os.path.join(folder, "trajectory.h5")
-            self.save(whole)
-            arguments = [whole, f"--output={path}"]
-            for name, value in options.items():
-                if name == "point":
-                    value = ",".join("-" if c is None else str(c) for c in value)
-                if value is not False:
-                    arguments.append(f"--{words.get(name, name)}" + ("" if value is True else f"={value}"))
-            try:
-                told = animate.parse(arguments)
-            except SystemExit:
-                raise ValueError(f"animate() was given {options!r} for '{path}': see its help") from None
-            try:
-                with animate.open_trajectory(whole) as file:
-                    name = self.model or "the trajectory"
-                    told.file = name
-                    told.title = animate.heading(file) if told.title is None else told.title
-                    time = animate.times_of(file)
-                    first, last = animate.shown(time, told.start, told.end, name)
-                    animate.write(path, file, time, first, last, told)
-            except animate.Problem as problem:
-                raise ValueError(str(problem)) from problem
+        arguments = ["", f"--output={path}"]
+        for name, value in options.items():
+            if name == "point":
+                value = ",".join("-" if c is None else str(c) for c in value)
+            if value is not False:
+                arguments.append(f"--{words.get(name, name)}" + ("" if value is True else f"={value}"))
+        try:
+            told = animate.parse(arguments)
+        except SystemExit:
+            raise ValueError(f"animate() was given {options!r} for '{path}': see its help") from None
+        try:
+            with self._opened() as file:
+                told.file = self.model or "the trajectory"
+                told.title = animate.heading(file) if told.title is None else told.title
+                time = animate.times_of(file)
+                first, last = animate.shown(time, told.start, told.end, told.file)
+                animate.write(path, file, time, first, last, told)
+        except animate.Problem as problem:
+            raise ValueError(str(problem)) from problem
 
 
 class Page:
@@ -371,6 +450,7 @@ def load(path: str | os.PathLike[str]) -> Trajectory:
     ValueError
         The file is no trajectory, or is damaged.
     """
+    needed("h5py", "hdf5")
     from .pictures import trajectory as tool
     try:
         with tool.open_trajectory(os.fspath(path), "v") as file:

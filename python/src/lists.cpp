@@ -115,9 +115,10 @@ void bind_lists(nb::module_ &m)
   nb::class_<row_list>(m, "RowList").def("add", &add_rows);
   nb::class_<block_list>(m, "BlockList").def("add", &add_blocks);
   m.attr("CONTACT_SIZE") = sizeof(nsdae_contact);
-  m.attr("CONTACT_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_contact_add);
-  m.attr("ROW_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_row_add);
-  m.attr("BLOCK_ADD") = reinterpret_cast<std::uintptr_t>(&nsdae_block_add);
+  // functions, because an attribute would be an address of this process in the stub
+  m.def("contact_add", [] { return reinterpret_cast<std::uintptr_t>(&nsdae_contact_add); });
+  m.def("row_add", [] { return reinterpret_cast<std::uintptr_t>(&nsdae_row_add); });
+  m.def("block_add", [] { return reinterpret_cast<std::uintptr_t>(&nsdae_block_add); });
 }
 
 } // namespace nsdae_python

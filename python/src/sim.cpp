@@ -572,6 +572,13 @@ nb::object sim::failed_lcp() const
   return nb::make_tuple(view(A, p.n, p.n, true), array_of(p.b, n));
 }
 
+bool sim::started() const
+{
+  look();
+  nsdae_record now;
+  return nsdae_sim_get_record(handle, &now) == NSDAE_OK;
+}
+
 bool sim::has_potential() const
 {
   return nsdae_sim_has_potential(handle) == 1;
@@ -622,7 +629,17 @@ nb::list methods()
   return names;
 }
 
-// Key, unit, help and range of every option.
+// float, int, or the choices.
+nb::object kind_of(const nsdae_param &p)
+{
+  if (p.type == NSDAE_PARAM_REAL) return nb::str("float");
+  if (p.type == NSDAE_PARAM_INT) return nb::str("int");
+  nb::list choices;
+  for (int i = 0; p.choices[i]; i++) choices.append(nb::str(p.choices[i]));
+  return nb::tuple(choices);
+}
+
+// Key, unit, help, range and kind of every option.
 nb::list option_table()
 {
   nb::list rows;
@@ -631,7 +648,7 @@ nb::list option_table()
     const nsdae_param &p = table->entry[i];
     char range[NSDAE_PARAM_TEXT_SIZE];
     nsdae_params_range(&p, range, sizeof range);
-    rows.append(nb::make_tuple(p.key, p.unit, p.help, range));
+    rows.append(nb::make_tuple(p.key, p.unit, p.help, range, kind_of(p)));
   }
   return rows;
 }
@@ -669,6 +686,7 @@ void bind_sim(nb::module_ &m)
       .def("interpolate", &sim::interpolate)
       .def("failed_lcp", &sim::failed_lcp)
       .def("has_potential", &sim::has_potential)
+      .def("started", &sim::started)
       .def("state", &sim::state)
       .def("set_state", &sim::set_state);
 }

@@ -114,6 +114,7 @@ public:
   nb::tuple interpolate(double t);
   nb::object failed_lcp() const;
   bool has_potential() const;
+  bool started() const;
   nb::bytes state();
   void set_state(nb::bytes block);
 

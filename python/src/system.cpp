@@ -235,24 +235,20 @@ void system::install_or_drop(role r)
   demand(status);
 }
 
-void system::set_function(const std::string &name, nb::object function)
+// A function of Python, or none: a compiled one at the address.
+void system::set_callback(const std::string &name, nb::object function, std::uintptr_t address,
+                          std::uintptr_t user)
 {
   role r = role_of(name);
   open();
   if (nsdae_system_simulations(handle) == 0) {
-    bool returns = r == role_potential || r == role_contact_speed;
-    callbacks[r].set_function(function.ptr(), slots_of(r, dims, blocks), returns);
+    const bool returns = r == role_potential || r == role_contact_speed;
+    if (function.is_none())
+      callbacks[r].set_pointer(reinterpret_cast<void *>(address), reinterpret_cast<void *>(user));
+    else
+      callbacks[r].set_function(function.ptr(), slots_of(r, dims, blocks), returns);
     callbacks[r].blocks = &blocks;
   }
-  install_or_drop(r);
-}
-
-void system::set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user)
-{
-  role r = role_of(name);
-  open();
-  if (nsdae_system_simulations(handle) == 0)
-    callbacks[r].set_pointer(reinterpret_cast<void *>(address), reinterpret_cast<void *>(user));
   install_or_drop(r);
 }
 
@@ -365,8 +361,7 @@ void bind_system(nb::module_ &m)
   m.attr("CALLBACKS") = nb::tuple(names);
   nb::class_<system>(m, "System", nb::type_slots(slots))
       .def(nb::init<int, int, int, int, int, int>())
-      .def("set_function", &system::set_function)
-      .def("set_pointer", &system::set_pointer)
+      .def("set_callback", &system::set_callback, nb::arg(), nb::arg().none(), nb::arg(), nb::arg())
       .def("set_contact", &system::set_contact)
       .def("set_frictional_joint", &system::set_frictional_joint)
       .def("set_friction_bound", &system::set_friction_bound)

@@ -52,8 +52,8 @@ public:
   system(const system &) = delete;
   system &operator=(const system &) = delete;
 
-  void set_function(const std::string &name, nb::object function);
-  void set_pointer(const std::string &name, std::uintptr_t address, std::uintptr_t user);
+  void set_callback(const std::string &name, nb::object function, std::uintptr_t address,
+                    std::uintptr_t user);
   void set_contact(int i, double mu, double e_n, double e_t);
   void set_frictional_joint(int j, int constraint, double mu);
   void set_friction_bound(int j, double bound);

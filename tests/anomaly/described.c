@@ -69,6 +69,18 @@ static void add_joints(nsdae_bodies *b, int dimension)
   nsdae_bodies_set_gravity(b, (const double[]){0, -9.81, 0});
 }
 
+/* Each with the solid before them, a plane. */
+static void add_smooth(nsdae_bodies *b, int plane)
+{
+  const int shapes[] = {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CONE, NSDAE_SHAPE_ELLIPSOID,
+                        NSDAE_SHAPE_DISC};
+  for (int i = 0; i < 4; i++) {
+    nsdae_solid s = {.shape = shapes[i], .radius = 1, .length = {1, 1, 1}};
+    if (s.shape == NSDAE_SHAPE_ELLIPSOID) s.radius = 0;
+    nsdae_bodies_add_contact(b, nsdae_bodies_add_solid(b, i, &s), plane, 0.3, 0, 0);
+  }
+}
+
 static void add_solids(nsdae_bodies *b, int dimension)
 {
   static const double corners[] = {-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5};
@@ -79,6 +91,7 @@ static void add_solids(nsdae_bodies *b, int dimension)
   int floor_ = nsdae_bodies_add_solid(
       b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE, .position = {0, -9, 0}});
   int before = -1;
+  if (dimension == 3) add_smooth(b, floor_);
   for (int i = 0; i < 4; i++) {
     int shape = dimension == 2 ? planar[i] : spatial[i], round = i == 1 || i == 2;
     int turn = dimension == 3;

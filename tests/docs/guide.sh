@@ -66,6 +66,7 @@ hindrance() {
     command -v julia >/dev/null || echo "no julia" && return
     julia -e 'using HDF5' 2>/dev/null || echo "no HDF5.jl"
     ;;
+  nsdae-view) echo "it waits for Ctrl-C" ;;
   nsdae-vtk | nsdae-animate) "$program" --version >/dev/null 2>&1 || echo "no Python for it" ;;
   *) command -v "$program" >/dev/null || echo "no $program" ;;
   esac

@@ -67,7 +67,7 @@ for program in "$bin"/nsdae-*; do
   sed -n "s/^\\.Dl \\\$ \\($name .*\\)/\\1/p" "$page" >examples
   [ -s examples ] || fail "$name.1 has no example"
   case $name in
-  nsdae-plot | nsdae-vtk | nsdae-animate | nsdae-lcp | nsdae-friction | nsdae-scene) ;; # of files that are not here
+  nsdae-plot | nsdae-vtk | nsdae-animate | nsdae-view | nsdae-lcp | nsdae-friction | nsdae-scene) ;; # of files that are not here
   *) sh -e ./examples >out 2>&1 || fail "an example of $name.1: $(tail -1 out)" ;;
   esac
 done

@@ -31,6 +31,11 @@ use="$work/use/bin/python"
 begin=$(date +%s)
 "$work/use/bin/pip" install -q --no-compile "$work"/wheel/nsdae-*.whl
 cd "$work"
+"$use" -m nsdae demo --no-browser
+[ -s nsdae-demo.html ]
+seconds "installed into an empty environment with NumPy alone, an animation made"
+begin=$(date +%s)
+"$work/use/bin/pip" install -q --no-compile "$(echo "$work"/wheel/nsdae-*.whl)[plot]"
 awk '/<!-- file: ball.py -->/ { on = 1 } on && /^```$/ { exit } on && code { print } on && /^```python/ { code = 1 }' \
   "$source/docs/guide/python.md" >ball.py
 MPLBACKEND=Agg "$use" ball.py
@@ -46,7 +51,7 @@ for library in $needed; do
 done
 
 "$work/use/bin/pip" install -q --no-compile pytest
-optional="scipy cffi numba mpi4py"
+optional="scipy cffi numba mpi4py joblib mypy pandas xarray h5netcdf viser"
 "$work/use/bin/pip" install -q --no-compile --only-binary :all: $optional 2>/dev/null || for one in $optional; do
   "$work/use/bin/pip" install -q --no-compile --only-binary :all: $one || echo "left out: no $one here"
 done

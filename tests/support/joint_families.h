@@ -8,9 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "blocks.h"
-#include "random.h"
 #include "rows.h"
+#include "random.h"
 
 enum joint_kind { CHAIN, TREE, NET, LADDER, RING };
 enum { OTHER = 2 }; /* size of the block that is not of the mechanism */

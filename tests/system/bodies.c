@@ -194,7 +194,7 @@ static void faults_are_named(void **state)
   WITH(0, name, NULL, "it has none");
   WITH(1, name, "bead", "another body has it already");
   WITH(0, shape, -1, "no such shape");
-  WITH(0, shape, 11, "no such shape");
+  WITH(0, shape, 99, "no such shape");
   WITH(0, size[0], 0, "its radius must be greater than 0");
   WITH(0, size[0], -1, "a length is negative");
   WITH(0, size[2], NAN, "a value is not finite");

@@ -22,7 +22,7 @@ if [ -n "$python" ]; then
   "$python" -B "$check" "$bin" "$@"
   exit
 fi
-for program in nsdae-plot nsdae-vtk nsdae-animate; do # they say what to install
+for program in nsdae-plot nsdae-vtk nsdae-animate nsdae-view; do # they say what to install
   "$bin/$program" --version 2>err && exit 1
   grep -q python3-h5py err || exit 1
 done

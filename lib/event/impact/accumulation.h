@@ -20,7 +20,29 @@
 #define NSDAE_EVENT_ACCUMULATION_H
 
 #include "acceleration.h"
-#include "impact_projection.h"
+#include "least.h"
+#include "phase.h"
+
+/* Back to the constraints, to what is closed and to what sticks, by the change of least kinetic
+ * energy. */
+
+typedef struct nsdae_event_projection {
+  nsdae_event_phase *phase;
+  nsdae_least least; /* the change of q along H, or of v */
+  double *qdot;      /* nq */
+} nsdae_event_projection;
+
+void nsdae_event_projection_layout(nsdae_event_projection *projection, nsdae_arena *arena);
+
+/* y's q to the constraints and to the gaps that are marked [k], by Newton's method along H; y's v
+ * to the rates of the constraints, of what is closed and of what sticks in the phase's modes.
+ * moving [k] is 0 where a contact begins to slide: beside one that sticks, in two directions, its
+ * velocity is none, too; NULL: nothing begins. The point in work is y then. A status of the
+ * factorisation or a callback. */
+int nsdae_event_project_positions(nsdae_event_projection *projection, double t, const int *closed,
+                                  double *y);
+int nsdae_event_project_velocities(nsdae_event_projection *projection, const int *moving,
+                                   double *y);
 
 /* The friction of what slides in the set, T = -mu P d: linear in the normal impulses P, which are
  * linear in it, P = P_0 + sum_j P_j dP/dP_j. */

@@ -7,7 +7,6 @@
 
 #include "acceleration.h"
 #include "impact.h"
-#include "impact_projection.h"
 #include "roots.h"
 
 typedef struct nsdae_event_instant {

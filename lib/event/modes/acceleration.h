@@ -11,7 +11,7 @@
 #include "hyperstatic.h"
 #include "contacts.h"
 
-/* ---- painleve.c: Painleve's paradox. A contact that slides and whose own coefficient W_N^T P (W_N
+/* ---- Painleve's paradox. A contact that slides and whose own coefficient W_N^T P (W_N
  * - mu W_T d) is not above zero pulls itself in: then there is no force, or two (Painleve 1895),
  * unless others that press keep it from that: the problem without its row has no solution then in
  * which it opens. The same of frictional joints (Klein 1909): none is NSDAE_E_PAINLEVE, of two one

@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#include "phase.h"
-
 enum { DIRECTIONS = 20 };
 
 static double slip_rate(const nsdae_contacts *c, int i)

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "system_impl.h"
-#include "vector.h"
 
 enum { FEW = 30, SWEEPS = 20000, LOOK = 500 };
 

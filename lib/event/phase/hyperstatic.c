@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "dense.h"
 #include "vector.h"
 
 enum { ROUNDS = 50 };

@@ -1,7 +1,7 @@
 /* Which of the rows that are closed or stick have an equation of their own. Where a body rests on
  * more points than it has freedoms, the rows w of W_C depend on each other: the motion is
  * determined, how its forces share is not. The rows are taken in turn, contacts by their normal
- * force and what sticks after them, and depend as in rank_revealing.h, w_p = sum c_l w_l. The
+ * force and what sticks after them, and depend as in dense.h, w_p = sum c_l w_l. The
  * forces z_p = (1 in p, -c_l in l) then move nothing, and in place of its row p has a relation F_p
  * = sum r_l F_l:
  *
@@ -17,7 +17,7 @@
 #define NSDAE_EVENT_HYPERSTATIC_H
 
 #include "contacts.h"
-#include "rank_revealing.h"
+#include "dense.h"
 
 /* A problem of accelerations that is solved, and what becomes of its forces. */
 typedef struct nsdae_shared {

@@ -80,7 +80,7 @@ typedef struct nsdae_event_phase {
   double *circle; /* f: friction of the friction circles */
   nsdae_event_rows rows;
   nsdae_border border;     /* of the rows, with the setting's kkt */
-  nsdae_newton_kkt newton; /* of IDA's steps: see newton.c */
+  nsdae_newton_kkt newton; /* of IDA's steps: see phase.c */
   double *moved;           /* nq + nv */
 } nsdae_event_phase;
 
@@ -110,10 +110,6 @@ static inline double nsdae_event_relation(const nsdae_event_phase *p, int force,
 /* Brings `terms` and the rows to what the modes need. */
 void nsdae_event_begin_phase(nsdae_event_phase *phase);
 
-/* The terms of the modes at the point in work, with the rows of every closed contact that a list
- * has there. */
-int nsdae_event_need(const nsdae_event_phase *phase);
-
 /* The forces of y [n] from its q and v, at time t; v' [nv] is in x then, and the terms are there.
  * NSDAE_E_CONVERGENCE: the equations are singular; NSDAE_E_MASS; or a callback's status. The
  * setting's kkt has the factors of this point then. */
@@ -125,20 +121,6 @@ int nsdae_event_residual(double t, const double *y, const double *ydot, double c
 int nsdae_event_newton_setup(double t, const double *y, const double *ydot, double cj,
                              nsdae_event_phase *phase);
 int nsdae_event_newton_solve(double cj, double *r, double *x, nsdae_event_phase *phase);
-
-/* At the point in work. W^T v' of what is closed, by Baumgarte's stabilisation: W^T (v' + 2 alpha
- * v)
- * + omega + 2 alpha w + beta^2 g = 0. */
-double nsdae_event_wanted(const nsdae_event_phase *phase, const nsdae_event_row *row);
-/* d [nt] of contact i that slides. */
-void nsdae_event_sliding_direction(const nsdae_event_phase *phase, int i, double *d);
-/* The border of the rows at the point in work; with y not NULL that of Newton's method at y, see
- * newton.c. NSDAE_E_CONVERGENCE: it is singular. */
-int nsdae_event_factor_border(const nsdae_event_phase *phase, nsdae_border *border, const double *y,
-                              double cj);
-/* Of frictional joint j that slides: -F_S / lambda without b; F_S without lambda. */
-double nsdae_event_joint_friction(const nsdae_event_phase *phase, int j);
-double nsdae_event_dry_friction(const nsdae_event_phase *phase, int j);
 
 /* With the equations that nsdae_event_forces factored last: the acceleration along the normal of
  * contact i, which has a row, that a unit of F_N makes there with all that else holds. */
@@ -155,18 +137,12 @@ int nsdae_event_hardly_slides(const nsdae_event_phase *phase, int i);
 /* mu F_N - |F_T| of contact i, with the forces of y. */
 double nsdae_event_stick_margin(const nsdae_event_phase *phase, const double *y, int i);
 
-/* ---- slip_direction.c: Directions of sliding. */
-
-/* d [2]: the unit vector u / |u| of u = v_T, but along the direction `last` at least `slow`: it
- * goes smoothly through a stop. Its derivative by v_T along l: (1 - d d^T) du / |u|. */
-void nsdae_slip_direction_ahead(const double *last, double slow, const double *v_t, double *d);
-void nsdae_slip_direction_slope(const double *last, double slow, const double *v_t, int l,
-                                double *slope);
+/* ---- Directions of sliding. */
 
 /* direction [nt] := -force / |force|, or 0. */
 void nsdae_slip_direction_against(double *direction, int nt, const double *force);
 
-/* ---- chattering.c: Contacts that rattle: whose instants follow each other, each soon after the
+/* ---- Contacts that rattle: whose instants follow each other, each soon after the
  * one before. Past 2000 of them the tolerance of such a contact doubles with every 64th, so that it
  * comes to an end; one that is late begins anew. */
 

@@ -14,8 +14,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "cone.h"
-
 /* |r_T| - mu r_N at l, with r and its derivative, and the root by Newton's method on
  * h = mu r_N / |r_T| - 1:
  *

@@ -11,7 +11,7 @@
 #ifndef NSDAE_FRICTION_NEWTON_SYSTEM_H
 #define NSDAE_FRICTION_NEWTON_SYSTEM_H
 
-#include "adjacency.h"
+#include "symbolic.h"
 #include "multifrontal.h"
 #include "scaled_island.h"
 

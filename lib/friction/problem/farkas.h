@@ -3,7 +3,7 @@
 #define NSDAE_FRICTION_FARKAS_H
 
 #include "scaled_island.h"
-#include "separation.h"
+#include "proof.h"
 
 typedef struct nsdae_fc_farkas {
   const nsdae_fc_scaled *fc;

@@ -6,8 +6,40 @@
 #ifndef NSDAE_FRICTION_GLOBAL_PROBLEM_H
 #define NSDAE_FRICTION_GLOBAL_PROBLEM_H
 
-#include "problem.h"
+#include <nsdae/friction.h>
+
+#include "arena.h"
 #include "thread_pool.h"
+
+/* A problem as it was given: checked, and the offsets of its parts. */
+
+/* Offsets into the arrays of the caller. */
+typedef struct nsdae_fc_view {
+  const nsdae_friction_problem *p;
+  int items, m, nv;    /* contacts and bilateral rows; entries of r; entries of v */
+  int entries;         /* first[items] */
+  size_t mass, values; /* entries of M and of value */
+  int *row;            /* items + 1: first row of each */
+  int *offset;         /* blocks + 1: first entry of v of each */
+  size_t *mass_at;     /* blocks + 1: of M */
+  size_t *at;          /* entries + 1: of value */
+} nsdae_fc_view;
+
+/* Checks all that the public header asks of a problem, except of M and of the symmetry of W. */
+int nsdae_fc_problem_check(const nsdae_friction_problem *p, nsdae_error *error);
+
+/* Takes the arrays for the problem in view->p, which has been checked; fills them. */
+void nsdae_fc_view_layout(nsdae_fc_view *view, nsdae_arena *arena);
+void nsdae_fc_view_fill(nsdae_fc_view *view);
+
+/* Fills the record; returns the status. */
+int nsdae_fc_refuse(nsdae_error *error, int status, const char *argument, int index,
+                    const char *text);
+
+static inline int nsdae_fc_rows(const nsdae_friction_problem *p, int item)
+{
+  return item >= p->contacts ? 1 : p->rows ? p->rows[item] : 3;
+}
 
 /* Items that a thread takes at a time: some 10 us. */
 enum { NSDAE_FC_GRAIN = 64 };
@@ -58,7 +90,7 @@ int nsdae_fc_global_blocked(const nsdae_fc_global *whole);
 /* v := M^-1 v of block b. */
 void nsdae_fc_divide_by_mass(const nsdae_fc_global *whole, int b, double *v);
 
-/* ---- the certificate, from the data as given (certificate.c); impulses may be double-double, r +
+/* ---- the certificate, from the data as given (farkas.c); impulses may be double-double, r +
  * low (low NULL: zero) */
 
 /* u [m] of r and low [m], and the residual of the public header; NaN if an entry is not finite.

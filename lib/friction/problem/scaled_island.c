@@ -3,9 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cone.h"
 #include "one_contact.h"
-#include "double_double.h"
 #include "vector.h"
 
 /* Whether part e of item i is the island's: not all zeros, or, in the local form, its own. */

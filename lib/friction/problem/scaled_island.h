@@ -46,7 +46,7 @@ typedef struct nsdae_fc_parts {
 } nsdae_fc_parts;
 
 /* Impulses [3 n] that r is added to, leading and trailing parts, if q are their velocities; NULL:
- * none (see iterative_refinement.h). */
+ * none (see iterative_refinement.c). */
 typedef struct nsdae_fc_base {
   const double *high, *low;
 } nsdae_fc_base;

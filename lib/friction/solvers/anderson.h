@@ -20,10 +20,6 @@ void nsdae_fc_sweep_begin(nsdae_fc_scaled *fc);
  * zero at first. Returns the largest weighted change of r. */
 double nsdae_fc_sweep(nsdae_fc_scaled *fc, double *slip);
 
-/* Whether the residual of each item is at most tol, to plain rounding; fc->y is current. Checks
- * item *first first, and stores the one that failed: most checks end with it. */
-int nsdae_fc_sweep_converged(const nsdae_fc_scaled *fc, double tol, int *first);
-
 /* Columns. In 2400 steps of four seeded heaps to 1e-4, with 500 sweeps at most, 4 columns take 1.04
  * times the sweeps and leave 41 problems unsolved, 3 leave 16; 4 without the ratio step 284. */
 enum { NSDAE_FC_WINDOW = 3 };

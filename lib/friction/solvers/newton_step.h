@@ -24,15 +24,7 @@ typedef struct nsdae_fc_newton {
 /* Takes the arrays; fc is set before. */
 void nsdae_fc_newton_layout(nsdae_fc_newton *newton, nsdae_arena *arena);
 
-/* Half the square of the map at r with velocities u; E and A if derivatives are wanted. */
-double nsdae_fc_newton_map(nsdae_fc_newton *newton, const double *r, const double *u,
-                           int derivatives);
-
 /* dr [3 n] of b [3 n], by the factors of E and A, refined; neither of them is trial, y or u. */
 void nsdae_fc_newton_solve(nsdae_fc_newton *newton, const double *b, double *dr);
-
-/* One step from fc->r, with fc->y and fc->u; before is half the square of the map there. Returns it
- * at the new point; NaN if there is none, and fc as it was. */
-double nsdae_fc_newton_step(nsdae_fc_newton *newton, double before);
 
 #endif

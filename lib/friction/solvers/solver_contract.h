@@ -159,9 +159,6 @@ int nsdae_fc_system_ready(nsdae_fc_island *island);
 double nsdae_fc_proximal_points(nsdae_fc_island *island, nsdae_fc_iterate *iterate,
                                 const nsdae_fc_budget *budget);
 
-/* s of the iterate, or zero if that is not near a solution, into socp.s; fc.r: the iterate. */
-void nsdae_fc_socp_begin(nsdae_fc_island *island, const nsdae_fc_iterate *iterate);
-
 /* The convex problem with s = socp.s, from fc.r on; 0: not solved. */
 int nsdae_fc_socp_run(nsdae_fc_island *island, nsdae_fc_iterate *iterate,
                       const nsdae_fc_budget *budget);

@@ -20,7 +20,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* ---- write_queue.c: Writes that are held back: blocks of bytes with their place in a file. */
+/* ---- Writes that are held back: blocks of bytes with their place in a file. */
 
 typedef struct nsdae_block {
   uint64_t at; /* address in the file */

@@ -2,7 +2,7 @@
  * is done, a handle is -1, a number read 0.
  *
  * What is read may be anybody's and corrupt: the guard bounded all sizes when the file was opened
- * (hdf5_guard.c), type and rank are looked at before memory is asked for. Only numbers are read:
+ * (hdf5_file.c), type and rank are looked at before memory is asked for. Only numbers are read:
  * texts of variable length lead through heaps in which HDF5 follows whatever the file says. */
 #ifndef NSDAE_IO_HDF5_DATA_H
 #define NSDAE_IO_HDF5_DATA_H

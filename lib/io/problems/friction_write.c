@@ -7,7 +7,7 @@
 
 #include "dense.h"
 #include "double_double.h"
-#include "problem.h"
+#include "global_problem.h"
 #include "to_blocks.h"
 
 typedef struct writer {

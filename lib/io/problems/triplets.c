@@ -3,7 +3,7 @@
 #include <limits.h>
 #include <stdlib.h>
 
-#include "dynamic_array.h"
+#include "arena.h"
 
 enum { COLUMNS = -1, ROWS = -2 }; /* values of nz */
 

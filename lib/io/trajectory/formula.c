@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "errors.h"
-#include "suggest.h"
+#include "words.h"
 
 typedef struct reader {
   const char *text, *at;

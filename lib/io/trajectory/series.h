@@ -7,7 +7,7 @@
 
 /* ---- dataset_table.c: What a trajectory holds: one table entry per dataset. */
 
-/* How wide a row is: first those along one axis, of its length (axes.c). */
+/* How wide a row is: first those along one axis, of its length (series.c). */
 typedef enum nsdae_width {
   NSDAE_WIDTH_Q,
   NSDAE_WIDTH_V,
@@ -35,9 +35,6 @@ typedef struct nsdae_sizes {
 } nsdae_sizes;
 
 nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim);
-
-/* The number of values of sensor i if it has a name, else 0; -1: there is none. */
-int nsdae_named_sensor(const nsdae_system *system, int i);
 
 /* Types of values, in memory and in the file. */
 typedef enum nsdae_value { NSDAE_VALUE_REAL, NSDAE_VALUE_INT, NSDAE_VALUE_LONG } nsdae_value;
@@ -154,7 +151,7 @@ int nsdae_series_is_full(const nsdae_series *series);
  * them. */
 long nsdae_series_held_bytes(const nsdae_series *series);
 
-/* ---- axes.c: The second dimensions of a trajectory: which coordinate, velocity, constraint, fixed
+/* ---- The second dimensions of a trajectory: which coordinate, velocity, constraint, fixed
  * contact, tangent, frictional joint, side of a listed contact. Each is a dataset of the names, a
  * dimension scale of HDF5, so that tools select by name (in xarray q.sel(coordinate="theta")). */
 

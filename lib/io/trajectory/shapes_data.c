@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const shape_names[] = {"point", "disc",       "segment", "polygon",
-                                          "path",  "sphere",     "capsule", "box",
-                                          "plane", "polyhedron", "cylinder"};
+static const char *const shape_names[] = {
+    "point", "disc",  "segment",    "polygon",  "path", "sphere",   "capsule",
+    "box",   "plane", "polyhedron", "cylinder", "cone", "ellipsoid"};
 
 enum { SHAPES = sizeof shape_names / sizeof *shape_names };
 
@@ -102,13 +102,15 @@ static const char *size_fault(int shape, const double *size)
     if (size[i] < 0) return "a length is negative";
   int round =
       shape == NSDAE_SHAPE_DISC || shape == NSDAE_SHAPE_SPHERE || shape == NSDAE_SHAPE_CAPSULE;
-  if (shape == NSDAE_SHAPE_CYLINDER && (size[0] == 0 || size[1] == 0))
+  int turned = shape == NSDAE_SHAPE_CYLINDER || shape == NSDAE_SHAPE_CONE;
+  if (turned && (size[0] == 0 || size[1] == 0))
     return "its radius and length must be greater than 0";
   if (round && size[0] == 0) return "its radius must be greater than 0";
   if (shape == NSDAE_SHAPE_DISC && size[1] >= size[0])
     return "the radius of its hole must be less than its own";
-  if (shape == NSDAE_SHAPE_BOX && (size[0] == 0 || size[1] == 0 || size[2] == 0))
-    return "its edges must be greater than 0";
+  int flat = size[0] == 0 || size[1] == 0 || size[2] == 0;
+  if (shape == NSDAE_SHAPE_BOX && flat) return "its edges must be greater than 0";
+  if (shape == NSDAE_SHAPE_ELLIPSOID && flat) return "its axes must be greater than 0";
   return NULL;
 }
 
@@ -296,7 +298,7 @@ static void write_shapes(column_set *s, const nsdae_formula_names *names)
                   "names of what is placed by coordinates alone");
   write_ints(s, "shape",
              "0 point, 1 disc, 3 polygon, 4 path, 5 sphere, 6 capsule, 7 box, 8 plane, 9 "
-             "polyhedron, 10 cylinder");
+             "polyhedron, 10 cylinder, 11 cone, 12 ellipsoid");
   for (int c = 0; c < 3; c++) {
     for (int i = 0; i < s->n; i++) {
       placed p;

@@ -64,7 +64,7 @@ void nsdae_trajectory_write_rows(nsdae_trajectory *t, nsdae_series_part part);
 /* All rows that are written, as rows of the file. */
 void nsdae_trajectory_count_rows(nsdae_trajectory *t);
 
-/* ---- sensor_columns.c */
+/* ---- sensors as data sets */
 
 /* NSDAE_OK or NSDAE_E_MEMORY. */
 int nsdae_sensor_columns_init(nsdae_sensor_columns *columns, const nsdae_sim *sim);

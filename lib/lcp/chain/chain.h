@@ -10,10 +10,6 @@ int nsdae_lcp_chain_run(nsdae_lcp_work *w);
 /* Rows of the largest problem. */
 enum { NSDAE_LCP_LARGEST = 20000 };
 
-/* The same for each island of the problem alone, where it has more than one; work and iwork are
- * those that w was laid out in. */
-int nsdae_lcp_islands_run(nsdae_lcp_work *w, double *work, int lwork, int *iwork);
-
 /* ---- the problem as it is given, before the chain */
 
 /* b >= 0: x = 0, as far as the options name that stage. Returns whether that solved it. */
@@ -24,7 +20,7 @@ int nsdae_lcp_guess_nothing(nsdae_lcp_work *w);
  * that it leaves in w->info is a bound to that of any of these. */
 int nsdae_lcp_guess_basis(nsdae_lcp_work *w);
 
-/* ---- islands.c: Parts of a problem that have nothing to do with each other. */
+/* ---- Parts of a problem that have nothing to do with each other. */
 
 /* label[i] = label[j] where unknowns i and j are joined by entries of A that are not zero: the
  * smallest index of those joined. Returns how many islands there are. */

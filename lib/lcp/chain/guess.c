@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "active_set.h"
+#include "enumerate.h"
 #include "dense.h"
 
 /* Bounds that a refinement cannot improve on by much, and such that are not for want of one. */

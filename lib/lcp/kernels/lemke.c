@@ -10,7 +10,6 @@
 
 #include "dictionary.h"
 #include "finite.h"
-#include "vector.h"
 
 /* From BLOCKED rows on, pivots are put off, BLOCK at a time (measured). */
 enum { BLOCKED = 30, BLOCK = 24 };

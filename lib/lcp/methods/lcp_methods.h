@@ -31,20 +31,6 @@ static inline void nsdae_lcp_scatter(int n, double *x, unsigned long long *seed)
 
 enum { NSDAE_FISCHER_MEMORY = 10 };
 
-/* memory: how many norms back a step may rise to, in [1, NSDAE_FISCHER_MEMORY]; 1: always lower.
- * x, y [n] in: the start (y is made from x); out: the last iterate. A is n x n with leading
- * dimension n; work has 2 n^2 + 4 n. Returns the norm of the residual. */
-double nsdae_fischer(int n, const double *A, const double *b, int iterations, int memory, double *x,
-                     double *y, double *work);
-
 /* ---- the principal pivot transform of a problem */
-
-/* T [n x n], t [n] := the problem in which x_i and y_i have changed places where basis[i] is not 0:
- *   T = [A_BB^-1  -A_BB^-1 A_BN;  A_NB A_BB^-1  A_NN - A_NB A_BB^-1 A_BN]
- *   t = [-A_BB^-1 b_B;  b_N - A_NB A_BB^-1 b_B]
- * A is n x n with leading dimension n. Returns 0, or 1 where A_BB is singular. work [n^2 + n],
- * pivot [n], index [n] */
-int nsdae_lcp_transform(int n, const double *A, const double *b, const int *basis, double *T,
-                        double *t, double *work, int *pivot, int *index);
 
 #endif

@@ -59,7 +59,7 @@ void nsdae_lcp_work_scale(nsdae_lcp_work *w);
 void nsdae_equilibrate(int n, double *A, double *b, double *row, double *column, double *work,
                        int *iwork);
 
-/* ---- judge.c: Whether a point solves the problem: the only test of that. */
+/* ---- Whether a point solves the problem: the only test of that. */
 
 /* Judges the point w->x and keeps it where it is the best so far; where it solves the problem,
  * outcome, stage and the caller's basis are set. Returns whether the problem is settled. */

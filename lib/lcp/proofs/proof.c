@@ -12,11 +12,290 @@
  * makes negative. With columns tilted towards b, C_j + eta b, it is positive by eta |b^T u|. */
 #include "proof.h"
 
+#include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
-#include "separation.h"
+#include "dense.h"
 #include "vector.h"
+
+/* On a secondary ray the variables grow along a direction (x, z0, y) >= 0, x not zero, with
+ *
+ *   y = A x + d z0,   x_i y_i = 0
+ *
+ * (Cottle, Pang, Stone, "The Linear Complementarity Problem", 1992, theorem 4.4.1), so that (A x)_i
+ * = -d_i z0 wherever x_i > 0. Where z0 > 0 that is negative: then x^T A x < 0, and A is neither
+ * copositive nor semimonotone. Where z0 = 0, x^T A x = 0 and A is not strictly so. The basis names
+ * the x_i that grow, except the pair that has no part in it: every pair is tried for it, and the
+ * result is checked in exact arithmetic. */
+
+/* The direction, to the problem's own scale, in w->room.cover: index[size] is the pair out of the
+ * basis, of which x (or y) grows at the rate one. */
+static void direction(nsdae_lcp_work *w, int size, int of_x)
+{
+  int k = w->room.index[size];
+  for (int i = 0; i <= size; i++) {
+    const double *column = w->scaled.A + (size_t)k * (size_t)w->n;
+    w->room.rhs[i] = of_x ? -column[w->room.index[i]] : i == size;
+  }
+  nsdae_la_lu_solve(size + 1, w->room.lu, size + 1, w->room.pivot, w->room.rhs);
+  memset(w->room.cover, 0, (size_t)w->n * sizeof *w->room.cover);
+  for (int i = 0; i < size; i++)
+    w->room.cover[w->room.index[i]] = w->room.rhs[i] * w->scaled.column[w->room.index[i]];
+  if (of_x) w->room.cover[k] = w->scaled.column[k];
+}
+
+/* What x proves: x >= 0, not zero, and where it is positive A x is negative, or not positive. */
+static int proves(const nsdae_lcp_work *w, const double *x)
+{
+  const nsdae_lcp_problem *p = w->problem;
+  int any = 0, proof = NSDAE_LCP_RAY_NOT_COPOSITIVE;
+  for (int i = 0; i < w->n; i++) {
+    if (!(x[i] >= 0 && isfinite(x[i]))) return NSDAE_LCP_RAY_NOTHING;
+    if (x[i] == 0) continue;
+    int sign = nsdae_exact_sign(w->n, p->A + i, p->lda, x);
+    if (sign > 0) return NSDAE_LCP_RAY_NOTHING;
+    if (sign == 0) proof = NSDAE_LCP_RAY_NOT_STRICTLY_COPOSITIVE;
+    any = 1;
+  }
+  return any ? proof : NSDAE_LCP_RAY_NOTHING;
+}
+
+void nsdae_lcp_read_ray(nsdae_lcp_work *w)
+{
+  int size = 0;
+  for (int i = 0; i < w->n; i++)
+    if (w->room.trial[i]) w->room.index[size++] = i;
+  if (w->n > NSDAE_RAY_MAX || size == w->n) return;
+  for (int k = 0; k < w->n; k++) {
+    if (w->room.trial[k]) continue;
+    w->room.index[size] = k;
+    /* Rows index[0 .. size] of the columns index[0 .. size - 1] of A and of d = 1, factored. */
+    double *to = w->room.lu;
+    for (int j = 0; j <= size; j++)
+      for (int i = 0; i <= size; i++) {
+        size_t column = (size_t)w->room.index[j] * (size_t)w->n;
+        *to++ = j == size ? 1 : w->scaled.A[column + (size_t)w->room.index[i]];
+      }
+    if (nsdae_la_lu(size + 1, w->room.lu, size + 1, w->room.pivot) != 0) continue;
+    for (int of_x = 0; of_x < 2; of_x++) {
+      direction(w, size, of_x);
+      /* Small negative entries are rounding: the point with zeros for them is a candidate as good.
+       */
+      double most = 0;
+      for (int i = 0; i < w->n; i++) most = fmax(most, w->room.cover[i]);
+      for (int i = 0; i < w->n; i++)
+        if (fabs(w->room.cover[i]) < 1e-12 * most) w->room.cover[i] = 0;
+      int proof = proves(w, w->room.cover);
+      if (proof == NSDAE_LCP_RAY_NOTHING) continue;
+      w->info->ray = proof;
+      if (proof == NSDAE_LCP_RAY_NOT_COPOSITIVE) return;
+    }
+  }
+}
+
+/* A product of two doubles is the sum of two doubles, p = fl(a u) and fma(a, u, -p) (Dekker, Numer.
+ * Math. 18, 1971). Sums are kept as expansions: doubles that do not overlap, smallest first, whose
+ * exact sum is meant and whose sign is that of the last (Shewchuk, Discrete Comput. Geom. 18, 1997,
+ * Grow-Expansion with zeros left out). */
+
+/* Nonadjacent doubles hold at least two of the 2098 binary places each. */
+enum { LONGEST = 1056 };
+
+typedef struct expansion {
+  double part[LONGEST];
+  int size;
+} expansion;
+
+static void add_exactly(expansion *e, double value)
+{
+  int size = 0;
+  for (int i = 0; i < e->size; i++) { /* sum + error = value + part, exactly */
+    double part = e->part[i], sum = value + part;
+    double shadow = sum - value, error = (value - (sum - shadow)) + (part - shadow);
+    if (error != 0) e->part[size++] = error;
+    value = sum;
+  }
+  if (value != 0) e->part[size++] = value;
+  e->size = size;
+}
+
+/* Sum of the exponents of the factors, or NONE where one is zero. */
+enum { NONE = -10000, SPAN = 900 };
+
+static int power_of(double a, double u)
+{
+  return a == 0 || u == 0 ? NONE : ilogb(a) + ilogb(u);
+}
+
+void nsdae_to_integers(int n, double *w)
+{
+  enum { LARGEST = 4096 };
+  double most = nsdae_largest(n, w), factor = 0;
+  for (int k = 1, whole = 0; k <= LARGEST && !whole; k++) {
+    factor = k / most;
+    whole = 1;
+    for (int i = 0; i < n && whole; i++)
+      whole = !(fabs(factor * w[i] - round(factor * w[i])) > 1e-6);
+    if (!whole && k == LARGEST) factor = 0x1p24 / most;
+  }
+  for (int i = 0; i < n; i++) w[i] = round(factor * w[i]);
+}
+
+int nsdae_exact_sign(int n, const double *a, int stride, const double *u)
+{
+  expansion e = {.size = 0};
+  int largest = NONE;
+  for (int i = 0; i < n; i++) {
+    double factor = a[(size_t)i * (size_t)stride];
+    if (!isfinite(factor) || !isfinite(u[i])) return NSDAE_SIGN_UNKNOWN;
+    int power = power_of(factor, u[i]);
+    if (power > largest) largest = power;
+  }
+  for (int i = 0; i < n; i++) {
+    double factor = a[(size_t)i * (size_t)stride];
+    int power = power_of(factor, u[i]), own = power == NONE ? 0 : ilogb(factor);
+    if (power == NONE) continue;
+    if (power < largest - SPAN) return NSDAE_SIGN_UNKNOWN;
+    double one = ldexp(factor, -own), other = ldexp(u[i], own - largest), product = one * other;
+    add_exactly(&e, fma(one, other, -product));
+    add_exactly(&e, product);
+  }
+  if (e.size == 0) return 0;
+  return e.part[e.size - 1] > 0 ? 1 : -1;
+}
+
+/* Nonnegative least squares by active sets (Lawson and Hanson, "Solving Least Squares Problems",
+ * 1974, chapter 23), on the normal equations of the passive columns. */
+
+enum { OUT, PASSIVE, BANNED };
+
+static const double *cone_column(const nsdae_cone *c, int j)
+{
+  return c->C + (size_t)j * (size_t)c->n;
+}
+
+/* ---- Cholesky factor of the passive columns */
+
+/* Row p of the lower triangle of the products of the passive columns. */
+static void border(const nsdae_cone *c, int p)
+{
+  for (int k = 0; k <= p; k++)
+    c->gram[(size_t)k * (size_t)c->n + (size_t)p] =
+        nsdae_dot(c->n, cone_column(c, c->order[p]), cone_column(c, c->order[k]));
+}
+
+/* Row p of the Cholesky factor from the rows above it; 1 where the column depends on the others. */
+static int extend(const nsdae_cone *c, int p)
+{
+  size_t n = (size_t)c->n, row = (size_t)p;
+  double square = c->gram[row * n + row], rest = square;
+  for (size_t k = 0; k < row; k++) c->s[k] = c->gram[k * n + row];
+  nsdae_la_solve_lower(p, 1, c->factor, c->n, c->s, c->n);
+  for (size_t k = 0; k < row; k++) {
+    c->factor[k * n + row] = c->s[k];
+    rest -= c->s[k] * c->s[k];
+  }
+  c->factor[row * n + row] = sqrt(rest);
+  return !(rest > c->n * DBL_EPSILON * square);
+}
+
+/* s = least squares on the passive columns. */
+static void solve_passive(const nsdae_cone *c, int size, const double *b)
+{
+  for (int k = 0; k < size; k++) c->s[k] = nsdae_dot(c->n, cone_column(c, c->order[k]), b);
+  nsdae_la_solve_lower(size, 1, c->factor, c->n, c->s, c->n);
+  nsdae_la_solve_lower_transposed(size, 1, c->factor, c->n, c->s, c->n);
+}
+
+/* ---- active-set method */
+
+/* Moves z towards s as far as it stays >= 0; what becomes zero leaves. Returns the new size. */
+static int retreat(const nsdae_cone *c, int size)
+{
+  double part = 1;
+  int kept = 0, blocking = -1;
+  for (int k = 0; k < size; k++) {
+    double z = c->z[c->order[k]];
+    if (c->s[k] > 0 || z / (z - c->s[k]) >= part) continue;
+    part = z / (z - c->s[k]);
+    blocking = k;
+  }
+  for (int k = 0; k < size; k++) {
+    int j = c->order[k];
+    c->z[j] += part * (c->s[k] - c->z[j]);
+    if (k != blocking && c->z[j] > 0) {
+      c->order[kept++] = j;
+    } else {
+      c->z[j] = 0;
+      c->state[j] = OUT;
+    }
+  }
+  for (int k = 0; kept < size && k < kept; k++) border(c, k);
+  return kept;
+}
+
+static int all_positive(const double *s, int size)
+{
+  for (int k = 0; k < size; k++)
+    if (!(s[k] > 0)) return 0;
+  return 1;
+}
+
+/* Takes column j in and makes z the least squares of what stays; returns how many that are. */
+static int add_column(const nsdae_cone *c, int size, int j, const double *b)
+{
+  c->order[size] = j;
+  border(c, size);
+  int dependent = extend(c, size);
+  if (!dependent) solve_passive(c, size + 1, b);
+  if (dependent || !(c->s[size] > 0)) { /* or gains nothing but rounding */
+    c->state[j] = BANNED;
+    return size;
+  }
+  c->state[j] = PASSIVE;
+  size++;
+  while (size > 0 && !all_positive(c->s, size)) {
+    size = retreat(c, size);
+    for (int k = 0; k < size; k++) { /* the factor anew */
+      size_t from = (size_t)k * (size_t)c->n + (size_t)k;
+      memcpy(c->factor + from, c->gram + from, (size_t)(size - k) * sizeof *c->gram);
+    }
+    if (nsdae_la_cholesky(size, c->factor, c->n) != 0) return -1;
+    solve_passive(c, size, b);
+  }
+  for (int k = 0; k < size; k++) c->z[c->order[k]] = c->s[k];
+  for (int i = 0; i < c->m; i++)
+    if (c->state[i] == BANNED) c->state[i] = OUT;
+  return size;
+}
+
+int nsdae_cone_separate(const nsdae_cone *c, const double *b)
+{
+  int size = 0;
+  memset(c->z, 0, (size_t)c->m * sizeof *c->z);
+  for (int j = 0; j < c->m; j++) c->state[j] = OUT;
+  for (int i = 0; i < 10 * c->m + 10; i++) {
+    for (int k = 0; k < c->n; k++) c->w[k] = -b[k];
+    for (int k = 0; k < c->m; k++)
+      if (c->z[k] > 0) nsdae_add(c->n, c->z[k], cone_column(c, k), c->w);
+    /* The column along which the norm falls fastest; -1 where it falls along none. */
+    double most = 1e-13;
+    int j = -1;
+    for (int k = 0; k < c->m && size < c->n; k++) {
+      if (!c->allowed[k] || c->state[k] != OUT) continue;
+      double slope = -nsdae_dot(c->n, cone_column(c, k), c->w);
+      if (!(slope > most)) continue;
+      most = slope;
+      j = k;
+    }
+    if (j < 0) return 0;
+    size = add_column(c, size, j, b);
+    if (size < 0) return 1;
+  }
+  return 1;
+}
 
 static double norm(int n, const double *v)
 {

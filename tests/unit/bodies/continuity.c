@@ -45,7 +45,8 @@ static nsdae_solid solid_of(int shape, int hollow)
                    .points = 4,
                    .point = corners};
   for (int i = 0; i < 3; i++) s.length[i] = 0.5 * (1 + below(2));
-  if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX)
+  if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX ||
+      shape == NSDAE_SHAPE_ELLIPSOID)
     s.radius = 0;
   if (shape != NSDAE_SHAPE_POLYHEDRON) return s;
   int which = below(3);
@@ -213,21 +214,26 @@ static void follow_path(const couple *c, const double *q)
   }
 }
 
+static void follow_pair(int d, int shape0, int shape1, int hollow0, int hollow1)
+{
+  int poses = getenv("NSDAE_LONG") ? 20000 : 60;
+  for (int k = 0; k < poses; k++) {
+    nsdae_solid first = solid_of(shape0, hollow0);
+    nsdae_solid second = solid_of(shape1, hollow1);
+    double q[14];
+    couple c = make(d, &first, &second);
+    degenerate_pose(&c, q);
+    follow_path(&c, q);
+    nsdae_bodies_destroy(&c.bodies);
+  }
+}
+
 /* Every pair of these kinds, but for the last with itself. */
 static void follow_all(int d, const int *shapes, int count, int hollow)
 {
-  int poses = getenv("NSDAE_LONG") ? 20000 : 60;
   for (int i = 0; i < count; i++)
-    for (int j = 0; j < count; j++)
-      for (int k = 0; k < poses && i + j < 2 * count - 2; k++) {
-        nsdae_solid first = solid_of(shapes[i], hollow && i == count - 1);
-        nsdae_solid second = solid_of(shapes[j], hollow && j == count - 1);
-        double q[14];
-        couple c = make(d, &first, &second);
-        degenerate_pose(&c, q);
-        follow_path(&c, q);
-        nsdae_bodies_destroy(&c.bodies);
-      }
+    for (int j = 0; j < count && i + j < 2 * count - 2; j++)
+      follow_pair(d, shapes[i], shapes[j], hollow && i == count - 1, hollow && j == count - 1);
 }
 
 static void test_planar(void **state)
@@ -283,8 +289,14 @@ static void test_spatial(void **state)
 {
   const int shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE,     NSDAE_SHAPE_CAPSULE,
                         NSDAE_SHAPE_BOX,   NSDAE_SHAPE_POLYHEDRON, NSDAE_SHAPE_PLANE};
+  const int smooth[] = {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CONE, NSDAE_SHAPE_ELLIPSOID,
+                        NSDAE_SHAPE_DISC};
+  const int others[] = {NSDAE_SHAPE_PLANE, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_POINT};
   (void)state;
   follow_all(3, shapes, 6, 0);
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < (smooth[i] == NSDAE_SHAPE_DISC ? 2 : 3); j++)
+      follow_pair(3, smooth[i], others[j], 0, 0);
 }
 
 /* ---- forces: a block that falls on another for one step of Moreau's scheme */

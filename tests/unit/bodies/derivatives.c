@@ -177,6 +177,8 @@ static const int planar_shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_DISC, NSDAE_S
                                     NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_PLANE};
 static const int spatial_shapes[] = {NSDAE_SHAPE_POINT, NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE,
                                      NSDAE_SHAPE_BOX, NSDAE_SHAPE_PLANE};
+static const int smooth_shapes[] = {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CONE, NSDAE_SHAPE_ELLIPSOID,
+                                    NSDAE_SHAPE_DISC};
 static const double wedge[18] = {-0.5, -0.5, 0,   0.6, -0.5, 0,   -0.4, 0.5, 0.1,
                                  0.5,  0.5,  0.1, 0.2, 0,    0.7, -0.2, 0,   -0.4};
 
@@ -185,12 +187,13 @@ static int add_solid(nsdae_bodies *b, int d, int body, int shape)
   nsdae_solid s = {.shape = shape,
                    .radius = uniform(0.1, 0.5),
                    .length = {uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2)},
-                   .hollow = below(2),
+                   .hollow = d == 2 && below(2),
                    .points = 4,
                    .point = corners,
                    .angle = uniform(-3, 3)};
   if (shape == NSDAE_SHAPE_SEGMENT && below(2)) s.radius = 0;
-  if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX)
+  if (shape == NSDAE_SHAPE_POINT || shape == NSDAE_SHAPE_POLYGON || shape == NSDAE_SHAPE_BOX ||
+      shape == NSDAE_SHAPE_ELLIPSOID)
     s.radius = 0;
   if (d == 3 && shape == NSDAE_SHAPE_POINT && s.length[0] < 1.2) {
     s.shape = NSDAE_SHAPE_POLYHEDRON; /* in place of half of the points */
@@ -215,8 +218,12 @@ static void add_contact(nsdae_bodies *b, int d, int bodies, int shape0, int shap
   if (shapes[shape1] == NSDAE_SHAPE_PLANE && shape0 <= 1) shape0 = 2;
   if (shapes[shape0] == NSDAE_SHAPE_PLANE && shapes[shape1] == NSDAE_SHAPE_PLANE) shape1 = 3;
   if (d == 2 && shape0 == 1 && shape1 == 1) shape1 = 3;
-  int first = add_solid(b, d, pair[0], shapes[shape0]);
-  int second = add_solid(b, d, pair[1], shapes[shape1]);
+  int shape[2] = {shapes[shape0], shapes[shape1]};
+  for (int i = 0; i < 2 && d == 3; i++) /* a smooth shape, half of the times where it can be */
+    if ((shape[1 - i] == NSDAE_SHAPE_PLANE || shape[1 - i] == NSDAE_SHAPE_SPHERE) && below(2))
+      shape[i] = smooth_shapes[below(4)], i = 2;
+  int first = add_solid(b, d, pair[0], shape[0]);
+  int second = add_solid(b, d, pair[1], shape[1]);
   assert_true(first >= 0 && second >= 0);
   assert_true(nsdae_bodies_add_contact(b, first, second, 0.3, 0.5, 0) >= 0);
 }

@@ -509,6 +509,7 @@ static void test_several(void **state)
     assert_int_equal(nsdae_body_from_solids(2, part, density, &body, NULL), NSDAE_OK);
     expect_body(&body, mass, inertia, zero, zero, 1e-14);
   }
+  const double triangle[6] = {0, 0, 1, 0, 0, 1};
   nsdae_solid disc[2] = {{.shape = NSDAE_SHAPE_DISC, .radius = 1, .position = {3, 1}},
                          {.shape = NSDAE_SHAPE_DISC, .radius = 1, .position = {5, 1}}};
   nsdae_rigid_body body = {.position = {1, 1}};
@@ -520,6 +521,7 @@ static void test_several(void **state)
   for (int i = 0; i < 3; i++) assert_near(body.position[i], at[i], 1e-14);
   assert_near(disc[0].position[0], -1, 1e-14);
   nsdae_error error;
+  disc[0] = (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3, .point = triangle};
   disc[1] = whole;
   assert_int_equal(nsdae_body_from_solids(2, disc, density, &body, &error), NSDAE_E_ARGUMENT);
   assert_non_null(strstr(error.text, "solid 1, a box, is no solid in 2 dimensions"));

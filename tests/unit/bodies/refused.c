@@ -454,6 +454,17 @@ static void test_more_solids(void **state)
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .radius = -1}, "radius");
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_SEGMENT, .length = {INFINITY}}, "length");
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3}, "points");
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_CONE, .radius = 1, .length = {0, 0, 1}},
+               "shape");
+  refuse_solid(3, 0, (nsdae_solid){.shape = NSDAE_SHAPE_CONE, .length = {0, 0, 1}}, "radius");
+  refuse_solid(3, 0, (nsdae_solid){.shape = NSDAE_SHAPE_CONE, .radius = 1}, "length");
+  refuse_solid(3, 0, (nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = NAN}, "radius");
+  refuse_solid(3, 0, (nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = 1, .hollow = 1}, "hollow");
+  for (int i = 0; i < 4; i++) {
+    nsdae_solid s = {.shape = NSDAE_SHAPE_ELLIPSOID, .radius = i == 3, .length = {1, 1, 1}};
+    if (i < 3) s.length[i] = -1;
+    refuse_solid(3, 0, s, i < 3 ? "length" : "radius");
+  }
   refuse_contact(0, -1, 0, 0, "solid");
   refuse_contact(4, 1, 0, 0, "solid");
 }

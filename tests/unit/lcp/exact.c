@@ -1,7 +1,7 @@
 /* Signs of sums that rounding gets wrong. */
 #include "check.h"
 
-#include "separation.h"
+#include "proof.h"
 #include "support/random.h"
 
 static void test_cancellation(void **state)

@@ -5,11 +5,10 @@
 #include <nsdae/status.h>
 #include <stdlib.h>
 
-#include "blocks.h"
+#include "rows.h"
 #include "dense.h"
 #include "kkt.h"
 #include "support/random.h"
-#include "rows.h"
 #include "sparse_kkt.h"
 
 enum { BLOCKS = 12, MOST = 7, N = BLOCKS * MOST, ROWS = 14, PARTS = 3 };

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""What a release must have.
+
+usage: release.py versions        the version of CMakeLists.txt is that of all other files
+       release.py check           that, a dated entry in the changelog, and no placeholder of author or address
+       release.py sbom LIBRARY    software bill of materials of a built library, CycloneDX 1.5 as JSON; on Debian
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import urllib.parse
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+# file: where its version is. pyproject.toml may read that of CMakeLists.txt.
+VERSIONS = {
+    "CITATION.cff": r"^version: (.+)",
+    "packaging/conda/meta.yaml": r'set version = "(.+)"',
+    "packaging/debian/changelog": r"\Ansdae \((.+)-",
+    "pyproject.toml": r'^version = "(.+)"',
+}
+ADDRESSED = ("CITATION.cff", "pyproject.toml", "packaging/conda/meta.yaml", "packaging/debian/changelog",
+             "packaging/debian/control", "packaging/spack/package.py")
+
+
+def text(name):
+    return (ROOT / name).read_text()
+
+
+def version():
+    return re.search(r"^project\(nsdae VERSION ([0-9.]+)", text("CMakeLists.txt"), re.M)[1]
+
+
+def other_versions():
+    """Faults: files with another version."""
+    for name, pattern in VERSIONS.items():
+        found = re.search(pattern, text(name), re.M)
+        if found is None and name == "pyproject.toml" and 'input = "CMakeLists.txt"' in text(name):
+            continue
+        if found is None or found[1] != version():
+            yield f"{name}: version {found and found[1]}, CMakeLists.txt has {version()}"
+
+
+def not_ready():
+    """Faults: what keeps this tree from being a release."""
+    log = text("CHANGELOG.md")
+    dated = re.search(rf"^## {re.escape(version())} - (\d{{4}}-\d\d-\d\d)$", log, re.M)
+    if not dated:
+        yield f"CHANGELOG.md: no heading '## {version()} - YYYY-MM-DD'"
+    elif f"date-released: {dated[1]}\n" not in text("CITATION.cff"):
+        yield f"CITATION.cff: date-released is not {dated[1]}, as CHANGELOG.md has"
+    if re.search(r"^## Unreleased\s+[^#\s]|^## Unreleased\s+###", log, re.M):
+        yield "CHANGELOG.md: entries under Unreleased: move them to the version, or raise the version"
+    for name in ADDRESSED:
+        found = re.search(r"[\w.@/:-]*(\.example\b|example\.invalid)[\w/-]*", text(name))
+        if found:
+            yield f"{name}: the placeholder {found[0]}: give the real address"
+
+
+def output(*command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def package_of(path):
+    """Name and version of the Debian package that has the file."""
+    real = str(pathlib.Path(path).resolve())
+    for place in (real, real.removeprefix("/usr")):
+        found = subprocess.run(["dpkg", "-S", place], capture_output=True, text=True).stdout
+        if found:
+            package = found.split(": ")[0]
+            break
+    else:
+        sys.exit(f"{path}: no Debian package has this library: link one that does, or write its entry by hand")
+    return tuple(output("dpkg-query", "-W", "-f", "${Package} ${Version}", package).split())
+
+
+def sbom(library):
+    """The libraries that the dynamic section of the file names, each by the package that has it."""
+    needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output("readelf", "-d", library))
+    places = dict(re.findall(r"(\S+) => (\S+)", output("ldd", library)))
+    components = []
+    for package, number in sorted({package_of(places[name]) for name in needed if name in places}):
+        reference = f"pkg:deb/debian/{package}@{urllib.parse.quote(number)}"
+        components.append({"type": "library", "bom-ref": reference, "name": package, "version": number, "purl": reference})
+    own = {"type": "library", "bom-ref": "nsdae", "name": "nsdae", "version": version(),
+           "licenses": [{"license": {"id": "BSD-3-Clause"}}]}
+    return {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "metadata": {"component": own},
+            "components": components, "dependencies": [{"ref": "nsdae", "dependsOn": [one["bom-ref"] for one in components]}]}
+
+
+def main():
+    verb = sys.argv[1] if len(sys.argv) > 1 else ""
+    if verb == "sbom" and len(sys.argv) == 3:
+        print(json.dumps(sbom(sys.argv[2]), indent=2))
+        return
+    if verb not in ("versions", "check"):
+        sys.exit(__doc__)
+    faults = list(other_versions()) + (list(not_ready()) if verb == "check" else [])
+    if faults:
+        sys.exit("\n".join(faults))
+
+
+if __name__ == "__main__":
+    main()
