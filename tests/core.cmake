@@ -39,12 +39,13 @@ nsdae_unit_test(smooth runge_kutta)
 nsdae_unit_test(smooth ida)
 target_link_libraries(test_unit_smooth_ida PRIVATE test_process_allocator)
 
-foreach(name continuity controls convex_pairs derivatives distance flush forces inertia joints limited limits listed motors position_motors names one_source pins polyhedra user_rows refused sensors smooth)
+foreach(name continuity controls convex_pairs derivatives distance flush forces inertia joints limited limits listed meshes motors position_motors names one_source pins polyhedra user_rows refused sensors smooth)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg
                              ${PROJECT_SOURCE_DIR}/lib/base)
 endforeach()
 
+target_link_libraries(test_unit_bodies_meshes PRIVATE test_allocator)
 target_link_libraries(test_unit_bodies_polyhedra PRIVATE test_allocator)
 
 nsdae_test(anomaly arguments LINKS test_support)
@@ -62,6 +63,7 @@ nsdae_test(system certificate)
 nsdae_test(system scene LINKS test_allocator)
 target_compile_definitions(test_system_scene PRIVATE _POSIX_C_SOURCE=200809L)
 nsdae_test(system slop LINKS test_support)
+nsdae_test(system meshes LINKS test_support)
 nsdae_test(system polyhedra LINKS test_support)
 nsdae_test(system pairs LINKS test_support test_allocator)
 nsdae_test(system rolling_shapes LINKS test_support)

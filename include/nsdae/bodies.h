@@ -52,7 +52,7 @@ typedef struct nsdae_rigid_body {
 
 /* A solid: the shape of a body or of a part of it, for contacts and inertia. Its frame is the
  * body's frame unless position, angle or quaternion are given. All solids are convex, except a
- * hollow disc. A body that is not convex has several solids.
+ * hollow disc, meshes and height fields. A body that is not convex has several solids.
  *
  *   POINT
  *   DISC      planar: radius; hollow: the material is outside the circle. Spatial: radius; across z
@@ -70,20 +70,35 @@ typedef struct nsdae_rigid_body {
  *   POLYHEDRON   spatial: the convex hull of points in any order, with at most 1024 corners and a
  *                width of at least 1e-5 of its size. NSDAE_E_UNSUPPORTED: the library was built
  *                without Qhull
+ *   MESH      surface of triangles of the ground, anticlockwise seen from outside; beneath it is
+ *             material, length[2] > 0 deep. Points in the same place are one. It may be open. A
+ *             triangle without area is refused
+ *   HEIGHT_FIELD   the same of grid[0] x grid[1] heights z over a rectangle of length[0] x
+ *                  length[1] about the origin. A cell is two triangles with a common side from its
+ *                  corner of least x and y
+ *
+ * MESH and HEIGHT_FIELD touch POINT, SPHERE, CAPSULE, BOX and POLYHEDRON by nsdae_bodies_set_pair.
+ * A body may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to
+ * 1.2e-7 of the largest coordinate, are one face. Edges within a face and in a valley have no
+ * contacts
  *
  * CYLINDER, CONE, ELLIPSOID and DISC (spatial) have exact contacts with PLANE, SPHERE and POINT.
  * With the others and each other their contacts are for time stepping: nsdae_sim_create refuses
  * event and penalty. A DISC and another DISC or a POINT have none: they have no inside. */
 typedef struct nsdae_solid {
-  int shape;            /* enum nsdae_shape, except PATH */
-  double radius;        /* >= 0 [m] */
-  double length[3];     /* [m] */
-  int hollow;           /* a disc: not 0 for a hole */
-  int points;           /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4 */
-  const double *point;  /* POLYGON: points x 2, x and y of each corner; POLYHEDRON: points x 3;
-                           copied */
-  double position[3];   /* of its frame in the body's frame [m] */
-  double angle;         /* planar: of its frame in the body's frame [rad] */
+  int shape;           /* enum nsdae_shape, except PATH */
+  double radius;       /* >= 0 [m] */
+  double length[3];    /* [m] */
+  int hollow;          /* a disc: not 0 for a hole */
+  int points;          /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4; MESH: of
+                          points, >= 3 */
+  const double *point; /* POLYGON: points x 2, x and y of each corner; POLYHEDRON, MESH: points x 3;
+                          HEIGHT_FIELD: grid[1] x grid[0] heights, x runs fastest; copied */
+  int triangles;       /* MESH: number of triangles, 1 .. 2^24 */
+  const int *triangle; /* MESH: triangles x 3, numbers of points from 0; copied */
+  int grid[2];         /* HEIGHT_FIELD: number of heights along x and y, >= 2 */
+  double position[3];  /* of its frame in the body's frame [m] */
+  double angle;        /* planar: of its frame in the body's frame [rad] */
   double quaternion[4]; /* spatial: of its frame in the body's frame; all zero: no rotation */
   int material;         /* 0 .. NSDAE_MATERIALS - 1, for nsdae_bodies_set_pair */
   int group;            /* bits 0 .. 30 of the groups of the solid; 0: none */
@@ -93,10 +108,10 @@ typedef struct nsdae_solid {
 
 /* Mass and principal moments inertia[3] about the centre of mass, in the frame of the solid.
  * density is uniform and has the unit kg/m^3 (planar kg/m^2). Supported: DISC, POLYGON, SPHERE,
- * CAPSULE, BOX, POLYHEDRON, CYLINDER, ELLIPSOID; of a DISC density is that of its area [kg/m^2].
- * The points of a POLYGON or POLYHEDRON must be relative to its centroid, and the axes of its frame
- * principal axes; else, and for a CONE, use nsdae_body_from_solids. NSDAE_E_ARGUMENT: the text
- * names the invalid field. error may be NULL. */
+ * CAPSULE, BOX, POLYHEDRON, CYLINDER, ELLIPSOID, closed MESH; of a DISC density is that of its area
+ * [kg/m^2]. The points of a POLYGON, POLYHEDRON or MESH must be relative to its centroid, and the
+ * axes of its frame principal axes; else, and for a CONE, use nsdae_body_from_solids.
+ * NSDAE_E_ARGUMENT: the text names the invalid field. error may be NULL. */
 NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, double *mass,
                                   double inertia[3], nsdae_error *error);
 
@@ -109,8 +124,9 @@ NSDAE_API int nsdae_solid_inertia(const nsdae_solid *solid, double density, doub
 NSDAE_API int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *density,
                                      nsdae_rigid_body *body, nsdae_error *error);
 
-/* The surface of a POLYHEDRON in its frame, for pictures: triangles x 3 corners x 3 coordinates,
- * anticlockwise seen from outside. triangle has room for 9 (2 points - 4) numbers. Returns the
+/* The surface of a POLYHEDRON, MESH or HEIGHT_FIELD in its frame, for pictures: triangles x 3
+ * corners x 3 coordinates, anticlockwise seen from outside. triangle has room for 9 (2 points - 4)
+ * numbers, of a MESH 9 triangles, of a HEIGHT_FIELD 18 (grid[0] - 1) (grid[1] - 1). Returns the
  * number of triangles, or an error as above. */
 NSDAE_API int nsdae_solid_triangles(const nsdae_solid *solid, double *triangle, nsdae_error *error);
 
@@ -416,7 +432,8 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
  *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
  *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12,
- * POLYHEDRON its own, else 0). Limit i has the id L + i with L = K + S^2 C.
+ * POLYHEDRON its own, else 0). With a MESH or HEIGHT_FIELD C is at least (1 + corners + edges) P,
+ *  where P is 4 triangles + points of the largest one. Limit i has the id L + i with L = K + S^2 C.
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,

@@ -16,11 +16,13 @@ enum nsdae_shape {
   NSDAE_SHAPE_SPHERE,
   NSDAE_SHAPE_CAPSULE, /* all points within a radius of a segment along z of its frame */
   NSDAE_SHAPE_BOX,
-  NSDAE_SHAPE_PLANE,      /* half-space (spatial) or half-plane (planar): floor, wall */
-  NSDAE_SHAPE_POLYHEDRON, /* convex, spatial */
-  NSDAE_SHAPE_CYLINDER,   /* along z of its frame */
-  NSDAE_SHAPE_CONE,       /* round, its apex towards z, the origin at half its height */
-  NSDAE_SHAPE_ELLIPSOID   /* axes along those of its frame */
+  NSDAE_SHAPE_PLANE,       /* half-space (spatial) or half-plane (planar): floor, wall */
+  NSDAE_SHAPE_POLYHEDRON,  /* convex, spatial */
+  NSDAE_SHAPE_CYLINDER,    /* along z of its frame */
+  NSDAE_SHAPE_CONE,        /* round, its apex towards z, the origin at half its height */
+  NSDAE_SHAPE_ELLIPSOID,   /* axes along those of its frame */
+  NSDAE_SHAPE_MESH,        /* surface of triangles, spatial; the ground's */
+  NSDAE_SHAPE_HEIGHT_FIELD /* heights on a grid, spatial; the ground's */
 };
 
 /* Shape and pose of a body, for programs that draw trajectories (nsdae-animate, nsdae-vtk). These

@@ -32,33 +32,30 @@ typedef struct listing {
   int omega; /* is asked for */
   long id;   /* of the pair's first feature */
   nsdae_bodies_pair law;
-  nsdae_meeting met;
 } listing;
 
-static int list_feature(void *to, const nsdae_feature *f)
+static int list_closest(void *to, long number, const nsdae_closest *closest,
+                        const nsdae_couple *two)
 {
   const listing *l = to;
   int dimension = l->broad->b->dimension;
-  nsdae_closest closest;
-  if (!nsdae_feature_closest(f, &l->met, &closest)) return 0;
-  const nsdae_couple two = nsdae_feature_couple(f, &l->met);
-  const nsdae_still still = nsdae_closest_still(&closest, &two);
+  const nsdae_still still = nsdae_closest_still(closest, two);
   if (still.gap > l->reach) return 0;
-  nsdae_contact c = {.id = l->id + f->number,
+  nsdae_contact c = {.id = l->id + number,
                      .gap = still.gap,
                      .mu = l->law.mu,
                      .e_n = l->law.e_n,
                      .e_t = l->law.e_t,
-                     .omega_given = l->omega && !l->met.curved};
-  nsdae_bodies_contact_rows(dimension, &two, &still, dimension, &c);
+                     .omega_given = l->omega && nsdae_pair_is_exact(two->solid[0], two->solid[1])};
+  nsdae_bodies_contact_rows(dimension, two, &still, dimension, &c);
   if (c.omega_given) {
-    const nsdae_touch touch = nsdae_closest_touch(&closest, &two);
-    nsdae_bodies_contact_omega(dimension, &two, &touch, c.omega);
+    const nsdae_touch touch = nsdae_closest_touch(closest, two);
+    nsdae_bodies_contact_omega(dimension, two, &touch, c.omega);
   }
   return nsdae_contact_add(l->list, &c);
 }
 
-/* Features of two solids in the order of nsdae_pair_features. */
+/* Contacts of two solids in the order of nsdae_pair_contacts. */
 static int list_features(listing *l, int i, int j)
 {
   const nsdae_solid_of *solids = l->broad->b->solid.at;
@@ -66,9 +63,7 @@ static int list_features(listing *l, int i, int j)
   const nsdae_solid_of *s0 = &solids[turned ? j : i], *s1 = &solids[turned ? i : j];
   const nsdae_couple two = {
       {s0, s1}, {nsdae_broad_pose(l->broad, s0->body), nsdae_broad_pose(l->broad, s1->body)}};
-  nsdae_meet(&two, l->reach, &l->met);
-  if (l->met.far) return 0;
-  return nsdae_pair_features(solids, i, j, &l->met, list_feature, l);
+  return nsdae_pair_contacts(solids, i, j, &two, l->reach, list_closest, l);
 }
 
 static int list_pair(void *to, const nsdae_broad *p, int i, int j)
@@ -76,7 +71,7 @@ static int list_pair(void *to, const nsdae_broad *p, int i, int j)
   listing *l = to;
   const nsdae_solid_of *s = p->b->solid.at;
   if (p->excludes > 0 && nsdae_broad_is_excluded(p, i, j)) return 0;
-  l->law = *p->pair[s[i].material][s[j].material];
+  l->law = *p->pair[s[i].filter.material][s[j].filter.material];
   l->id = p->b->feature.count + nsdae_broad_pair(p->b, i, j) * p->features;
   return list_features(l, i, j);
 }
@@ -139,7 +134,7 @@ static int list_limits(const listing *l)
   return status;
 }
 
-/* Each pass with a meeting of its own. */
+/* Each pass with a listing of its own. */
 static int list_pass(void *to, nsdae_contact_list *list, int pass)
 {
   const listing *from = to;
@@ -200,7 +195,8 @@ static int contact_speed(double t, const double *q, const double *v, double *spe
   double size = 0, first = 0, second = 0;
   (void)t;
   for (int i = 0; i < b->solid.count; i++)
-    if (!nsdae_solid_at(b, i)->hollow) size = fmax(size, nsdae_solid_at(b, i)->size);
+    if (!nsdae_solid_at(b, i)->hollow && !nsdae_solid_at(b, i)->mesh)
+      size = fmax(size, nsdae_solid_at(b, i)->size);
   for (int i = 0; i < b->solid.count; i++) {
     const nsdae_solid_of *s = nsdae_solid_at(b, i);
     if (s->body == NSDAE_GROUND) continue;

@@ -11,6 +11,7 @@
 #include "broad_phase.h"
 #include "errors.h"
 #include "bodies_impl.h"
+#include "mesh.h"
 
 int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error)
 {
@@ -37,6 +38,7 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   for (int i = 0; i < b->solid.count; i++) {
     free(nsdae_solid_at(b, i)->point);
     nsdae_hull_release(nsdae_solid_at(b, i)->hull);
+    nsdae_mesh_release(nsdae_solid_at(b, i)->mesh);
   }
   nsdae_list *lists[] = {
       &b->body,         &b->constraint, &b->frictional_joint, &b->solid, &b->feature, &b->limit,

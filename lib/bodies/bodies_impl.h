@@ -378,11 +378,16 @@ void nsdae_bodies_contact_omega(int dimension, const nsdae_couple *two, const ns
 typedef int (*nsdae_feature_fn)(void *to, const nsdae_feature *feature);
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to);
-/* Whether two solids of which one is a disc have no inside: without contacts. The error. */
-int nsdae_pair_is_thin(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
-int nsdae_bodies_refuse_thin(nsdae_bodies *bodies, const char *what, int index, int solid0,
+/* The contacts of these two, in the order of nsdae_pair_is_turned, handed to add until that returns
+ * < 0. Gaps up to the reach are there, some others too. */
+int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to);
+/* Whether two solids have no contacts: a disc and a point or disc, a smooth shape and a mesh. The
+ * error. */
+int nsdae_pair_has_none(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
+int nsdae_bodies_refuse_pair(nsdae_bodies *bodies, const char *what, int index, int solid0,
                              int solid1);
-/* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have no inside. */
+/* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have none. */
 int nsdae_bodies_check_shapes(nsdae_bodies *bodies);
 /* The same: they have contacts for time stepping alone. */
 int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error);

@@ -1,8 +1,10 @@
 #include "broad_phase.h"
 
 #include "errors.h"
-#include "support.h"
+#include "mesh.h"
+#include "narrow_phase.h"
 
+#include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,16 +25,17 @@ static int by_value(const void *a, const void *b)
 
 long nsdae_broad_features(const nsdae_bodies *b)
 {
-  long corners = 1, edges = 0, curved = 0;
+  double corners = 1, edges = 0, parts = 0, smooth = 0;
   for (int i = 0; i < b->solid.count; i++) {
     const nsdae_solid_of *s = nsdae_solid_at(b, i);
-    long n = s->points, e = nsdae_solid_edges(s);
-    if (n > corners) corners = n;
-    if (e > edges) edges = e;
-    curved |= nsdae_solid_is_smooth(s);
+    corners = fmax(corners, s->points);
+    edges = fmax(edges, nsdae_solid_edges(s));
+    if (s->mesh) parts = fmax(parts, (double)nsdae_mesh_parts(s->mesh));
+    if (nsdae_solid_is_smooth(s)) smooth = 1;
   }
-  long exact = 2 * corners + edges * edges, other = curved * (1 + corners) * (1 + corners);
-  return exact > other ? exact : other;
+  double most = fmax(2 * corners + edges * edges, (1 + corners + edges) * parts);
+  most = fmax(most, smooth * (1 + corners) * (1 + corners)); /* see support.h */
+  return (long)fmin(most, (double)(LONG_MAX / 2)); /* which nsdae_bodies_check_ids refuses */
 }
 
 /* ---- memory */
@@ -154,8 +157,8 @@ void nsdae_broad_give_back(nsdae_bodies *b, nsdae_broad *p)
 
 static inline int may_touch(const nsdae_broad *p, const nsdae_solid_of *s, int i, int j)
 {
-  return s[i].body != s[j].body && p->pair[s[i].material][s[j].material] != NULL &&
-         !((s[i].group & s[j].exclude) | (s[j].group & s[i].exclude));
+  return s[i].body != s[j].body && p->pair[s[i].filter.material][s[j].filter.material] != NULL &&
+         !((s[i].filter.group & s[j].filter.exclude) | (s[j].filter.group & s[i].filter.exclude));
 }
 
 static int are_near(const nsdae_broad *p, int i, int j, double reach)
@@ -218,8 +221,8 @@ static int find_pair(nsdae_bodies *b, pair_fn is, int pair[2], nsdae_error *erro
 
 int nsdae_bodies_check_shapes(nsdae_bodies *b)
 {
-  int pair[2] = {0, 0}, found = find_pair(b, nsdae_pair_is_thin, pair, &b->error);
-  return found > 0 ? nsdae_bodies_refuse_thin(b, "solid", pair[0], pair[0], pair[1]) : found;
+  int pair[2] = {0, 0}, found = find_pair(b, nsdae_pair_has_none, pair, &b->error);
+  return found > 0 ? nsdae_bodies_refuse_pair(b, "solid", pair[0], pair[0], pair[1]) : found;
 }
 
 static int is_inexact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)

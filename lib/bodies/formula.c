@@ -9,6 +9,7 @@
 
 #include "words.h"
 #include "bodies_impl.h"
+#include "mesh.h"
 
 enum { LENGTH = 256, NAME = 24 }; /* the longest formula of a file; x0, theta12 */
 
@@ -221,14 +222,17 @@ static int show_solid(const nsdae_bodies *b, nsdae_system *system, int i)
   if (s->shape == NSDAE_SHAPE_SEGMENT) {
     set_position(&p, b, s->body, s->point);
     set_point(b, s->body, s->point + 3, p.end, p.body.end);
-  } else if (s->shape == NSDAE_SHAPE_POLYGON || s->shape == NSDAE_SHAPE_POLYHEDRON) {
+  } else if (s->shape == NSDAE_SHAPE_POLYGON || s->shape == NSDAE_SHAPE_POLYHEDRON || s->mesh) {
     /* its corners are in the body's frame */
+    size_t most = s->mesh ? (size_t)s->mesh->triangles : 2 * (size_t)s->points;
     p.body.points = s->points;
     p.body.point = s->point;
-    if (s->hull) {
-      p.body.point = triangles = malloc(18 * (size_t)s->points * sizeof *triangles);
+    if (s->hull || s->mesh) {
+      p.body.shape = NSDAE_SHAPE_POLYHEDRON; /* a surface of triangles */
+      p.body.point = triangles = malloc(9 * most * sizeof *triangles);
       if (!triangles) return NSDAE_E_MEMORY;
-      p.body.points = 3 * nsdae_hull_triangles(s->hull, s->point, triangles);
+      p.body.points = 3 * (s->mesh ? nsdae_mesh_triangles(s->mesh, triangles)
+                                   : nsdae_hull_triangles(s->hull, s->point, triangles));
     }
     set_position(&p, b, s->body, centre);
     set_frame(&p, b, s->body, 0, no_turn);

@@ -17,6 +17,7 @@
 
 #include "errors.h"
 #include "hull.h"
+#include "mesh.h"
 #include "narrow_phase.h"
 
 /* Mass, centre, and int x x^T dm about 0 or the centre. */
@@ -83,6 +84,42 @@ static void add_hull(moments *m, const nsdae_hull *h)
     }
 }
 
+/* A surface, if it is closed: across each side of a triangle is another one, which runs along it in
+ * the opposite direction. */
+static int add_mesh(moments *m, const nsdae_solid *s, nsdae_error *error)
+{
+  const double same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, zero[3] = {0, 0, 0};
+  const char *where = "nsdae_solid";
+  nsdae_surface surface;
+  const nsdae_mesh *mesh = NULL;
+  int status = nsdae_surface_of(s, &surface, error);
+  if (status == NSDAE_OK)
+    status = nsdae_mesh_create(&surface, s->length[2], same, zero, &mesh, error);
+  for (int i = 0; status == NSDAE_OK && i < 3 * mesh->triangles; i++)
+    if (mesh->beside[i / 3][i % 3] < 0)
+      status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "triangle",
+                               "side %d of triangle %d (points %d and %d) is no side of one other "
+                               "triangle in the opposite direction: a body is a closed surface",
+                               i % 3, i / 3, mesh->corner[i / 3][i % 3],
+                               mesh->corner[i / 3][(i + 1) % 3]);
+  for (int t = 0; status == NSDAE_OK && t < mesh->triangles; t++) {
+    double x[3][3], cross[3];
+    for (int j = 0; j < 9; j++)
+      x[j / 3][j % 3] = nsdae_mesh_corner(mesh, t, j / 3)[j % 3] - s->point[j % 3];
+    const double *const corner[3] = {x[0], x[1], x[2]};
+    nsdae_cross3(x[1], x[2], cross);
+    add_simplex(m, nsdae_dot3(x[0], cross) / 6, corner, 3);
+  }
+  if (status == NSDAE_OK && !(m->mass > 0))
+    status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "triangle",
+                             "the volume of the mesh is %g: triangles must be anticlockwise seen "
+                             "from outside",
+                             m->mass);
+  nsdae_mesh_release(mesh);
+  nsdae_surface_release(&surface);
+  return status;
+}
+
 /* A cylinder of radius r and height l along z; half balls at its ends, whose centroids are 3/8 r
  * beyond them; a ball is two of them. int x_i^2 dm = (J_j + J_k - J_i) / 2 */
 static void round_moments(double r, double l, double density, moments *m)
@@ -126,7 +163,10 @@ static int find_moments(const nsdae_solid *s, double density, moments *m, nsdae_
     status = nsdae_hull_create(s->points, s->point, &hull, error);
   if (status < 0) return status;
   *m = (moments){.mass = 0};
-  if (s->shape == NSDAE_SHAPE_POLYGON) {
+  if (s->shape == NSDAE_SHAPE_MESH) {
+    if ((status = add_mesh(m, s, error)) < 0) return status;
+    finish(m, s->point, density);
+  } else if (s->shape == NSDAE_SHAPE_POLYGON) {
     add_polygon(m, s);
     finish(m, (const double[]){s->point[0], s->point[1], 0}, density);
   } else if (hull) {
@@ -171,13 +211,14 @@ static int check_shape(const nsdae_solid *s, double density, const char *where, 
   case NSDAE_SHAPE_BOX:
   case NSDAE_SHAPE_POLYHEDRON:
   case NSDAE_SHAPE_CYLINDER:
+  case NSDAE_SHAPE_MESH:
   case NSDAE_SHAPE_CONE:
   case NSDAE_SHAPE_ELLIPSOID:
     if (!s->hollow) return NSDAE_OK;
   }
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
                          "shape = %d has no mass by density (disc, polygon, sphere, capsule, box, "
-                         "polyhedron, cylinder, cone, ellipsoid have)",
+                         "polyhedron, cylinder, cone, ellipsoid, closed mesh have)",
                          s->shape);
 }
 
@@ -319,10 +360,21 @@ int nsdae_solid_triangles(const nsdae_solid *s, double *triangle, nsdae_error *e
   const char *where = "nsdae_solid_triangles";
   const nsdae_hull *hull;
   nsdae_error_clear(error);
-  if (!s || !triangle || s->shape != NSDAE_SHAPE_POLYHEDRON)
+  if (!s || !triangle ||
+      (s->shape != NSDAE_SHAPE_POLYHEDRON && s->shape != NSDAE_SHAPE_MESH &&
+       s->shape != NSDAE_SHAPE_HEIGHT_FIELD))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "solid",
-                           "solid or triangle is NULL, or the solid is no polyhedron");
+                           "solid or triangle is NULL, or the solid is no polyhedron, mesh or "
+                           "height field");
   int status = nsdae_solid_check(s, error);
+  if (status == NSDAE_OK && s->shape != NSDAE_SHAPE_POLYHEDRON) {
+    nsdae_surface surface;
+    status = nsdae_surface_of(s, &surface, error);
+    for (long i = 0; status == NSDAE_OK && i < 9L * surface.triangles; i++)
+      triangle[i] = surface.point[3L * surface.triangle[i / 3] + i % 3];
+    nsdae_surface_release(&surface);
+    return status < 0 ? status : surface.triangles;
+  }
   if (status == NSDAE_OK) status = nsdae_hull_create(s->points, s->point, &hull, error);
   if (status < 0) return status;
   int count = nsdae_hull_triangles(hull, hull->corner, triangle);

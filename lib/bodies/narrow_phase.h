@@ -94,6 +94,10 @@ int nsdae_pair_is_exact(const nsdae_solid_of *solid0, const nsdae_solid_of *soli
 int nsdae_find_manifold(const nsdae_couple *two, double enough, nsdae_manifold *manifold);
 int nsdae_manifold_closest(const nsdae_meeting *met, int number, nsdae_closest *closest);
 
+/* A contact of two solids: its number, its closest parts and the solids in their order. */
+typedef int (*nsdae_contact_fn)(void *to, long number, const nsdae_closest *closest,
+                                const nsdae_couple *two);
+
 /* The closest parts of a feature of two solids that met, and these with the base first. 0: another
  * feature is nearer, or the gap is larger than the reach; there are none then. */
 int nsdae_feature_closest(const nsdae_feature *feature, const nsdae_meeting *met,

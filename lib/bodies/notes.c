@@ -103,12 +103,12 @@ static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS
                        int *last)
 {
   const nsdae_solid_of *s = nsdae_solid_at(b, i);
-  if (s->exclude == -1) return 1;
+  if (s->filter.exclude == -1) return 1;
   for (int k = 0; k < b->solid.count; k++) {
     int j = (*last + k) % b->solid.count;
     const nsdae_solid_of *other = nsdae_solid_at(b, j);
-    if (s->body != other->body && touches[s->material][other->material] &&
-        !((s->group & other->exclude) | (other->group & s->exclude)) &&
+    if (s->body != other->body && touches[s->filter.material][other->filter.material] &&
+        !((s->filter.group & other->filter.exclude) | (other->filter.group & s->filter.exclude)) &&
         !is_joined(b, s->body, other->body)) {
       *last = j;
       return 1;
@@ -156,7 +156,7 @@ static int note_material(nsdae_bodies *b)
     int used = name[i].kind != NSDAE_NAMED_MATERIAL;
     nsdae_suggest meant = nsdae_suggest_start(name[i].text);
     for (int j = 0; j < b->solid.count && !used; j++)
-      used = nsdae_solid_at(b, j)->material == name[i].i;
+      used = nsdae_solid_at(b, j)->filter.material == name[i].i;
     for (int j = 0; j < b->name.count && !used; j++)
       if (j != i && name[j].kind == NSDAE_NAMED_MATERIAL) nsdae_suggest_try(&meant, name[j].text);
     if (used) continue;

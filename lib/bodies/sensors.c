@@ -17,6 +17,7 @@
 #include <nsdae/sim.h>
 
 #include "broad_phase.h"
+#include "mesh.h"
 
 static const char *const what = "sensor";
 
@@ -233,27 +234,23 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
 enum { ANY = -1 }; /* in place of a number */
 typedef struct pressed {
   const nsdae_bodies *b;
-  nsdae_meeting met;
   int on;
   long number;
   double impulse[3], gap, force[3];
 } pressed;
 
-static int find_force(void *to, const nsdae_feature *f)
+static int find_force(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
 {
   pressed *p = to;
-  nsdae_closest closest;
   nsdae_contact c;
   int d = p->b->dimension, go_on = p->number == ANY ? 0 : -1;
-  if (p->number != ANY && f->number != p->number) return 0;
-  if (!nsdae_feature_closest(f, &p->met, &closest)) return go_on;
-  const nsdae_couple two = nsdae_feature_couple(f, &p->met);
-  const nsdae_still still = nsdae_closest_still(&closest, &two);
+  if (p->number != ANY && number != p->number) return 0;
+  const nsdae_still still = nsdae_closest_still(closest, two);
   if (still.gap >= p->gap) return go_on;
   p->gap = still.gap;
-  nsdae_bodies_contact_rows(d, &two, &still, d, &c);
-  int side = two.solid[0]->body == NSDAE_GROUND;
-  double sign = two.solid[side] == nsdae_solid_at(p->b, p->on) ? 1 : -1;
+  nsdae_bodies_contact_rows(d, two, &still, d, &c);
+  int side = two->solid[0]->body == NSDAE_GROUND;
+  double sign = two->solid[side] == nsdae_solid_at(p->b, p->on) ? 1 : -1;
   for (int i = 0; i < d; i++) {
     p->force[i] = 0;
     for (int j = 0; j < d; j++) p->force[i] += sign * p->impulse[j] * c.direction[side][j][i];
@@ -269,11 +266,12 @@ static void add_contact(pressed *p, const int solid[2], const nsdae_record *r, d
   const nsdae_pose pose[2] = {nsdae_bodies_pose(p->b, s[0]->body, r->q, NULL),
                               nsdae_bodies_pose(p->b, s[1]->body, r->q, NULL)};
   const nsdae_couple two = {{s[0], s[1]}, {&pose[0], &pose[1]}};
-  nsdae_meet(&two, INFINITY, &p->met);
+  double reach = s[0]->mesh ? s[0]->mesh->thickness + s[1]->size : INFINITY;
   p->gap = INFINITY;
-  nsdae_pair_features(solids, solid[0], solid[1], &p->met, find_force, p);
+  nsdae_pair_contacts(solids, solid[0], solid[1], &two, reach, find_force, p);
   p->number = ANY;
-  if (!(p->gap < INFINITY)) nsdae_pair_features(solids, solid[0], solid[1], &p->met, find_force, p);
+  if (!(p->gap < INFINITY))
+    nsdae_pair_contacts(solids, solid[0], solid[1], &two, reach, find_force, p);
   for (int i = 0; i < p->b->dimension && p->gap < INFINITY; i++) sum[i] += p->force[i];
 }
 

@@ -6,6 +6,7 @@
 
 #include "errors.h"
 #include "bodies_impl.h"
+#include "mesh.h"
 #include "support.h"
 
 /* Solids in the plane, in space; their corners (a polygon has its own number), and what is above 0:
@@ -27,6 +28,8 @@ static const struct {
     [NSDAE_SHAPE_CYLINDER] = {"cylinder", 0, 1, 8, 1, 1 << 2},
     [NSDAE_SHAPE_CONE] = {"cone", 0, 1, 5, 1, 1 << 2},
     [NSDAE_SHAPE_ELLIPSOID] = {"ellipsoid", 0, 1, 1, 0, 7},
+    [NSDAE_SHAPE_MESH] = {"mesh", 0, 1, 0, 0, 1 << 2},
+    [NSDAE_SHAPE_HEIGHT_FIELD] = {"height field", 0, 1, 0, 0, 7},
 };
 
 const char *nsdae_solid_name(int shape)
@@ -107,6 +110,9 @@ int nsdae_solid_check(const nsdae_solid *s, nsdae_error *error)
       return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "length",
                              "length[%d] = %g of a %s is not a number above 0", i, s->length[i],
                              name);
+  if (s->radius != 0 && (s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD))
+    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "radius", "radius = %g of a %s is not 0",
+                           s->radius, name);
   return s->shape == NSDAE_SHAPE_POLYGON      ? check_polygon(s, error)
          : s->shape == NSDAE_SHAPE_POLYHEDRON ? check_polyhedron(s, error)
                                               : NSDAE_OK;
@@ -160,6 +166,7 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
     made->size = fmax(made->size, sqrt(nsdae_dot3(d, d)));
   }
   made->size += made->radius;
+  if (made->mesh) nsdae_mesh_extent(made->mesh, made->origin, &made->size);
   for (int j = 0; j < 3; j++) made->half[j] = s->length[j] / 2;
   if (nsdae_solid_is_smooth(made)) {
     double *half = made->half;
@@ -204,6 +211,33 @@ static int check_material(nsdae_bodies *b, const char *what, int index, int mate
                              NSDAE_MATERIALS - 1);
 }
 
+static int is_surface(const nsdae_solid *s)
+{
+  return s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD;
+}
+
+/* The mesh of a mesh or height field in the frame of its body. */
+static int add_surface(nsdae_bodies *b, int body, const nsdae_solid *s, int index,
+                       const nsdae_mesh **mesh)
+{
+  nsdae_solid_of frame = {.points = 0};
+  nsdae_surface surface;
+  nsdae_error why;
+  int status = NSDAE_OK;
+  if (body != NSDAE_GROUND && s->exclude != -1)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "body", index,
+                               "a %s of body %d: give it to the ground (%d), or set exclude = -1 "
+                               "if it is for pictures alone",
+                               kinds[s->shape].name, body, NSDAE_GROUND);
+  place_solid(b, s, &frame);
+  status = nsdae_surface_of(s, &surface, &why);
+  if (status == NSDAE_OK)
+    status = nsdae_mesh_create(&surface, s->length[2], frame.R, frame.origin, mesh, &why);
+  nsdae_surface_release(&surface);
+  return status < 0 ? nsdae_bodies_refuse(b, status, "solid", why.argument, index, "%s", why.text)
+                    : NSDAE_OK;
+}
+
 int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
 {
   int status = nsdae_bodies_open(b, s, "solid");
@@ -241,26 +275,28 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                : s->shape == NSDAE_SHAPE_DISC && b->dimension == 3 ? 4
                                                                    : kinds[s->shape].corners;
   int faces = hull ? hull->faces : points; /* of a polygon its edges */
+  const nsdae_mesh *mesh = NULL;
+  if (is_surface(s) && (status = add_surface(b, body, s, index, &mesh)) < 0) return status;
   size_t numbers = 3 * (size_t)points + 4 * (size_t)faces;
   double *corners = calloc(numbers + 1, sizeof *corners);
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
   if (!made) {
     free(corners);
     nsdae_hull_release(hull);
+    nsdae_mesh_release(mesh);
     return nsdae_error_memory(&b->error, "nsdae_bodies");
   }
-  *made =
-      (nsdae_solid_of){.body = body,
-                       .shape = s->shape,
-                       .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
-                       .points = points,
-                       .material = s->material,
-                       .group = s->group | INT_MIN, /* so that exclude = -1 has a bit in common */
-                       .exclude = s->exclude,
-                       .radius = s->radius,
-                       .point = corners,
-                       .edge = corners + 3 * points,
-                       .hull = hull};
+  *made = (nsdae_solid_of){.body = body,
+                           .shape = s->shape,
+                           .hollow = s->shape == NSDAE_SHAPE_DISC && s->hollow,
+                           .points = points,
+                           /* INT_MIN: exclude = -1 has a bit in common */
+                           .filter = {s->material, s->group | INT_MIN, s->exclude},
+                           .radius = s->radius,
+                           .point = corners,
+                           .edge = corners + 3 * points,
+                           .hull = hull,
+                           .mesh = mesh};
   if (nsdae_solid_is_smooth(made)) made->radius = 0;
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
@@ -279,7 +315,7 @@ static int is_round(const nsdae_solid_of *s)
 /* Whether nothing but corners of others can touch it. */
 static int is_base(const nsdae_solid_of *s)
 {
-  return s->shape == NSDAE_SHAPE_PLANE || s->hollow;
+  return s->shape == NSDAE_SHAPE_PLANE || s->hollow || s->mesh;
 }
 
 /* Where the features of a pair go. */
@@ -373,6 +409,30 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   return s.status;
 }
 
+typedef struct closest_sink {
+  nsdae_meeting met;
+  nsdae_contact_fn add;
+  void *to;
+} closest_sink;
+
+static int add_closest(void *to, const nsdae_feature *f)
+{
+  const closest_sink *s = to;
+  nsdae_closest closest;
+  if (!nsdae_feature_closest(f, &s->met, &closest)) return 0;
+  const nsdae_couple two = nsdae_feature_couple(f, &s->met);
+  return s->add(s->to, f->number, &closest, &two);
+}
+
+int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
+                        const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to)
+{
+  closest_sink s = {.add = add, .to = to};
+  if (two->solid[0]->mesh) return nsdae_mesh_contacts(two, reach, add, to);
+  nsdae_meet(two, reach, &s.met);
+  return s.met.far ? 0 : nsdae_pair_features(solids, solid0, solid1, &s.met, add_closest, &s);
+}
+
 int nsdae_pair_is_exact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
   const nsdae_solid_of *smooth = nsdae_solid_is_smooth(s0) ? s0 : s1,
@@ -386,21 +446,30 @@ static int is_flat(const nsdae_solid_of *s)
   return s->shape == NSDAE_SHAPE_DISC && nsdae_solid_is_smooth(s);
 }
 
-int nsdae_pair_is_thin(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+/* Neither has an inside. */
+static int are_thin(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
   const nsdae_solid_of *other = is_flat(s0) ? s1 : s0;
-  return (is_flat(s0) || is_flat(s1)) && (is_flat(other) || other->shape == NSDAE_SHAPE_POINT) &&
-         other->radius == 0;
+  return (is_flat(s0) || is_flat(s1)) && other->radius == 0 &&
+         (is_flat(other) || other->shape == NSDAE_SHAPE_POINT);
 }
 
-int nsdae_bodies_refuse_thin(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
+int nsdae_pair_has_none(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
+  return are_thin(s0, s1) || (s0->mesh && nsdae_solid_is_smooth(s1)) ||
+         (s1->mesh && nsdae_solid_is_smooth(s0));
+}
+
+int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
+{
+  const nsdae_solid_of *s0 = nsdae_solid_at(b, solid0), *s1 = nsdae_solid_at(b, solid1);
   return nsdae_bodies_refuse(
-      b, NSDAE_E_ARGUMENT, what, "solid", index,
-      "solids %d and %d: a %s and a %s have no inside and cannot touch: make "
-      "one a cylinder or a sphere",
-      solid0, solid1, nsdae_solid_name(nsdae_solid_at(b, solid0)->shape),
-      nsdae_solid_name(nsdae_solid_at(b, solid1)->shape));
+      b, NSDAE_E_ARGUMENT, what, "solid", index, "solids %d and %d: a %s and a %s %s", solid0,
+      solid1, nsdae_solid_name(s0->shape), nsdae_solid_name(s1->shape),
+      are_thin(s0, s1) ? "have no inside and cannot touch: make one a "
+                         "cylinder or a sphere"
+                       : "have no contacts: make the curved one a polyhedron "
+                         "with many sides");
 }
 
 typedef struct pairing {
@@ -470,7 +539,11 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (is_base(s0) && is_base(s1))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", solid0, solid1);
-  if (nsdae_pair_is_thin(s0, s1)) nsdae_bodies_refuse_thin(b, what, index, solid0, solid1);
+  if (s0->mesh || s1->mesh)
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
+                               "solids %d and %d: a %s has contacts by nsdae_bodies_set_pair alone",
+                               solid0, solid1, nsdae_solid_name(s0->mesh ? s0->shape : s1->shape));
+  if (nsdae_pair_has_none(s0, s1)) nsdae_bodies_refuse_pair(b, what, index, solid0, solid1);
   status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);

@@ -7,9 +7,15 @@
 #include "hull.h"
 #include "pose.h"
 
+/* What it touches: see nsdae_solid. */
+typedef struct nsdae_filter {
+  int material, group, exclude;
+} nsdae_filter;
+
 /* A solid as the world keeps it: in its body's frame. */
 typedef struct nsdae_solid_of {
-  int body, shape, hollow, points, material, group, exclude;
+  int body, shape, hollow, points;
+  nsdae_filter filter;
   double radius, half[3]; /* half edges or axes; segment: half[0]; capsule: half[2]; cylinder, cone
                              and disc in space, whose radius is 0: its radius twice, half[2] */
   double size; /* largest distance of its points from its origin, with the rounding; 0 of a plane */
@@ -19,7 +25,8 @@ typedef struct nsdae_solid_of {
   double *edge; /* behind the corners; planar, of more than one corner: points x 4, the outer unit
                    normal of the edge from each corner (3) and its length; spatial: faces x 4, outer
                    unit normal n of each face and n . x of its points */
-  const nsdae_hull *hull; /* spatial, of more than one corner */
+  const nsdae_hull *hull;        /* spatial, of more than one corner */
+  const struct nsdae_mesh *mesh; /* a mesh or height field, which has no corners here */
 } nsdae_solid_of;
 
 typedef struct nsdae_feature {

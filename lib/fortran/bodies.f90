@@ -11,7 +11,7 @@ module nsdae_f_bodies
   use nsdae_f_status
   use nsdae_f_system
   use nsdae_f_text
-  use nsdae_f_shape, only: NSDAE_SHAPE_POINT, NSDAE_SHAPE_POLYHEDRON
+  use nsdae_f_shape, only: NSDAE_SHAPE_POINT, NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_HEIGHT_FIELD
   implicit none
   private
 
@@ -37,7 +37,9 @@ module nsdae_f_bodies
     real(c_double) :: radius = 0
     real(c_double) :: length(3) = 0
     logical :: hollow = .false.                    ! a disc with a hole
-    real(c_double), allocatable :: point(:, :)     ! [2, corners] of a polygon, anticlockwise; [3, points] of a polyhedron
+    ! [2, corners] of a polygon, anticlockwise; [3, points] of a polyhedron or mesh; [nx, ny] heights of a height field
+    real(c_double), allocatable :: point(:, :)
+    integer(c_int), allocatable :: triangle(:, :)  ! [3, triangles] of a mesh, numbers of points from 0
     real(c_double) :: position(3) = 0, angle = 0   ! in the body's frame
     real(c_double) :: quaternion(4) = 0
     integer(c_int) :: material = 0                 ! for nsdae_bodies_set_pair
@@ -406,8 +408,8 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Surface of a polyhedron: corners (3, 3 corners, triangles) in triangle, which has room for 2 points
-  ! - 4 triangles. Their number, or a status < 0.
+  ! Surface of a polyhedron, mesh or height field: corners (3, 3 corners, triangles) in triangle, which has room for
+  ! 2 points - 4 triangles, those of the mesh, two of each cell. Their number, or a status < 0.
   integer(c_int) function nsdae_solid_triangles(solid, triangle, error) result(number)
     type(nsdae_solid), intent(in), target :: solid
     real(c_double), intent(inout) :: triangle(3, 3, *)
@@ -443,8 +445,17 @@ contains
     to%radius = solid%radius
     to%length = solid%length
     if (solid%hollow) to%hollow = 1
+    if (allocated(solid%triangle)) then
+      if (size(solid%triangle, 1) == 3) then
+        to%triangles = size(solid%triangle, 2, kind=c_int)
+        to%triangle = c_loc(solid%triangle)
+      end if
+    end if
     if (allocated(solid%point)) then
-      if (size(solid%point, 1) == merge(3, 2, solid%shape == NSDAE_SHAPE_POLYHEDRON)) then
+      if (solid%shape == NSDAE_SHAPE_HEIGHT_FIELD) then
+        to%grid = shape(solid%point, kind=c_int)
+        to%point = c_loc(solid%point)
+      else if (size(solid%point, 1) == merge(2, 3, solid%shape == NSDAE_SHAPE_POLYGON)) then
         to%points = size(solid%point, 2, kind=c_int)
         to%point = c_loc(solid%point)
       end if

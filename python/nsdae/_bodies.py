@@ -27,7 +27,7 @@ _USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constr
                    "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
                    "contacts", "potential")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane",
-          "polyhedron", "cylinder", "cone", "ellipsoid")
+          "polyhedron", "cylinder", "cone", "ellipsoid", "mesh", "height field")
 
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
@@ -57,16 +57,20 @@ class Solid(NamedTuple):
     ----------
     shape : str
         Planar: "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder", "cone",
-        "ellipsoid". Both: "point", "disc", "plane".
+        "ellipsoid". Of the ground: "mesh", "height field". Both: "point", "disc", "plane".
     radius : float
         Radius of a disc, sphere, capsule, cylinder or base of a cone; half the thickness of a segment [m].
     length : float or array_like
         Length of a segment or cylinder; height of a cone; distance of the centres of a capsule; three edges of a box,
-        axes (diameters) of an ellipsoid [m].
+        axes (diameters) of an ellipsoid [m]. Depth of the material beneath a mesh; edges along x and y of a height field,
+        and that depth.
     hollow : bool
         The solid is outside the disc.
     points : array_like, shape (p, 2) or (p, 3)
-        Corners of a polygon, anticlockwise; points of a polyhedron, which is their convex hull [m].
+        Corners of a polygon, anticlockwise; points of a polyhedron, which is their convex hull; points of a mesh;
+        of a height field the heights, shape (ny, nx) [m].
+    triangle : array_like, shape (t, 3)
+        Of a mesh: numbers of points from 0, anticlockwise seen from outside.
     position : array_like
         Position in the frame of the body [m].
     angle : float
@@ -97,13 +101,15 @@ class Solid(NamedTuple):
     exclude: int = 0
     name: str = ""
     colour: str = ""
+    triangle: Any = ()
 
     def _given(self) -> dict[str, Any]:
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
-            length = [0, 0, length] if self.shape in ("capsule", "cylinder", "cone") else [length]
+            length = [0, 0, length] if self.shape in ("capsule", "cylinder", "cone", "mesh") else [length]
         points = np.ascontiguousarray(self.points, dtype=float)
-        wide = 3 if self.shape == "polyhedron" else 2
+        field = self.shape == "height field" and points.ndim == 2
+        wide = points.shape[1] if field else 3 if self.shape in ("polyhedron", "mesh") else 2
         if points.size and (points.ndim != 2 or points.shape[1] != wide):
             raise ValueError(f"points of a {self.shape} has the shape {points.shape}; it has {wide} numbers in each row")
         return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
@@ -111,7 +117,16 @@ class Solid(NamedTuple):
                 "exclude": int(self.exclude), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
                 "quaternion": _quaternion(self.quaternion),
-                "points": points.reshape(-1)}
+                "points": points.reshape(-1), "triangle": self._corners(),
+                "grid": (points.shape[1], points.shape[0]) if field else (0, 0)}
+
+    def _corners(self) -> np.ndarray:
+        given = np.asarray(self.triangle)
+        if given.size and (given.ndim != 2 or given.shape[1] != 3 or given.dtype.kind not in "iu"):
+            raise ValueError(f"triangle has the shape {given.shape} of {given.dtype}; it has three whole numbers in each row")
+        if given.size and (given.min() < 0 or given.max() > 2**31 - 1):
+            raise ValueError(f"triangle has the numbers {given.min()} to {given.max()}; a point has a number from 0")
+        return np.ascontiguousarray(given.reshape(-1), dtype=np.intc)
 
     def inertia(self, density: float) -> tuple[float, list[float]]:
         """Computes mass and inertia for a uniform density.
@@ -136,7 +151,7 @@ class Solid(NamedTuple):
         return _core.solid_inertia(self._given(), float(density))
 
     def triangles(self) -> np.ndarray:
-        """Returns the surface of a polyhedron in its frame, for pictures.
+        """Returns the surface of a polyhedron, mesh or height field in its frame, for pictures.
 
         Returns
         -------
@@ -839,5 +854,6 @@ def _spatial(name: str, body: int, solid: Solid) -> Shape:
     size = {"sphere": (solid.radius,), "capsule": (solid.radius, fields["length"][2]), "box": fields["length"],
             "cylinder": (solid.radius, fields["length"][2]), "cone": (solid.radius, fields["length"][2]),
             "ellipsoid": fields["length"], "disc": (solid.radius,), "plane": (0, 0, 1)}.get(solid.shape, ())
-    points = solid.triangles().reshape(-1, 3) if solid.shape == "polyhedron" else ()
-    return Shape(name, solid.shape, size, place, quaternion=_product(quaternion, own), points=points)
+    surface = solid.shape in ("polyhedron", "mesh", "height field")
+    points = solid.triangles().reshape(-1, 3) if surface else ()
+    return Shape(name, "polyhedron" if surface else solid.shape, size, place, quaternion=_product(quaternion, own), points=points)

@@ -57,8 +57,13 @@ nsdae_solid solid_of(nb::dict d, vector &points)
   fill(s.position, nb::cast<triple>(d["position"]));
   fill(s.quaternion, nb::cast<quadruple>(d["quaternion"]));
   points = nb::cast<vector>(d["points"]);
-  s.points = static_cast<int>(points.shape(0)) / (s.shape == NSDAE_SHAPE_POLYHEDRON ? 3 : 2);
+  s.points = static_cast<int>(points.shape(0)) / (s.shape == NSDAE_SHAPE_POLYGON ? 2 : 3);
   s.point = points.data();
+  const auto triangle = nb::cast<nb::ndarray<const int, nb::ndim<1>, nb::c_contig>>(d["triangle"]);
+  s.triangles = static_cast<int>(triangle.shape(0)) / 3; // the dict owns them
+  s.triangle = triangle.data();
+  const auto grid = nb::cast<std::array<int, 2>>(d["grid"]);
+  fill(s.grid, grid);
   return s;
 }
 
@@ -435,7 +440,11 @@ std::vector<double> solid_triangles(nb::dict d)
 {
   vector points;
   const nsdae_solid s = solid_of(d, points);
-  std::vector<double> made(18 * static_cast<std::size_t>(s.points) + 1);
+  const std::size_t faces = s.shape == NSDAE_SHAPE_MESH ? static_cast<std::size_t>(s.triangles)
+                            : s.shape == NSDAE_SHAPE_HEIGHT_FIELD
+                                ? 2 * static_cast<std::size_t>(points.shape(0))
+                                : 2 * static_cast<std::size_t>(s.points);
+  std::vector<double> made(9 * faces + 1);
   nsdae_error error;
   const int count = nsdae_solid_triangles(&s, made.data(), &error);
   check(count, &error);

@@ -567,3 +567,29 @@ def test_colours(tmp_path):
             assert {body.colour for body in bodies} == set(expected)
     with pytest.raises(nsdae.ArgumentError, match="six hexadecimal digits"):
         Bodies(2).add(mass=1, inertia=1, colour="red")
+
+
+def test_a_mesh_and_a_height_field():
+    """Balls come to rest on a floor of triangles, and one in a bowl; a closed mesh has the inertia of its box."""
+    floor = Solid("mesh", points=[[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], triangle=[[0, 1, 2], [0, 2, 3]], length=0.1)
+    x = np.linspace(-1, 1, 21)
+    bowl = Solid("height field", points=0.2 * (x[None, :]**2 + x[:, None]**2), length=(2, 2, 0.1), position=(5, 0, 0))
+    world = nsdae.Bodies(3, gravity=(0, 0, -9.81))
+    for ground in (floor, bowl):
+        world.add_solid(GROUND, ground)
+    for place in ((0.3, 0.2, 0.1), (5.0, 0, 0.12)):
+        world.add_from_solids([Solid("sphere", radius=0.1, material=1)], 700, place)
+    world.set_pair(0, 1, mu=0.5)
+    run = nsdae.solve(world, 0.5, method="moreau", dt=1e-3)
+    assert abs(run.q[-1, 2] - 0.1) < 1e-4 and abs(run.q[-1, 9] - 0.1) < 2e-3
+    assert floor.triangles().shape == (2, 3, 3) and bowl.triangles().shape == (800, 3, 3)
+    assert [shape.shape for shape in world.shapes()][:2] == ["polyhedron"] * 2
+    corner = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]) - 0.5
+    side = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6],
+            [1, 3, 5], [3, 7, 5]]
+    mass, inertia = Solid("mesh", points=corner, triangle=side, length=1).inertia(6)
+    assert mass == pytest.approx(6) and inertia == pytest.approx([1, 1, 1])
+    with pytest.raises(nsdae.ArgumentError, match="a body is a closed surface"):
+        Solid("mesh", points=corner, triangle=side[:-1], length=1).inertia(6)
+    with pytest.raises(ValueError, match="three whole numbers in each row"):
+        Solid("mesh", points=corner, triangle=[[0, 1]], length=1).inertia(6)

@@ -68,6 +68,7 @@ program mechanism
   call driven_crank
   call carried_body
   call box_of_halves
+  call surfaces
   call box_on_floor
   call spring_and_torsion
   call limits_and_couplers
@@ -216,6 +217,26 @@ contains
                  abs(half(1)%position(1) + 0.5d0) < 1d-14, 'a box of two cubes')
     call is_int(nsdae_body_from_solids(half, [3d0, -3d0], body, error), NSDAE_E_ARGUMENT, 'a density below 0')
     call is_true(error%argument == 'density', 'named')
+  end subroutine
+
+  ! The surface of a field of four heights is two triangles; a mesh of them is open.
+  subroutine surfaces()
+    type(nsdae_solid) :: field, mesh(1)
+    type(nsdae_rigid_body) :: body
+    type(nsdae_error) :: error
+    real(c_double) :: triangle(3, 3, 2)
+    field%shape = NSDAE_SHAPE_HEIGHT_FIELD
+    field%length = [2d0, 4d0, 1d0]
+    field%point = reshape([1d0, 2d0, 3d0, 4d0], [2, 2])
+    call is_int(nsdae_solid_triangles(field, triangle), 2, 'triangles of a cell')
+    call is_true(all(abs(triangle(:, 2, 1) - [1d0, -2d0, 2d0]) < 1d-14), 'its corner of largest x')
+    mesh(1)%shape = NSDAE_SHAPE_MESH
+    mesh(1)%length(3) = 1
+    mesh(1)%point = reshape(triangle, [3, 6])
+    mesh(1)%triangle = reshape([0, 1, 2, 3, 4, 5], [3, 2])
+    call is_int(nsdae_solid_triangles(mesh(1), triangle), 2, 'triangles of a mesh')
+    call is_int(nsdae_body_from_solids(mesh, [1d0], body, error), NSDAE_E_ARGUMENT, 'an open surface')
+    call is_true(error%argument == 'triangle', 'its side')
   end subroutine
 
   subroutine box_on_floor()

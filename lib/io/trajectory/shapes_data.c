@@ -118,10 +118,10 @@ static const char *points_fault(const nsdae_body *b)
 {
   int solid = b->shape == NSDAE_SHAPE_POLYHEDRON, least = b->shape == NSDAE_SHAPE_POLYGON ? 3
                                                           : b->shape == NSDAE_SHAPE_PATH  ? 2
-                                                          : solid                         ? 12
+                                                          : solid                         ? 3
                                                                                           : 0;
   if (solid && (b->points < least || b->points % 3 != 0))
-    return "a polyhedron needs three for each of its triangles, of which it has at least four";
+    return "a polyhedron needs three for each of its triangles, of which it has at least one";
   if (b->points < least) return least == 3 ? "a polygon needs three" : "a path needs two";
   if (least == 0 && b->points != 0) return "only a polygon, a path and a polyhedron have any";
   if (b->points > 0 && !b->point) return "point is NULL";

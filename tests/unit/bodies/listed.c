@@ -129,9 +129,10 @@ static void check_scene(int d, int bodies)
   assert_memory_equal(&seen, &again, sizeof seen);
   for (int i = 0; i < b->solid.count; i++)
     for (int j = i + 1; j < b->solid.count; j++) {
-      int m = s[i].material * 3 + s[j].material;
+      int m = s[i].filter.material * 3 + s[j].filter.material;
       int may = s[i].body != s[j].body && (m == 0 || m == 2 || m == 6 || m == 5 || m == 7) &&
-                (s[i].group & s[j].exclude) == 0 && (s[j].group & s[i].exclude) == 0;
+                (s[i].filter.group & s[j].filter.exclude) == 0 &&
+                (s[j].filter.group & s[i].filter.exclude) == 0;
       int endless = (s[i].shape == NSDAE_SHAPE_PLANE || s[i].hollow) &&
                     (s[j].shape == NSDAE_SHAPE_PLANE || s[j].hollow);
       nearest_gap near = {b, q, INFINITY};
