@@ -2,7 +2,7 @@
 # Wheels for Linux on x86-64 with glibc 2.17 or later, on Debian 12: PyPI's ziglang compiles and links for that glibc.
 # Twice each, in two folders; the bytes must be the same. usage: build.sh [--draft] FOLDER [PYTHON...]
 # --draft: also of a tree that is not ready to be released. PYTHON: an interpreter for each wheel, by default python3; one of
-# 3.12 serves all later ones. Needs the packages of ./run build, curl, python3-venv and the network.
+# 3.12 serves all later ones. Needs the packages of ./run build, python3-venv and the network.
 set -eu
 draft=""
 [ "${1:-}" = --draft ] && draft=yes && shift
