@@ -17,7 +17,11 @@
  *   s(n) = min_i n . (x_i - a)   for each direction n of the normal cone, corners x_i
  *
  * and the largest s is the least depth: a contact that is deeper is none (separating_axis.h). The
- * directions are the normals of the faces at a and those of pairs of edges. */
+ * directions are the normals of the faces at a and those of pairs of edges.
+ *
+ * A corner of the mesh in a polyhedron touches its faces, not its edges. An edge that passes over
+ * the corner goes from one edge there to the next, with neither of them for a way of about the
+ * depth. */
 #include <string.h>
 
 #include "mesh.h"
