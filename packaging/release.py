@@ -22,6 +22,17 @@ VERSIONS = {
 }
 ADDRESSED = ("CITATION.cff", "pyproject.toml", "packaging/conda/meta.yaml", "packaging/debian/changelog",
              "packaging/debian/control", "packaging/spack/package.py")
+# Licences of what the library links to, by the beginning of the name of Debian's package. Its file "copyright" is about all
+# parts of a source, most of which are not linked.
+LICENSES = {
+    "libamd": {"id": "BSD-3-Clause"},
+    "libc6": {"id": "LGPL-2.1-or-later"},
+    "libhdf5": {"name": "HDF5"},
+    "liblapacke": {"id": "BSD-3-Clause"},
+    "libopenblas": {"id": "BSD-3-Clause"},
+    "libqhull": {"id": "Qhull"},
+    "libsundials": {"id": "BSD-3-Clause"},
+}
 
 
 def text(name):
@@ -53,7 +64,7 @@ def not_ready():
     if re.search(r"^## Unreleased\s+[^#\s]|^## Unreleased\s+###", log, re.M):
         yield "CHANGELOG.md: entries under Unreleased: move them to the version, or raise the version"
     for name in ADDRESSED:
-        found = re.search(r"[\w.@/:-]*(\.example\b|example\.invalid)[\w/-]*", text(name))
+        found = re.search(r"[\w.@/:-]*\bnsdae\.example\b[\w./-]*", text(name))
         if found:
             yield f"{name}: the placeholder {found[0]}: give the real address"
 
@@ -75,6 +86,13 @@ def package_of(path):
     return tuple(output("dpkg-query", "-W", "-f", "${Package} ${Version}", package).split())
 
 
+def license_of(package):
+    for start, found in LICENSES.items():
+        if package.startswith(start):
+            return found
+    sys.exit(f"{package}: its licence is not known: add it to LICENSES of packaging/release.py")
+
+
 def sbom(library):
     """The libraries that the dynamic section of the file names, each by the package that has it."""
     needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output("readelf", "-d", library))
@@ -82,7 +100,8 @@ def sbom(library):
     components = []
     for package, number in sorted({package_of(places[name]) for name in needed if name in places}):
         reference = f"pkg:deb/debian/{package}@{urllib.parse.quote(number)}"
-        components.append({"type": "library", "bom-ref": reference, "name": package, "version": number, "purl": reference})
+        components.append({"type": "library", "bom-ref": reference, "name": package, "version": number, "purl": reference,
+                           "licenses": [{"license": license_of(package)}]})
     own = {"type": "library", "bom-ref": "nsdae", "name": "nsdae", "version": version(),
            "licenses": [{"license": {"id": "BSD-3-Clause"}}]}
     return {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "metadata": {"component": own},

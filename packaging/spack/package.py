@@ -12,7 +12,7 @@ class Nsdae(CMakePackage):
     homepage = "https://nsdae.example"
     git = "https://nsdae.example/nsdae.git"
 
-    license("BSD-3-Clause", checked_by="nsdae")
+    license("BSD-3-Clause")
 
     # a released version joins with the sha256 of its archive
     version("main", branch="main")
@@ -22,22 +22,29 @@ class Nsdae(CMakePackage):
     variant("fortran", default=True, description="Fortran module")
     variant("drivers", default=True, description="Example programs and tools")
 
+    generator("ninja")
+
     depends_on("c", type="build")
-    depends_on("cxx", type="test")
+    depends_on("cxx", type="build")
     depends_on("fortran", type="build", when="+fortran")
     depends_on("cmake@3.21:", type="build")
-    depends_on("ninja", type="build")
 
     # brings CBLAS and LAPACKE; one thread serves the small matrices of a step best
     depends_on("openblas")
+    depends_on("suite-sparse")  # AMD
+    depends_on("qhull")
     depends_on("hdf5+hl~mpi", when="+hdf5")
     depends_on("sundials@6.4:7+IDA~mpi precision=double", when="+sundials")
-    depends_on("suite-sparse")
-    depends_on("qhull")
+
+    # what nsdae-plot and nsdae-animate are written in
+    with when("+drivers"):
+        depends_on("python@3.9:", type=("build", "run"))
+        depends_on("py-h5py", type="run")
+        depends_on("py-matplotlib", type="run")
+        depends_on("py-pillow", type="run")
+
     depends_on("gsl", type="test")
     depends_on("cmocka", type="test")
-
-    generator("ninja")
 
     def cmake_args(self):
         return [

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Wheels for Linux on x86-64 with glibc 2.17 or later, on Debian 12: PyPI's ziglang compiles and links for that glibc.
 # Twice each, in two folders; the bytes must be the same. usage: build.sh [--draft] FOLDER [PYTHON...]
-# --draft: also with the placeholder of pyproject.toml. PYTHON: an interpreter for each wheel, by default python3; one of
-# 3.12 serves all later ones. Needs the packages of ./run build, curl, python3-venv and the network.
+# --draft: also of a tree that is not ready to be released. PYTHON: an interpreter for each wheel, by default python3; one of
+# 3.12 serves all later ones. Needs the packages of ./run build, python3-venv and the network.
 set -eu
 draft=""
 [ "${1:-}" = --draft ] && draft=yes && shift
@@ -10,10 +10,7 @@ folder=${1:?a folder for the wheels} && shift
 [ $# -gt 0 ] || set -- python3
 source=$(cd "$(dirname "$0")/../.." && pwd)
 glibc=2.17 platform=manylinux_2_17_x86_64
-if [ -z "$draft" ] && grep -q 'example\.invalid' "$source/pyproject.toml"; then
-  echo "pyproject.toml has the placeholder example.invalid: give addresses of the project and its authors, or --draft" >&2
-  exit 1
-fi
+[ -n "$draft" ] || "$source/packaging/release.py" check
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -C "$source" log -1 --format=%ct)}
 export SOURCE_DATE_EPOCH
 mkdir -p "$folder"

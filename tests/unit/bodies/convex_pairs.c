@@ -187,7 +187,8 @@ static void test_apart(void **state)
         "pair %d: %d apart, bound off by %.1e m, points by %.1e m and outside by %.1e m, %.1f s\n",
         k, count, worst, off, inside, (double)(clock() - begin) / CLOCKS_PER_SEC);
     assert_true(worst < 1e-12);
-    assert_true(off < 1e-10);
+    /* a direction over 1e-6 m, the least distance without a shift, has the rounding 4e-16 / 1e-6 */
+    assert_true(off < 1e-9);
     assert_true(inside < 1e-12);
   }
 }
