@@ -19,9 +19,8 @@
  * and the largest s is the least depth: a contact that is deeper is none (separating_axis.h). The
  * directions are the normals of the faces at a and those of pairs of edges.
  *
- * A corner of the mesh in a polyhedron touches its faces, not its edges. An edge that passes over
- * the corner goes from one edge there to the next, with neither of them for a way of about the
- * depth. */
+ * The least gap is continuous for solids that are apart. Overlaps of edges over corners of the mesh
+ * jump, the more often the deeper they are: deeper than rest, a few in 1e5 steps at 2e-3. */
 #include <string.h>
 
 #include "mesh.h"
