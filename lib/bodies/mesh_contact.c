@@ -19,8 +19,8 @@
  * and the largest s is the least depth: a contact that is deeper is none (separating_axis.h). The
  * directions are the normals of the faces at a and those of pairs of edges.
  *
- * The least gap is continuous for solids that are apart. Overlaps of edges over corners of the mesh
- * jump, the more often the deeper they are: deeper than rest, a few in 1e5 steps at 2e-3. */
+ * Where the least gap jumps: overlaps of edges deeper than rest, over corners of the mesh; and
+ * corners of a solid less than near_valley from a corner in a valley, by no more than that. */
 #include <string.h>
 
 #include "mesh.h"
