@@ -17,7 +17,10 @@
  *   s(n) = min_i n . (x_i - a)   for each direction n of the normal cone, corners x_i
  *
  * and the largest s is the least depth: a contact that is deeper is none (separating_axis.h). The
- * directions are the normals of the faces at a and those of pairs of edges. */
+ * directions are the normals of the faces at a and those of pairs of edges.
+ *
+ * Where the least gap jumps: overlaps of edges deeper than rest, over corners of the mesh; and
+ * corners of a solid less than near_valley from a corner in a valley, by no more than that. */
 #include <string.h>
 
 #include "mesh.h"

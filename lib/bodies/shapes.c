@@ -539,11 +539,11 @@ int nsdae_bodies_add_contact(nsdae_bodies *b, int solid0, int solid1, double mu,
   if (is_base(s0) && is_base(s1))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d are both without corners", solid0, solid1);
+  if (nsdae_pair_has_none(s0, s1)) return nsdae_bodies_refuse_pair(b, what, index, solid0, solid1);
   if (s0->mesh || s1->mesh)
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "solid", index,
                                "solids %d and %d: a %s has contacts by nsdae_bodies_set_pair alone",
                                solid0, solid1, nsdae_solid_name(s0->mesh ? s0->shape : s1->shape));
-  if (nsdae_pair_has_none(s0, s1)) nsdae_bodies_refuse_pair(b, what, index, solid0, solid1);
   status = check_coefficients(b, what, index, mu, e_n, e_t);
   if (status < 0) return status;
   nsdae_pair_features(b->solid.at, solid0, solid1, NULL, keep_feature, &p);
