@@ -72,7 +72,8 @@ typedef struct nsdae_rigid_body {
  *                without Qhull
  *   MESH      surface of triangles of the ground, anticlockwise seen from outside; beneath it is
  *             material, length[2] > 0 deep. Points in the same place are one. It may be open. A
- *             triangle without area is refused
+ *             triangle without area is refused; neighbours of which one is clockwise are a
+ *             NSDAE_WARN_MODEL
  *   HEIGHT_FIELD   the same of grid[0] x grid[1] heights z over a rectangle of length[0] x
  *                  length[1] about the origin. A cell is two triangles with a common side from its
  *                  corner of least x and y

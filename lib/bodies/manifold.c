@@ -71,9 +71,16 @@ static void add(clip *c, int number, double sign, const double *a, double gap, c
   }
 }
 
-/* Whether a point is over a polygon, or beside it by a little. */
-static int is_over(const side *p, const double *y, double beside)
+/* Whether a point is over a polygon, or beside it by a little; a disc counts up to its rim, beyond
+ * the polygon. */
+static int is_over(const side *p, const double *x, const double *y, double beside)
 {
+  if (p->face.disc > 0) {
+    double d[3], across[3];
+    for (int i = 0; i < 3; i++) d[i] = x[i] - (p->x[0][i] + p->x[2][i]) / 2;
+    nsdae_cross3(p->normal, d, across);
+    return sqrt(nsdae_dot3(across, across)) <= p->face.disc + beside;
+  }
   for (int k = 0; k < p->face.count; k++) {
     const double *a = p->flat[k], *b = p->flat[(k + 1) % p->face.count];
     const double *beyond = p->flat[(k + 2) % p->face.count];
@@ -106,7 +113,7 @@ static void add_corners(clip *c, int s)
   if (base->face.count < 3) return;
   for (int k = 0; k < p->face.count; k++) {
     double down[3], x[3], foot[3];
-    if (!is_over(base, p->flat[k], c->beside)) continue;
+    if (!is_over(base, p->x[k], p->flat[k], c->beside)) continue;
     for (int i = 0; i < 3; i++) down[i] = -base->normal[i];
     surface(p, k, down, x);
     double height = nsdae_dot3(base->normal, x) - nsdae_dot3(base->normal, base->x[0]);

@@ -197,7 +197,12 @@ static side *sort_sides(nsdae_mesh *m)
     for (next = i + 1; next < count && s[next].low == s[i].low && s[next].high == s[i].high;)
       next++;
     int t = s[i].at / 3, k = s[i].at % 3, u = s[next - 1].at / 3, l = s[next - 1].at % 3;
-    if (next - i != 2 || m->corner[t][k] == m->corner[u][l]) continue;
+    if (next - i != 2) continue;
+    if (m->corner[t][k] == m->corner[u][l]) {
+      m->turned[0] = t;
+      m->turned[1] = u;
+      continue;
+    }
     m->beside[t][k] = u;
     m->beside[u][l] = t;
   }

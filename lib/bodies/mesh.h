@@ -27,6 +27,7 @@ typedef struct nsdae_mesh {
   int *piece;       /* of each point: the first point of what is connected with it */
   int *order;       /* triangles by leaves */
   unsigned short *mark; /* NSDAE_SHARP_SIDE << k and the others */
+  int turned[2];        /* two of opposite order along their common side; equal: none */
 } nsdae_mesh;
 
 /* Marks of side or corner k; what is sharp has it in one triangle alone. */

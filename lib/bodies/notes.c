@@ -7,6 +7,7 @@
 
 #include "bodies_impl.h"
 #include "errors.h"
+#include "mesh.h"
 #include "words.h"
 
 static int in_degrees(double angle)
@@ -69,6 +70,20 @@ static int note_gravity(nsdae_bodies *b)
                          g[1]);
 }
 
+/* Triangles of both orders: beneath one of them there is no material. */
+static int note_mesh(nsdae_bodies *b, int i)
+{
+  const nsdae_solid_of *s = nsdae_solid_at(b, i);
+  if (!s->mesh || s->filter.exclude == -1 || s->mesh->turned[0] == s->mesh->turned[1])
+    return NSDAE_OK;
+  nsdae_error_set(
+      &b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "triangle",
+      "solid %d: triangles %d and %d run along their common side in the same direction: "
+      "one of them is not anticlockwise seen from outside, and bodies fall through it",
+      i, s->mesh->turned[0], s->mesh->turned[1]);
+  return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
+}
+
 static int note_given(nsdae_bodies *b)
 {
   int status = note_gravity(b);
@@ -76,6 +91,7 @@ static int note_given(nsdae_bodies *b)
   for (int i = 0; i < b->solid.count && status == NSDAE_OK && b->dimension == 2; i++)
     if (in_degrees(nsdae_solid_at(b, i)->turn[0]))
       status = note_angle(b, "solid", i, "angle", nsdae_solid_at(b, i)->turn[0]);
+  for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) status = note_mesh(b, i);
   for (int i = 0; i < b->limit.count && status == NSDAE_OK; i++) {
     const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
     if (l->value.kind == NSDAE_PRIMITIVE_TURN && in_degrees(l->bound))

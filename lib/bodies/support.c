@@ -94,6 +94,7 @@ static void add_point(nsdae_face *f, const double *x, int id)
 static void face_of_disc(const nsdae_solid_of *s, int end, double side, nsdae_face *f)
 {
   double x[3];
+  f->disc = s->half[0];
   for (int j = 0; j < 3; j++) f->normal[j] = side * s->R[6 + j];
   for (int k = 0; k < 4; k++) { /* anticlockwise about the outer normal */
     const double *axis = s->R + 3 * (k % 2);
@@ -159,7 +160,7 @@ static void face_of_hull(const nsdae_solid_of *s, const double *n, nsdae_face *f
 void nsdae_supporting_face(const nsdae_solid_of *s, const double *n, nsdae_face *f)
 {
   f->count = 0;
-  f->round = 0;
+  f->round = f->disc = 0;
   if (nsdae_solid_is_smooth(s))
     face_of_smooth(s, n, f);
   else if (s->hull)

@@ -12,12 +12,14 @@ void nsdae_support(const nsdae_solid_of *solid, const double *d, double *x);
 void nsdae_round_end(const nsdae_solid_of *solid, const double *end, const double *d, double *x);
 
 /* The supporting face of a solid along the unit vector n: of its faces, edges and sides at right
- * angles to n, up to a tilt of the sine NSDAE_TILT, the largest. */
+ * angles to n, up to a tilt of the sine tilt_sine, the largest. */
 enum { NSDAE_FACE = 16 };
 typedef struct nsdae_face {
   int count; /* of points: 0 none, 2 a segment, else a polygon, anticlockwise seen from outside */
   double round;     /* of a segment: the distance of the solid's surface from it */
   double normal[3]; /* of a polygon: outer, of unit length */
+  double disc; /* of a polygon whose corners are on the rim of a disc: its radius, else 0; corners 0
+                  and 2 are opposite */
   int id[NSDAE_FACE];
   double x[NSDAE_FACE][3];
 } nsdae_face;

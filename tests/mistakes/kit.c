@@ -27,6 +27,7 @@ enum {
   MOTOR_WITHOUT_LIMIT,
   SOLID_OF_SPACE,
   POLYGON_CLOCKWISE,
+  TRIANGLE_CLOCKWISE,
   NO_PAIR,
   SAME_BODY,
   RESTITUTION_ABOVE_ONE,
@@ -58,7 +59,8 @@ static int load(double t, const double x[3], const double u[3], double force[3],
 static int in_space(int w)
 {
   return w == NO_SUCH_INERTIA || w == PRODUCT_TOO_LARGE || w == QUATERNION_OF_THREE ||
-         w == QUATERNION_XYZW || w == GRAVITY_OF_PLANE || w == LIMIT_OF_TURN;
+         w == QUATERNION_XYZW || w == GRAVITY_OF_PLANE || w == LIMIT_OF_TURN ||
+         w == TRIANGLE_CLOCKWISE;
 }
 
 static nsdae_rigid_body rod(int w)
@@ -79,12 +81,23 @@ static nsdae_rigid_body rod(int w)
 static void add_solids(nsdae_bodies *b, int w)
 {
   const double clockwise[] = {0, 0, 0, 1, 1, 0};
+  const double corners[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  const int triangles[] = {0, 1, 2, 0, 3, 2};
   nsdae_solid floor = {.shape = NSDAE_SHAPE_PLANE, .position = {0, -1}};
   nsdae_solid ball = {.shape = NSDAE_SHAPE_DISC, .radius = 0.1};
   if (w == SOLID_OF_SPACE) ball.shape = NSDAE_SHAPE_BOX;
   if (w == POLYGON_CLOCKWISE)
     ball = (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3, .point = clockwise};
   if (w == NO_SUCH_MATERIAL) ball.material = 64;
+  if (w == TRIANGLE_CLOCKWISE) {
+    ball.shape = NSDAE_SHAPE_SPHERE;
+    floor = (nsdae_solid){.shape = NSDAE_SHAPE_MESH, .length = {0, 0, 1}};
+    floor.points = 4;
+    floor.point = corners;
+    floor.triangles = 2;
+    floor.triangle = triangles;
+    nsdae_bodies_set_pair(b, 0, 0, 0.3, 0.5, 0);
+  }
   int ground = nsdae_bodies_add_solid(b, NSDAE_GROUND, &floor);
   int first = nsdae_bodies_add_solid(b, 0, &ball), second = first;
   if (w == SAME_CENTRE) {
@@ -93,7 +106,7 @@ static void add_solids(nsdae_bodies *b, int w)
   }
   if (w == SAME_BODY) ground = nsdae_bodies_add_solid(b, 0, &ball);
   if (w == SAME_CENTRE) ground = second;
-  if (w != NO_PAIR)
+  if (w != NO_PAIR && w != TRIANGLE_CLOCKWISE)
     nsdae_bodies_add_contact(b, ground, first, 0.3, w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5, 0);
 }
 

@@ -96,15 +96,17 @@ static void test_flush(void **state)
   const double upright[4] = {1}, lying[4] = {sqrt(0.5), sqrt(0.5)}, c = 0.05;
   (void)state;
   for (int m = 0; m < 2; m++)
-    for (int k = 0; k < 8; k++) {
+    for (int k = 0; k < 9; k++) {
       static const char *const names[] = {
           "cylinder stands on box", "cylinder lies on box", "box on cap",
           "cylinder on cylinder",   "log on two logs",      "box on two logs",
-          "capsule on cap",         "log across log"};
+          "capsule on cap",         "log across log",       "box by the rim of a cap"};
       const nsdae_solid box = solid(NSDAE_SHAPE_BOX, 0, 0.3, 0.3, 0.1);
       const nsdae_solid can = solid(NSDAE_SHAPE_CYLINDER, c, 0, 0, 0.16);
       const nsdae_solid log = solid(NSDAE_SHAPE_CYLINDER, c, 0, 0, 0.4);
       const nsdae_solid cap = solid(NSDAE_SHAPE_CAPSULE, 0.02, 0, 0, 0.05);
+      const nsdae_solid drum = solid(NSDAE_SHAPE_CYLINDER, 0.5, 0, 0, 0.2);
+      const nsdae_solid cube = solid(NSDAE_SHAPE_BOX, 0, 0.04, 0.04, 0.04);
       nsdae_bodies *b = floor_and_walls(0.5, 0, 0, gravity);
       switch (k) {
       case 0:
@@ -137,12 +139,17 @@ static void test_flush(void **state)
         put(b, &can, (double[]){0, 0, 0.08}, upright);
         put(b, &cap, (double[]){0, 0, 0.18 + 1e-3}, lying);
         break;
-      default:
+      case 7:
         put(b, &log, (double[]){0, 0, 0.05}, lying);
         put(b, &box, (double[]){0.2, 0, 0.05}, upright);
         put(b, &log, (double[]){0.1, 0, 0.151}, (double[]){0.5, 0.5, 0.5, 0.5});
+        break;
+      default: /* beyond the chord of the cap's points that are fixed to it */
+        put(b, &drum, (double[]){0, 0, 0.1}, upright);
+        put(b, &cube, (double[]){0.31, 0.31, 0.22 + 1e-3}, upright);
       }
-      settle(b, methods[m], 2e-3, 1500, names[k], k == 0 || k == 2 || k == 3 ? 1e-12 : 1e-3);
+      settle(b, methods[m], 2e-3, 1500, names[k],
+             k == 0 || k == 2 || k == 3 || k == 8 ? 1e-12 : 1e-3);
     }
 }
 
