@@ -9,7 +9,7 @@ WORK = pathlib.Path(os.environ["NSDAE_SITE"])
 
 project = "nsdae"
 author = "the authors of nsdae"
-version = release = re.search(r'^version = "(.*)"', (ROOT / "pyproject.toml").read_text(), re.M)[1]
+version = release = re.search(r"project\(nsdae VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
 root_doc = "index"
 extensions = ["myst_nb", "breathe", "sphinx.ext.autodoc", "numpydoc", "sphinx_gallery.gen_gallery"]
 exclude_patterns = ["source/**", "gallery/*.ipynb", "gallery/*.py", "gallery/*.json", "gallery/*.md5", "gallery/*.zip"]

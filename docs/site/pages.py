@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 
-TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")  # pages beside those of docs/
+TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")  # pages beside those of docs/
 HEADED = ("index.md", "guide/README.md", "methods.md")  # in this order pages are taken into the tree of contents
 LINK = re.compile(r"(\[[^\]\n]*\])\(([^)\s:]+)\)")
 CODE = re.compile(r"(^ *```.*?^ *```$)", re.M | re.S)

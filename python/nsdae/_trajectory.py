@@ -240,7 +240,7 @@ class Trajectory(ContactColumns):
         ----------
         table : str
             "records": coordinates, velocities, forces, energies, sensors by their names. A velocity that has the name of a
-            coordinate has the prefix "v_". "impacts", "changes", "contacts": the fields of these arrays; components have
+            coordinate has the prefix ``v_``. "impacts", "changes", "contacts": the fields of these arrays; components have
             numbered columns.
 
         Returns
