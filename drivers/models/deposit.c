@@ -66,14 +66,14 @@ static void outline(node *s, int n, double r, int pile, deposit *d)
   double rim[SECTORS] = {0}, square = 0;
   for (int i = 0; i < n; i++) {
     const double *x = s[i].x;
-    int sector = (int)((atan2(x[1], x[0]) / pi + 1) / 2 * SECTORS) % SECTORS;
+    int sector = (int)((atan2(x[1], x[0]) / pi + 1) / 2 * (double)SECTORS) % SECTORS;
     d->lowest = fmin(d->lowest, x[2]);
     if (root(s, i) != pile) continue;
     rim[sector] = fmax(rim[sector], hypot(x[0], x[1]) + r);
     d->height = fmax(d->height, x[2]);
   }
-  for (int k = 0; k < SECTORS; k++) d->radius += rim[k] / SECTORS;
-  for (int k = 0; k < SECTORS; k++) square += pow(rim[k] - d->radius, 2) / SECTORS;
+  for (int k = 0; k < SECTORS; k++) d->radius += rim[k] / (double)SECTORS;
+  for (int k = 0; k < SECTORS; k++) square += pow(rim[k] - d->radius, 2) / (double)SECTORS;
   d->scatter = sqrt(square);
 }
 

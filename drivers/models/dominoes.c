@@ -108,7 +108,7 @@ static double speed_at(const dominoes *p, double theta, int n, double E)
 static double fall_time(const dominoes *p, int n, double E)
 {
   enum { PARTS = 200 };
-  double end = asin(p->s / p->h), width = end / PARTS, time = 0;
+  double end = asin(p->s / p->h), width = end / (double)PARTS, time = 0;
   for (int i = 0; i < PARTS; i++)
     for (int side = -1; side <= 1; side += 2)
       time += width / 2 / speed_at(p, (i + 0.5 + side / sqrt(12)) * width, n, E);

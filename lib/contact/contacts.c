@@ -436,7 +436,7 @@ static int unsolved(nsdae_contacts *c, double t, int status)
 double nsdae_contacts_budget(double budget, int contacts)
 {
   enum { FEW = 100 };
-  return contacts < FEW ? budget * FEW / fmax(1, contacts) : budget;
+  return contacts < FEW ? budget * (double)FEW / fmax(1, contacts) : budget;
 }
 
 int nsdae_contacts_accept(nsdae_contacts *c, int status)

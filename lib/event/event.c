@@ -173,7 +173,8 @@ static int cross_kink(nsdae_event *e, double t)
   nsdae_event_integrator *g = &e->integrator;
   nsdae_terms *T = e->setting.here;
   const nsdae_event_places *at = &e->setting.at;
-  double *from = g->z, *rate = g->later, longest = KINK_AHEAD * TINY * e->setting.options->dt;
+  double *from = g->z, *rate = g->later,
+         longest = (double)KINK_AHEAD * TINY * e->setting.options->dt;
   int found = 0;
   memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)

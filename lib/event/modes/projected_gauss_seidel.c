@@ -72,7 +72,7 @@ static double relax_friction(const relaxation *r, int a)
 static int comes_to_an_end(int left, double change, double earlier)
 {
   double wanted = log(change / CONVERGED), gained = log(earlier / change);
-  return gained > 0 && wanted / gained * LOOK <= 2 * left;
+  return gained > 0 && wanted / gained * (double)LOOK <= 2 * left;
 }
 
 /* 1 where, of these, a sweep changes nothing any more; < 0 where there is no fixed point. */

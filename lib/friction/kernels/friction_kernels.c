@@ -256,7 +256,7 @@ int nsdae_dfcbgs(int nc, const int *rows, const double *a, int lda, const double
   if (info == -1 || info == -2) return info;
   if (!work) return -12;
   if (lwork == -1) {
-    work[0] = (double)m + OWN * (double)nc;
+    work[0] = (double)m + (double)OWN * (double)nc;
     return 0;
   }
   if (info != 0) return info;

@@ -261,7 +261,7 @@ static int plain(nsdae_fc_island *s, nsdae_fc_iterate *it, const nsdae_fc_budget
       change = nsdae_fc_sweep(&s->fc, s->slip);
     }
     if (evaluate(s, it) <= b->tol) return 1;
-    idle += BETWEEN;
+    idle += (double)BETWEEN;
     if (it->residual <= 0.5 * mark) mark = it->residual, idle = 0;
   }
   return 0;
