@@ -234,7 +234,9 @@ class Bodies:
         """Returns the diagonal of the tensor, and its entries (0, 1), (0, 2), (1, 2)."""
         array = np.asarray(values, dtype=float)
         if self.dimension == 2:
-            if array.size not in (1, 3):  # of three, as of a disc, the last counts
+            # three of a plane figure: (0, 0, J), or those of a disc, by the perpendicular axis theorem J_z = J_x + J_y
+            flat = array.size == 3 and any(np.isclose(array.reshape(-1)[:2].sum(), J) for J in (0, array.reshape(-1)[2]))
+            if array.size != 1 and not flat:
                 raise ValueError(f"inertia has {array.size} numbers; in the plane it has one")
             return [0.0, 0.0, float(array.reshape(-1)[-1])], [0.0] * 3
         if array.shape == (3, 3):
@@ -254,7 +256,7 @@ class Bodies:
         mass : float
             [kg]
         inertia : float or array_like
-            About the centre of mass in body axes: one number in the plane (of three the last), three principal moments or the tensor, shape
+            About the centre of mass in body axes: one number in the plane, three principal moments or the tensor, shape
             (3, 3), in space [kg m^2].
         position : array_like
             Centre of mass at the start [m].
