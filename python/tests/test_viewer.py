@@ -64,9 +64,14 @@ class Browser:
         return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), float)
 
     def picture_that(self, holds):
-        """The first picture for which it holds, within a minute."""
-        pictures = []
-        until(lambda: pictures.append(self.picture()) or holds(pictures[-1]))
+        """The first picture for which it holds and that is as the one before: nothing fades in or moves."""
+        pictures = [self.picture()]
+
+        def still():
+            pictures.append(self.picture())
+            return (np.abs(pictures[-1] - pictures[-2]).max(axis=2) > 2).mean() < 1e-4
+
+        until(lambda: still() and holds(pictures[-1]))
         return pictures[-1]
 
     def close(self):
@@ -110,7 +115,7 @@ def test_a_falling_pile_differs_between_two_times(run, browser):
     browser.call("Page.navigate", url=viewer.url)
     browser.press(">|")
     until(lambda: viewer.record == len(run) - 1)
-    # the page fades in, until the bodies have their colours
+    # when the bodies have their colours
     end = browser.picture_that(lambda now: (np.ptp(now, axis=2) > 50).mean() > 0.008)
 
     def changed(now):
