@@ -84,15 +84,16 @@ typedef struct nsdae_rigid_body {
  * contacts
  *
  * CYLINDER, CONE, ELLIPSOID and DISC (spatial) have exact contacts with PLANE, SPHERE and POINT.
- * With the others and each other their contacts are for time stepping: nsdae_sim_create refuses
- * event and penalty. A DISC and another DISC or a POINT have none: they have no inside. */
+ * With CAPSULE, BOX, POLYHEDRON and each other their contacts are for time stepping:
+ * nsdae_sim_create refuses event and penalty. A DISC and another DISC or a POINT have none: they
+ * have no inside. */
 typedef struct nsdae_solid {
   int shape;           /* enum nsdae_shape, except PATH */
   double radius;       /* >= 0 [m] */
   double length[3];    /* [m] */
   int hollow;          /* a disc: not 0 for a hole */
   int points;          /* POLYGON: number of corners, >= 3; POLYHEDRON: of points, >= 4; MESH: of
-                          points, >= 3 */
+                          points, 3 .. 3 x 2^24 */
   const double *point; /* POLYGON: points x 2, x and y of each corner; POLYHEDRON, MESH: points x 3;
                           HEIGHT_FIELD: grid[1] x grid[0] heights, x runs fastest; copied */
   int triangles;       /* MESH: number of triangles, 1 .. 2^24 */

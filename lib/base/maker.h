@@ -57,7 +57,7 @@ typedef struct nsdae_maker {
   int (*explain)(const void *of, const char *callback, double t, const double *q, const double *v,
                  nsdae_reason *reason);
   /* NSDAE_OK, or why methods other than time stepping cannot have the system. */
-  int (*smooth)(const void *of, nsdae_error *error);
+  int (*check_rates)(const void *of, nsdae_error *error);
   int controls;
   const double *control; /* [controls] at first */
   /* NULL, or why a simulation cannot set control i. */

@@ -390,7 +390,7 @@ int nsdae_bodies_refuse_pair(nsdae_bodies *bodies, const char *what, int index, 
 /* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have none. */
 int nsdae_bodies_check_shapes(nsdae_bodies *bodies);
 /* The same: they have contacts for time stepping alone. */
-int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error);
+int nsdae_bodies_check_rates(const void *bodies, nsdae_error *error);
 int nsdae_pair_is_turned(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 
 #endif

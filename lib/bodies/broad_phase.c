@@ -230,7 +230,7 @@ static int is_inexact(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
   return !nsdae_pair_is_exact(s0, s1);
 }
 
-int nsdae_bodies_check_smooth(const void *bodies, nsdae_error *error)
+int nsdae_bodies_check_rates(const void *bodies, nsdae_error *error)
 {
   nsdae_bodies *b = (nsdae_bodies *)(uintptr_t)bodies;
   const nsdae_solid_of *s = b->solid.at;

@@ -344,7 +344,7 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .exact = exact,
                        .words = words,
                        .explain = explain,
-                       .smooth = nsdae_bodies_check_smooth,
+                       .check_rates = nsdae_bodies_check_rates,
                        .controls = b->force.target.count,
                        .control = b->force.target.at,
                        .fixed = nsdae_motor_fixed,

@@ -55,10 +55,6 @@ static void half_axes(const nsdae_solid_of *s, double *half)
   if (s->shape != NSDAE_SHAPE_ELLIPSOID) half[2] = 0;
 }
 
-/* The fixed points are there up to a tilt of this sine: beyond, they would only graze. With them at
- * all tilts a pile of tests/system/pairs.c keeps moving. */
-static const double standing = 0.1;
-
 static int smooth_on_plane(const nsdae_couple *two, int corner, nsdae_closest *c)
 {
   const nsdae_solid_of *s = two->solid[1];
@@ -67,7 +63,7 @@ static int smooth_on_plane(const nsdae_couple *two, int corner, nsdae_closest *c
     nsdae_turn(two->pose[0]->R, c->u[0], n);
     nsdae_turn(two->pose[1]->R, s->R + 6, a);
     nsdae_cross3(n, a, tilt);
-    return nsdae_dot3(tilt, tilt) < standing * standing;
+    return nsdae_dot3(tilt, tilt) < NSDAE_TILT * NSDAE_TILT;
   }
   if (s->shape == NSDAE_SHAPE_CONE && corner == OF_DISC) return 1; /* the apex */
   c->kind = NSDAE_PLANE_ELLIPSOID;

@@ -16,10 +16,6 @@
 #include "separating_axis.h"
 #include "support.h"
 
-/* Edges at a smaller angle have no crossing, but ends along each other: it is the sine up to which
- * they may be tilted, so that one of the two is there. */
-static const double parallel = 0.1;
-
 /* The faces in space, from the origin of body 0, and in two coordinates across n. */
 typedef struct side {
   const nsdae_solid_of *solid;
@@ -122,8 +118,9 @@ static void add_corners(clip *c, int s)
   }
 }
 
-/* Edge k of side 0 and l of side 1, within both by more than a little: beyond, a corner is over the
- * other. See line_line in narrow_phase.c. */
+/* Edge k of side 0 and l of side 1, at more than the angle of the tilt: else their ends touch;
+ * within both by more than a little: beyond, a corner is over the other. See line_line in
+ * narrow_phase.c. */
 static void add_crossing(clip *c, int k, int l)
 {
   const int at[2] = {k, l};
@@ -137,10 +134,10 @@ static void add_crossing(clip *c, int k, int l)
   for (int i = 0; i < 3; i++) d[i] = x[1][i] - x[0][i];
   nsdae_cross3(e[0], e[1], m);
   double square = nsdae_dot3(m, m);
-  if (!(square > parallel * parallel * nsdae_dot3(e[0], e[0]) * nsdae_dot3(e[1], e[1]))) return;
+  if (!(square > NSDAE_TILT * NSDAE_TILT * nsdae_dot3(e[0], e[0]) * nsdae_dot3(e[1], e[1]))) return;
   double sign = (nsdae_dot3(m, c->nearest->normal) < 0 ? -1 : 1) / sqrt(square), gap = 0;
   for (int i = 0; i < 3; i++) m[i] *= sign;
-  if (nsdae_dot3(m, c->nearest->normal) < 1 - parallel * parallel) return;
+  if (nsdae_dot3(m, c->nearest->normal) < 1 - NSDAE_TILT * NSDAE_TILT) return;
   for (int s = 0; s < 2; s++) {
     nsdae_cross3(d, e[1 - s], turned);
     double along = sign * nsdae_dot3(m, turned);
@@ -201,7 +198,8 @@ static int are_parallel(const clip *c)
   for (int s = 0; s < 2; s++)
     for (int i = 0; i < 3; i++) e[s][i] = c->of[s].x[1][i] - c->of[s].x[0][i];
   nsdae_cross3(e[0], e[1], m);
-  return nsdae_dot3(m, m) < parallel * parallel * nsdae_dot3(e[0], e[0]) * nsdae_dot3(e[1], e[1]);
+  return nsdae_dot3(m, m) <
+         NSDAE_TILT * NSDAE_TILT * nsdae_dot3(e[0], e[0]) * nsdae_dot3(e[1], e[1]);
 }
 
 /* Edges of a face: one of a segment. */

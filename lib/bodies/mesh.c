@@ -25,12 +25,12 @@ static const double single_precision = 1.2e-7, least_height = 2.2e-10;
 
 static int check_surface(const nsdae_surface *s, nsdae_error *error)
 {
-  if (s->points < 3 || !s->point || s->triangles < 1 || s->triangles > NSDAE_TRIANGLES_MAX ||
-      !s->triangle)
+  if (s->points < 3 || s->points > 3 * NSDAE_TRIANGLES_MAX || !s->point || s->triangles < 1 ||
+      s->triangles > NSDAE_TRIANGLES_MAX || !s->triangle)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "triangles",
-                           "a mesh of %d points and %d triangles: it must have at least 3 points "
+                           "a mesh of %d points and %d triangles: it must have 3 .. %d points "
                            "and 1 .. %d triangles, none of them NULL",
-                           s->points, s->triangles, NSDAE_TRIANGLES_MAX);
+                           s->points, s->triangles, 3 * NSDAE_TRIANGLES_MAX, NSDAE_TRIANGLES_MAX);
   for (long i = 0; i < 3L * s->points; i++)
     if (!isfinite(s->point[i]))
       return nsdae_error_set(error, NSDAE_E_NONFINITE, where, "point",

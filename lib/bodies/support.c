@@ -4,11 +4,6 @@
 
 #include "narrow_phase.h"
 
-/* A contact beyond the nearest one is found up to a tilt of this sine. Its gap is there already the
- * sine times the length of the face; a body that turns by 10 rad/s tilts by a fifth of it in a step
- * of 2 ms. Piles of tests/system/pairs.c rest with 0.03, 0.1 and 0.3. */
-static const double tilt_sine = 0.1;
-
 /* ---- points */
 
 /* x += the foremost point of the ellipsoid about 0, or of the disc, of a smooth shape: feature.c.
@@ -111,9 +106,9 @@ static void face_of_smooth(const nsdae_solid_of *s, const double *n, nsdae_face 
   int cone = s->shape == NSDAE_SHAPE_CONE, two = s->shape == NSDAE_SHAPE_CYLINDER;
   double r = cone ? s->half[0] : 0, h = 2 * s->half[2], side = hypot(r, h);
   if (s->shape == NSDAE_SHAPE_ELLIPSOID) return;
-  if (across < tilt_sine && !(cone && along > 0)) {
+  if (across < NSDAE_TILT && !(cone && along > 0)) {
     face_of_disc(s, two && along > 0 ? 4 : 0, along < 0 ? -1 : 1, f);
-  } else if (h > 0 && fabs(h * along - r * across) < tilt_sine * side) {
+  } else if (h > 0 && fabs(h * along - r * across) < NSDAE_TILT * side) {
     f->round = cone ? 0 : s->half[0];
     memcpy(x, s->point, sizeof x);
     if (cone) round_off(s, n, x);
@@ -127,7 +122,7 @@ static void face_of_smooth(const nsdae_solid_of *s, const double *n, nsdae_face 
 static void face_of_hull(const nsdae_solid_of *s, const double *n, nsdae_face *f)
 {
   const nsdae_hull *h = s->hull;
-  double most = sqrt(1 - tilt_sine * tilt_sine), least = tilt_sine;
+  double most = sqrt(1 - NSDAE_TILT * NSDAE_TILT), least = NSDAE_TILT;
   int best = -1, corner = foremost(s, n);
   for (int i = 0; i < h->faces; i++) {
     double along = nsdae_dot3(n, s->edge + 4 * i);

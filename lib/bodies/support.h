@@ -12,7 +12,7 @@ void nsdae_support(const nsdae_solid_of *solid, const double *d, double *x);
 void nsdae_round_end(const nsdae_solid_of *solid, const double *end, const double *d, double *x);
 
 /* The supporting face of a solid along the unit vector n: of its faces, edges and sides at right
- * angles to n, up to a tilt of the sine tilt_sine, the largest. */
+ * angles to n, up to a tilt of the sine NSDAE_TILT, the largest. */
 enum { NSDAE_FACE = 16 };
 typedef struct nsdae_face {
   int count; /* of points: 0 none, 2 a segment, else a polygon, anticlockwise seen from outside */

@@ -187,8 +187,9 @@ static int check_contacts(const nsdae_system *system, const nsdae_sim_options *o
   nsdae_sim_options defaults;
   nsdae_sim_options_default(&defaults);
   int method = options ? options->method : defaults.method;
-  return maker->smooth && !nsdae_stepping_of(method)->closes ? maker->smooth(maker->of, error)
-                                                             : NSDAE_OK;
+  return maker->check_rates && !nsdae_stepping_of(method)->closes
+             ? maker->check_rates(maker->of, error)
+             : NSDAE_OK;
 }
 
 int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options, nsdae_sim **sim,

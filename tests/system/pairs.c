@@ -9,6 +9,7 @@
 
 #include "allocator.h"
 #include "random.h"
+#include "run_bodies.h"
 #include "walls.h"
 
 static const double gravity = 9.81, density = 700;
@@ -30,33 +31,15 @@ static int put(nsdae_bodies *b, const nsdae_solid *s, const double *at, const do
   return i;
 }
 
-static nsdae_sim *start(nsdae_bodies *b, int method, double dt, nsdae_system **system)
+static nsdae_sim *begin(nsdae_bodies *b, int method, double dt, nsdae_system **system)
 {
-  nsdae_sim *sim;
-  nsdae_error error;
-  nsdae_dims d;
   nsdae_sim_options o;
   nsdae_sim_options_default(&o);
   o.method = method;
   o.dt = dt;
   o.contact_tol = 1e-8;
   o.projection = NSDAE_PROJECTION_SLOP;
-  if (nsdae_bodies_system(b, system) < 0) fail_msg("%s", nsdae_bodies_error(b)->text);
-  nsdae_bodies_get_dims(b, &d);
-  double *q = calloc((size_t)d.nq, sizeof *q), *v = calloc((size_t)d.nv, sizeof *v);
-  nsdae_bodies_get_start(b, q, v);
-  if (nsdae_sim_create(*system, &o, &sim, &error) < 0) fail_msg("%s", error.text);
-  if (nsdae_sim_init(sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
-  free(q);
-  free(v);
-  return sim;
-}
-
-static void end(nsdae_bodies *b, nsdae_system *system, nsdae_sim *sim)
-{
-  nsdae_sim_destroy(&sim);
-  nsdae_system_destroy(&system);
-  nsdae_bodies_destroy(&b);
+  return start(b, &o, system);
 }
 
 /* Runs for a time; the energy is never above its first. The last quarter: depth and gain. */
@@ -64,7 +47,7 @@ static void settle(nsdae_bodies *b, int method, double dt, int steps, const char
 {
   nsdae_system *system;
   nsdae_record r;
-  nsdae_sim *sim = start(b, method, dt, &system);
+  nsdae_sim *sim = begin(b, method, dt, &system);
   nsdae_sim_get_record(sim, &r);
   double first = r.kinetic + r.potential, energy = first, depth = 0, gain = -INFINITY;
   int contacts = 0;

@@ -8,32 +8,10 @@
 #include <nsdae/nsdae.h>
 
 #include "random.h"
+#include "run_bodies.h"
 #include "walls.h"
 
 static const double gravity = 9.81;
-
-static nsdae_sim *start(nsdae_bodies *b, const nsdae_sim_options *o, nsdae_system **system)
-{
-  nsdae_sim *sim;
-  nsdae_error error;
-  nsdae_dims d;
-  if (nsdae_bodies_system(b, system) < 0) fail_msg("%s", nsdae_bodies_error(b)->text);
-  nsdae_bodies_get_dims(b, &d);
-  double *q = calloc((size_t)d.nq, sizeof *q), *v = calloc((size_t)d.nv, sizeof *v);
-  nsdae_bodies_get_start(b, q, v);
-  if (nsdae_sim_create(*system, o, &sim, &error) < 0) fail_msg("%s", error.text);
-  if (nsdae_sim_init(sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
-  free(q);
-  free(v);
-  return sim;
-}
-
-static void end(nsdae_bodies *b, nsdae_system *system, nsdae_sim *sim)
-{
-  nsdae_sim_destroy(&sim);
-  nsdae_system_destroy(&system);
-  nsdae_bodies_destroy(&b);
-}
 
 static void step(nsdae_sim *sim, nsdae_record *r)
 {

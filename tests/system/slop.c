@@ -10,6 +10,7 @@
 #include <nsdae/nsdae.h>
 
 #include "random.h"
+#include "run_bodies.h"
 #include "walls.h"
 
 static const double gravity = 9.81, DT = 2e-3;
@@ -37,30 +38,6 @@ static int add_box(nsdae_bodies *b, const double *edge, const nsdae_rigid_body *
   int i = nsdae_bodies_add(b, &body);
   nsdae_bodies_add_solid(b, i, &solid);
   return i;
-}
-
-/* A simulation at the start of the bodies. */
-static nsdae_sim *start(nsdae_bodies *b, const nsdae_sim_options *o, nsdae_system **system)
-{
-  nsdae_sim *sim;
-  nsdae_error error;
-  nsdae_dims d;
-  assert_true(nsdae_bodies_system(b, system) >= 0);
-  assert_int_equal(nsdae_bodies_get_dims(b, &d), NSDAE_OK);
-  double *q = calloc((size_t)d.nq, sizeof *q), *v = calloc((size_t)d.nv, sizeof *v);
-  nsdae_bodies_get_start(b, q, v);
-  if (nsdae_sim_create(*system, o, &sim, &error) < 0) fail_msg("%s", error.text);
-  if (nsdae_sim_init(sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
-  free(q);
-  free(v);
-  return sim;
-}
-
-static void end(nsdae_bodies *b, nsdae_system *system, nsdae_sim *sim)
-{
-  nsdae_sim_destroy(&sim);
-  nsdae_system_destroy(&system);
-  nsdae_bodies_destroy(&b);
 }
 
 static nsdae_sim_options options_of(int method, double tol)

@@ -309,6 +309,9 @@ static void test_refused(void **state)
   s = good;
   s.triangles = 0;
   refuse(s, NSDAE_GROUND, NSDAE_E_ARGUMENT, "0 triangles");
+  s = good;
+  s.points = INT32_MAX;
+  refuse(s, NSDAE_GROUND, NSDAE_E_ARGUMENT, "a mesh of 2147483647 points");
   s = (nsdae_solid){
       .shape = NSDAE_SHAPE_HEIGHT_FIELD, .point = height, .grid = {2, 2}, .length = {1, 1, 1}};
   refuse(s, NSDAE_GROUND, NSDAE_E_NONFINITE, "is at nan");
