@@ -351,6 +351,20 @@ class Sim:
         """
         return self._told(self._core.get_sensor, i)
 
+    def contact_forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Returns where the contacts of the present record act, and their forces.
+
+        Returns
+        -------
+        point : ndarray, shape (c, 3)
+            Points midway between the surfaces of two solids [m], in the order of `Record.contacts`. NaN for a contact without
+            an impulse, a limit, a rope or a contact of user rows.
+        force : ndarray, shape (c, 3)
+            Forces on the body of the larger number, means over the step [N].
+        """
+        point, force = self._told(self._core.contact_forces)
+        return point.reshape(-1, 3), force.reshape(-1, 3)
+
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Interpolates the state within the last step.
 
