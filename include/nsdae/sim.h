@@ -435,8 +435,8 @@ NSDAE_API int nsdae_sim_get_sensor(nsdae_sim *sim, int i, double *value);
  * is midway between the surfaces of two solids [m]. The force is on the body of the larger number,
  * never the ground, and a mean over the step [N].
  *
- * Of a contact without an impulse, a limit, a rope and a contact of user rows the point is NaN and
- * the force 0; so are those of all contacts at the start and after nsdae_sim_set_state.
+ * A contact without an impulse, a limit, a rope and a contact of user rows have the point NaN and
+ * the force 0. So have all contacts at the start and after nsdae_sim_set_state.
  *
  * NSDAE_E_ARGUMENT: NULL though count > 0, or the system was not made by nsdae_bodies_system;
  * NSDAE_E_STATE: before nsdae_sim_init. */

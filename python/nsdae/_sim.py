@@ -497,15 +497,16 @@ class Sim:
         from ._viewer import opened, shown
         start = self.state
 
-        def now() -> tuple[float, np.ndarray, np.ndarray]:
+        def now() -> tuple[float, np.ndarray]:
             record = self.record
-            return record.time, record.q, record.contacts
+            return record.time, record.q
 
         def restart() -> None:
             self.state = start
 
         with self.record_run(self.time, shapes=shapes)._opened() as file:
-            viewer: LiveViewer = opened("live", file, "the simulation", now, restart, title=title, port=port, playing=not block)
+            viewer: LiveViewer = opened("live", file, "the simulation", now, self.contact_forces if self._bodies else None,
+                                        restart, title=title, port=port, playing=not block)
         if block:
             try:
                 shown(viewer)
