@@ -908,7 +908,7 @@ static void test_polyhedron()
   EXPECT(pressed.first.size() == 12 && pressed.second.size() == 12);
   for (std::size_t i = 0; i < pressed.second.size(); i += 3) {
     weight += pressed.second[i + 2];
-    EXPECT(pressed.second[i + 2] == 0 || std::fabs(std::fabs(pressed.first[i]) - 0.5) < 1e-9);
+    EXPECT(pressed.second[i + 2] == 0 || std::fabs(std::fabs(pressed.first[i] - 3.5) - 0.5) < 1e-9);
   }
   EXPECT(std::fabs(weight - 20) < 1e-9);
   hull.points = 4;
