@@ -123,28 +123,33 @@ static int mean_force(const nsdae_step *step, int count, const double *reaction,
   nsdae_stepper *s = step->tools;
   nsdae_terms *T = &s->middle;
   const int n = s->system->dims.nv;
-  double *v = s->size, *u_m = s->v, *r = s->r;
-  memcpy(v, step->start->v, (size_t)n * sizeof *v);
-  memset(mean, 0, (size_t)n * sizeof *mean);
+  double *v = s->size, *u_m = s->v, *r = s->r, *F = s->v_other;
+  const size_t bytes = (size_t)n * sizeof *v;
+  memcpy(v, step->start->v, bytes);
+  memset(mean, 0, bytes);
   for (int k = 0; k < count; k++) {
     double change = INFINITY, last;
-    memcpy(u_m, v, (size_t)n * sizeof *v);
+    memcpy(u_m, v, bytes);
     do {
       last = change;
       nsdae_terms_set_velocity(T, u_m);
       int status = nsdae_terms_need(T, NSDAE_TERM_FORCE);
       if (status < 0) return status;
-      for (int i = 0; i < n; i++) r[i] = reaction ? T->F[i] - reaction[i] : T->F[i];
+      change = 0;
+      if (last < INFINITY && memcmp(F, T->F, bytes) == 0) break;
+      memcpy(F, T->F, bytes);
+      for (int i = 0; i < n; i++) r[i] = reaction ? F[i] - reaction[i] : F[i];
       midpoint(s, v, step->h / count / 2, r, u_m);
       change = nsdae_relative_change(n, u_m, T->v);
     } while (change > s->options->iteration_tol && change <= last / 2);
     if (!(change <= fmax(s->options->iteration_tol, ROUNDING))) return 0;
+    if (count == 1) return 1;
     for (int i = 0; i < n; i++) {
-      mean[i] += T->F[i] / count;
+      mean[i] += F[i] / count;
       v[i] = 2 * u_m[i] - v[i];
     }
   }
-  memcpy(T->F, mean, (size_t)n * sizeof *mean);
+  memcpy(T->F, mean, bytes);
   return 1;
 }
 
