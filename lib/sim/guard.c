@@ -86,15 +86,15 @@ typedef struct part {
 enum { OF_NONE = -1, OF_ONE = -2 }; /* kinds of what has numbers and no names, and of one number */
 
 /* item: of a kind that entry index belongs to. */
-static int refuse_nonfinite(const nsdae_result *result, const char *name, int index, double value,
-                            int kind, int item)
+static int refuse_nonfinite(const nsdae_result *result, const char *name, int index, int kind,
+                            int item)
 {
   const nsdae_terms *end = &result->end;
   char place[16] = "";
   if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
-                  "%s%s is %g at t = %.17g: overflow, the step was discarded", name, place, value,
-                  nsdae_terms_time(end));
+                  "%s%s overflows at t = %.17g: the step was discarded; make dt smaller", name,
+                  place, nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   return nsdae_error_at(end->error, NSDAE_E_NONFINITE, index, nsdae_terms_time(end));
 }
@@ -125,6 +125,7 @@ static int find_not_finite(const nsdae_point *point)
       {"tangential_impulse", r->contacts.tangential_impulse, k * d->nt, contact, d->nt},
       {"frictional_joint_impulse", r->frictional_joint_impulse, d->f, NSDAE_NAME_FRICTIONAL_JOINT,
        1},
+      {"work of the forces", &point->work.forces, 1, OF_ONE, 1},
       {"certificate.work", &r->certificate.work, 1, OF_ONE, 1},
       {"certificate.unexplained", &r->certificate.unexplained, 1, OF_ONE, 1},
       {"certificate.constraint_rate", &r->certificate.constraint_rate, 1, OF_ONE, 1},
@@ -133,14 +134,12 @@ static int find_not_finite(const nsdae_point *point)
       {"constraint_drift", &r->constraint_drift, 1, OF_ONE, 1}};
   for (const part *p = parts; p < parts + sizeof parts / sizeof *parts; p++)
     for (int i = 0; i < p->count; i++)
-      if (!isfinite(p->value[i]))
-        return refuse_nonfinite(result, p->name, i, p->value[i], p->kind, i / p->each);
+      if (!isfinite(p->value[i])) return refuse_nonfinite(result, p->name, i, p->kind, i / p->each);
   double energy = r->kinetic + r->potential + r->dissipated;
-  if (!isfinite(energy)) return refuse_nonfinite(result, "energy", 0, energy, OF_ONE, 0);
+  if (!isfinite(energy)) return refuse_nonfinite(result, "energy", 0, OF_ONE, 0);
   for (int i = 0; i < r->impacts; i++)
     if (!isfinite(sum_of(&r->impact[i])))
-      return refuse_nonfinite(result, "impact", i, sum_of(&r->impact[i]), contact,
-                              r->impact[i].contact);
+      return refuse_nonfinite(result, "impact", i, contact, r->impact[i].contact);
   return NSDAE_OK;
 }
 

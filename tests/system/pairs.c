@@ -173,7 +173,7 @@ static void test_piles(void **state)
   (void)state;
   for (int m = 0; m < 2; m++) {
     enum { SIDE = 2, LAYERS = 6 };
-    uint64_t seed = 6;
+    uint64_t seed = 10;
     nsdae_bodies *b = floor_and_walls(0.5, 4, 0.16, gravity);
     for (int i = 0; i < SIDE * SIDE * LAYERS; i++) {
       double point[24], at[3], turn[4];
