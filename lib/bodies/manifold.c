@@ -22,6 +22,7 @@ typedef struct side {
   const nsdae_pose *pose;
   nsdae_face face;
   double x[NSDAE_FACE][3], flat[NSDAE_FACE][2], normal[3];
+  int cone; /* a line on the side of one, from the rim to the apex: see aim */
 } side;
 
 typedef struct clip {
@@ -30,6 +31,23 @@ typedef struct clip {
   double beside;
   nsdae_manifold *to;
 } clip;
+
+/* From the frame of its body into space, from the origin of body 0. */
+static void put(const clip *c, const side *p, const double *own, double *x)
+{
+  nsdae_turn(p->pose->R, own, x);
+  for (int i = 0; i < 3; i++) x[i] += p->pose->r[i] - c->of[0].pose->r[i];
+}
+
+/* The line of the side of a cone is that on whose side of the axis d is. */
+static void aim(const clip *c, side *p, const double *d)
+{
+  double own[3], x[3];
+  if (!p->cone) return;
+  nsdae_turn_back(p->pose->R, d, own);
+  nsdae_round_end(p->solid, p->solid->point, own, x);
+  put(c, p, x, p->x[0]);
+}
 
 static void place_side(const nsdae_couple *two, int s, clip *c)
 {
@@ -41,11 +59,11 @@ static void place_side(const nsdae_couple *two, int s, clip *c)
   nsdae_turn_back(p->pose->R, n, own);
   for (int i = 0; i < 3 && s; i++) own[i] = -own[i];
   nsdae_supporting_face(p->solid, own, &p->face);
+  p->cone = p->face.count == 2 && p->solid->shape == NSDAE_SHAPE_CONE;
   nsdae_turn(p->pose->R, p->face.normal, p->normal);
   nsdae_complete_frame(n, b, t);
   for (int k = 0; k < p->face.count; k++) {
-    nsdae_turn(p->pose->R, p->face.x[k], p->x[k]);
-    for (int i = 0; i < 3; i++) p->x[k][i] += p->pose->r[i] - two->pose[0]->r[i];
+    put(c, p, p->face.x[k], p->x[k]);
     p->flat[k][0] = nsdae_dot3(b, p->x[k]);
     p->flat[k][1] = nsdae_dot3(t, p->x[k]);
   }
@@ -96,9 +114,10 @@ static int is_over(const side *p, const double *x, const double *y, double besid
 }
 
 /* The end of a solid's segment that is foremost along a unit vector, or the corner of a face. */
-static void surface(const side *p, int k, const double *along, double *x)
+static void surface(const clip *c, side *p, int k, const double *along, double *x)
 {
   double d[3], own[3];
+  aim(c, p, along);
   memcpy(x, p->x[k], 3 * sizeof *x);
   if (p->face.round == 0) return;
   nsdae_turn_back(p->pose->R, along, d);
@@ -108,17 +127,24 @@ static void surface(const side *p, int k, const double *along, double *x)
   for (int i = 0; i < 3; i++) x[i] += d[i];
 }
 
+/* The middle of the rim of an end. */
+static void middle_of(const clip *c, const side *p, int k, double *x)
+{
+  put(c, p, p->cone && k == 0 ? p->solid->point : p->face.x[k], x);
+}
+
 /* Corners of side s on the polygon of the other. */
 static void add_corners(clip *c, int s)
 {
-  const side *p = &c->of[s], *base = &c->of[1 - s];
+  side *p = &c->of[s];
+  const side *base = &c->of[1 - s];
+  const double down[3] = {-base->normal[0], -base->normal[1], -base->normal[2]};
   int first = 1 + (s ? c->of[0].solid->points : 0);
   if (base->face.count < 3) return;
   for (int k = 0; k < p->face.count; k++) {
-    double down[3], x[3], foot[3];
+    double x[3], foot[3];
     if (!is_over(base, p->x[k], p->flat[k], c->beside)) continue;
-    for (int i = 0; i < 3; i++) down[i] = -base->normal[i];
-    surface(p, k, down, x);
+    surface(c, p, k, down, x);
     double height = nsdae_dot3(base->normal, x) - nsdae_dot3(base->normal, base->x[0]);
     for (int i = 0; i < 3; i++) foot[i] = x[i] - height * base->normal[i];
     add(c, first + p->face.id[k], s ? 1 : -1, base->normal, height, s ? foot : x, s ? x : foot);
@@ -164,6 +190,30 @@ static double line_of(const side *p, int k, double *from, double *e)
   double length = sqrt(nsdae_dot3(e, e));
   for (int i = 0; i < 3; i++) e[i] /= length;
   return length;
+}
+
+/* The line of the side of a cone that a line along e crosses is that whose normal is at right
+ * angles to it. With the radius r, the height h and the axis u that is n ~ h e_r + r u:
+ *
+ *   h e . e_r = - r e . u
+ *
+ * for two e_r, of which one is on the side of out. 0: e is along none. */
+static int aim_across(const clip *c, side *p, const double *e, const double *out)
+{
+  const double *u = p->solid->R + 6, r = p->solid->half[0], h = 2 * p->solid->half[2];
+  double own[3], to[3], w[3], beside[3], d[3], x[3];
+  nsdae_turn_back(p->pose->R, e, own);
+  nsdae_turn_back(p->pose->R, out, to);
+  double along = nsdae_dot3(own, u);
+  for (int i = 0; i < 3; i++) w[i] = own[i] - along * u[i];
+  double cosine = -r * along / (h * sqrt(nsdae_dot3(w, w)));
+  if (!(fabs(cosine) < 1) || !nsdae_unit_vector(w, w)) return 0;
+  nsdae_cross3(u, w, beside);
+  double sine = sqrt(1 - cosine * cosine) * (nsdae_dot3(beside, to) < 0 ? -1 : 1);
+  for (int i = 0; i < 3; i++) d[i] = cosine * w[i] + sine * beside[i];
+  nsdae_turn(p->pose->R, d, x);
+  aim(c, p, x);
+  return 1;
 }
 
 /* Where a line crosses a rim, seen along the normal of that: |from + t e - centre| = r across it,
@@ -227,6 +277,13 @@ static void add_crossing(clip *c, const int at[2])
     to_rim(&c->of[s], x[s], e[s], bend[s]);
   }
   for (int step = 0; step < (rims ? NEWTON_STEPS : 1); step++) {
+    for (int s = 0; s < 2; s++) {
+      const double out[3] = {s ? -n[0] : n[0], s ? -n[1] : n[1], s ? -n[2] : n[2]};
+      if (!c->of[s].cone) continue;
+      if (!aim_across(c, &c->of[s], e[1 - s], out)) return;
+      length[s] = line_of(&c->of[s], 0, from[s], e[s]);
+      memcpy(x[s], from[s], sizeof d);
+    }
     for (int i = 0; i < 3; i++) d[i] = x[1][i] - x[0][i];
     double cosine = nsdae_dot3(e[0], e[1]), f[2] = {nsdae_dot3(e[0], d), nsdae_dot3(e[1], d)};
     double j0 = nsdae_dot3(bend[0], d) - 1, j1 = nsdae_dot3(bend[1], d) + 1;
@@ -298,14 +355,15 @@ static double foot_on(const side *p, const double *x, double *foot)
  * reduces the error by the square of the sine. */
 static void add_ends(clip *c, int s)
 {
-  const side *p = &c->of[s], *other = &c->of[1 - s];
-  double a[3], x[3], foot[3], sign = s ? -1 : 1;
+  side *p = &c->of[s], *other = &c->of[1 - s];
+  double a[3], x[3], foot[3], middle[3], sign = s ? -1 : 1;
   for (int k = 0; k < 2; k++) {
+    middle_of(c, p, k, middle);
     if (foot_on(other, p->x[k], foot) > c->beside) continue;
     for (int pass = 0; pass < 5; pass++) {
-      for (int i = 0; i < 3; i++) a[i] = foot[i] - p->x[k][i];
+      for (int i = 0; i < 3; i++) a[i] = foot[i] - middle[i];
       if (!nsdae_unit_vector(a, a)) memcpy(a, c->nearest->normal, sizeof a);
-      surface(p, k, a, x);
+      surface(c, p, k, a, x);
       foot_on(other, x, foot);
     }
     for (int i = 0; i < 3; i++) a[i] = foot[i] - x[i];
@@ -318,6 +376,53 @@ static void add_ends(clip *c, int s)
     add(c, 1 + (s ? c->of[0].solid->points : 0) + p->face.id[k], sign * facing, a, gap,
         s ? foot : x, s ? x : foot);
   }
+}
+
+/* The same along the side of a cone, at a plane that is tangent to it. With the line at e_r about
+ * the axis u and its normal n ~ h e_r + r u, x is the point of the end foremost along -n, of a rim
+ * of the radius R, and
+ *
+ *   F = (x - base) . t = 0,  t = u x e_r,     F' = - (x - base) . e_r - R up to the tilt
+ *
+ * by the angle of e_r: Newton's method, whose error each pass reduces by the tilt. */
+enum { CONE_PASSES = 12 };
+
+static void add_ends_on_cone(clip *c, int s)
+{
+  side *p = &c->of[s], *cone = &c->of[1 - s];
+  const double r = cone->solid->half[0], h = 2 * cone->solid->half[2], side_length = hypot(r, h);
+  double base[3], u[3], start[3], sign = s ? 1 : -1;
+  put(c, cone, cone->solid->point, base);
+  nsdae_turn(cone->pose->R, cone->solid->R + 6, u);
+  for (int i = 0; i < 3; i++) start[i] = (cone->x[0][i] - base[i]) / r;
+  for (int k = 0; k < 2; k++) {
+    double e[3], t[3], n[3], x[3], back[3], foot[3], height = 0;
+    double rim = p->cone ? (k == 0) * p->solid->half[0] : p->face.round;
+    memcpy(e, start, sizeof e);
+    for (int pass = 0;; pass++) {
+      double F = 0, out = 0;
+      for (int i = 0; i < 3; i++) {
+        n[i] = (h * e[i] + r * u[i]) / side_length;
+        back[i] = -n[i];
+      }
+      surface(c, p, k, back, x);
+      if (pass == CONE_PASSES) break;
+      nsdae_cross3(u, e, t);
+      for (int i = 0; i < 3; i++) {
+        F += (x[i] - base[i]) * t[i];
+        out += (x[i] - base[i]) * e[i];
+      }
+      for (int i = 0; i < 3; i++) e[i] += F / (fmax(out, 0) + rim + c->beside) * t[i];
+      nsdae_unit_vector(e, e);
+    }
+    aim(c, cone, e);
+    if (foot_on(cone, x, foot) > c->beside) continue;
+    for (int i = 0; i < 3; i++) height += n[i] * (x[i] - cone->x[0][i]);
+    for (int i = 0; i < 3; i++) foot[i] = x[i] - height * n[i];
+    add(c, 1 + (s ? c->of[0].solid->points : 0) + p->face.id[k], sign, n, height, s ? foot : x,
+        s ? x : foot);
+  }
+  aim(c, cone, start);
 }
 
 static int are_parallel(const clip *c)
@@ -344,7 +449,7 @@ int nsdae_find_manifold(const nsdae_couple *two, double enough, nsdae_manifold *
     if (!segments)
       add_corners(&c, s);
     else if (are_parallel(&c))
-      add_ends(&c, s);
+      (c.of[1 - s].cone ? add_ends_on_cone : add_ends)(&c, s);
   }
   if (!segments) add_crossings(&c);
   for (int i = 0; i < m->count; i++) least = fmin(least, m->at[i].gap);

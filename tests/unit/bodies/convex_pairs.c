@@ -134,7 +134,10 @@ static const int kinds_of[][2] = {{NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_BOX},
                                   {NSDAE_SHAPE_CONE, NSDAE_SHAPE_BOX},
                                   {NSDAE_SHAPE_ELLIPSOID, NSDAE_SHAPE_CONE},
                                   {NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_ELLIPSOID},
-                                  {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_DISC}};
+                                  {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_DISC},
+                                  {NSDAE_SHAPE_CONE, NSDAE_SHAPE_CAPSULE},
+                                  {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CONE},
+                                  {NSDAE_SHAPE_ELLIPSOID, NSDAE_SHAPE_ELLIPSOID}};
 enum { KINDS = sizeof kinds_of / sizeof *kinds_of };
 
 static void new_pose(nsdae_pose *pose, double spread)
@@ -338,11 +341,11 @@ static void rates_pose(const shape s[2], int k, double *q)
 
 static void test_rates(void **state)
 {
-  enum { POSES = 200 };
+  enum { POSES = 150 };
+  const double deepest = 0.05; /* steps leave less: further in, the search ends before the top */
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     int kinds[4] = {0}, checked = 0;
-    if (kinds_of[k][0] == NSDAE_SHAPE_CONE || kinds_of[k][1] == NSDAE_SHAPE_CONE) continue;
     for (int n = 0; n < POSES; n++) {
       shape s[2];
       nsdae_pose pose[2];
@@ -362,6 +365,10 @@ static void test_rates(void **state)
       for (int i = 0; i < 12 * m.count; i++) {
         const nsdae_still *at = &m.at[i / 12];
         double along[12] = {0};
+        if (at->gap < -deepest) {
+          sharp = 1;
+          continue;
+        }
         along[i % 12] = 1;
         int kind = examine(s, solid, q, along, m.number[i / 12], at);
         kinds[kind]++;
@@ -370,13 +377,15 @@ static void test_rates(void **state)
       }
       nsdae_bodies_add_contact(b, 0, 1, 0.3, 0, 0);
       assert_true(nsdae_bodies_system(b, &system) >= 0);
-      if (!sharp && ++checked && nsdae_system_check(system, 0, q, v, tol, &worst) < 0)
+      if (!sharp && ++checked && nsdae_system_check(system, 0, q, v, 2 * tol, &worst) < 0)
         fail_msg("pose %d: %s", n, nsdae_system_error(system)->text);
       nsdae_system_destroy(&system);
       nsdae_bodies_destroy(&b);
     }
     print_message("pair %d: %d contacts with smooth gaps, %d sharp, %d jump, %d alone; %d poses\n",
                   k, kinds[0], kinds[1], kinds[2], kinds[3], checked);
+    assert_true(kinds[SMOOTH] > 1000 && checked > POSES / 8);
+    assert_true(kinds[ALONE] <= 3); /* in 1e-6 of 1 m, of the 2e4 cases here */
   }
 }
 
