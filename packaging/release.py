@@ -3,7 +3,8 @@
 
 usage: release.py versions        the version of CMakeLists.txt is that of all other files
        release.py check           that, a dated entry in the changelog, and no placeholder of author or address
-       release.py sbom LIBRARY    software bill of materials of a built library, CycloneDX 1.5 as JSON; on Debian
+       release.py sbom PART...    software bill of materials, CycloneDX 1.5 as JSON; on Debian. PART: a shared library, of
+                                  which those count that it needs; a static one; a package URL, as pkg:pypi/nanobind@2.9.2
 """
 import json
 import pathlib
@@ -22,16 +23,24 @@ VERSIONS = {
 }
 ADDRESSED = ("CITATION.cff", "pyproject.toml", "packaging/conda/meta.yaml", "packaging/debian/changelog",
              "packaging/debian/control", "packaging/spack/package.py")
-# Licences of what the library links to, by the beginning of the name of Debian's package. Its file "copyright" is about all
-# parts of a source, most of which are not linked.
+# Licences of what is linked, by the beginning of the name of the package. Debian's file "copyright" is about all parts of a
+# source, most of which are not linked.
+BSD = {"license": {"id": "BSD-3-Clause"}}
 LICENSES = {
-    "libamd": {"id": "BSD-3-Clause"},
-    "libc6": {"id": "LGPL-2.1-or-later"},
-    "libhdf5": {"name": "HDF5"},
-    "liblapacke": {"id": "BSD-3-Clause"},
-    "libopenblas": {"id": "BSD-3-Clause"},
-    "libqhull": {"id": "Qhull"},
-    "libsundials": {"id": "BSD-3-Clause"},
+    "libamd": BSD,
+    "libc6": {"license": {"id": "LGPL-2.1-or-later"}},
+    "libgfortran": {"expression": "GPL-3.0-or-later WITH GCC-exception-3.1"},
+    "libhdf5": {"license": {"name": "HDF5"}},
+    "liblapacke": BSD,
+    "libopenblas": BSD,
+    "libqhull": {"license": {"id": "Qhull"}},
+    "libsundials": BSD,
+    "nanobind": BSD,
+    "qhull": {"license": {"id": "Qhull"}},
+    "robin-map": {"license": {"id": "MIT"}},
+    "sundials": BSD,
+    "suitesparse": BSD,  # AMD of it
+    "ziglang": {"expression": "Apache-2.0 WITH LLVM-exception"},  # libc++ of it
 }
 
 
@@ -74,7 +83,7 @@ def output(*command):
 
 
 def package_of(path):
-    """Name and version of the Debian package that has the file."""
+    """URL of the Debian package that has the file."""
     real = str(pathlib.Path(path).resolve())
     for place in (real, real.removeprefix("/usr")):
         found = subprocess.run(["dpkg", "-S", place], capture_output=True, text=True).stdout
@@ -83,7 +92,8 @@ def package_of(path):
             break
     else:
         sys.exit(f"{path}: no Debian package has this library: link one that does, or write its entry by hand")
-    return tuple(output("dpkg-query", "-W", "-f", "${Package} ${Version}", package).split())
+    name, number = output("dpkg-query", "-W", "-f", "${Package} ${Version}", package).split()
+    return f"pkg:deb/debian/{name}@{urllib.parse.quote(number)}"
 
 
 def license_of(package):
@@ -93,25 +103,34 @@ def license_of(package):
     sys.exit(f"{package}: its licence is not known: add it to LICENSES of packaging/release.py")
 
 
-def sbom(library):
-    """The libraries that the dynamic section of the file names, each by the package that has it."""
-    needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output("readelf", "-d", library))
-    places = dict(re.findall(r"(\S+) => (\S+)", output("ldd", library)))
-    components = []
-    for package, number in sorted({package_of(places[name]) for name in needed if name in places}):
-        reference = f"pkg:deb/debian/{package}@{urllib.parse.quote(number)}"
-        components.append({"type": "library", "bom-ref": reference, "name": package, "version": number, "purl": reference,
-                           "licenses": [{"license": license_of(package)}]})
-    own = {"type": "library", "bom-ref": "nsdae", "name": "nsdae", "version": version(),
-           "licenses": [{"license": {"id": "BSD-3-Clause"}}]}
+def packages_of(part):
+    """URLs of the packages that a part brings."""
+    if part.startswith("pkg:"):
+        return [part]
+    if not re.search(r"\.so(\.|$)", part):
+        return [package_of(part)]
+    needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output("readelf", "-d", part))
+    places = dict(re.findall(r"(\S+) => (\S+)", output("ldd", part)))
+    return [package_of(places[name]) for name in needed if name in places]
+
+
+def component(url):
+    name, _, number = url.partition("?")[0].rpartition("/")[2].partition("@")
+    return {"type": "library", "bom-ref": url, "name": name, **({"version": urllib.parse.unquote(number)} if number else {}),
+            "purl": url, "licenses": [license_of(name)]}
+
+
+def sbom(parts):
+    components = [component(url) for url in sorted({url for part in parts for url in packages_of(part)})]
+    own = {"type": "library", "bom-ref": "nsdae", "name": "nsdae", "version": version(), "licenses": [BSD]}
     return {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "metadata": {"component": own},
             "components": components, "dependencies": [{"ref": "nsdae", "dependsOn": [one["bom-ref"] for one in components]}]}
 
 
 def main():
     verb = sys.argv[1] if len(sys.argv) > 1 else ""
-    if verb == "sbom" and len(sys.argv) == 3:
-        print(json.dumps(sbom(sys.argv[2]), indent=2))
+    if verb == "sbom" and len(sys.argv) > 2:
+        print(json.dumps(sbom(sys.argv[2:]), indent=2))
         return
     if verb not in ("versions", "check"):
         sys.exit(__doc__)

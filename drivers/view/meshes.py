@@ -85,8 +85,15 @@ def welded(points):
     return unique, number.reshape(-1)
 
 
+def is_smooth(normals):
+    total = normals.sum(axis=0)
+    return (normals @ total).min() >= CREASE * np.linalg.norm(total)
+
+
 def creased(points, triangles):
-    """The mesh with vertices split: a corner joins those at its vertex whose normals, one after another, are within CREASE."""
+    """The mesh with vertices split: a corner joins those at its vertex whose normals, one after another, are within CREASE.
+
+    If they end farther than CREASE from their sum, as at the apex of a cone, there is no normal, and each corner stays alone."""
     normals = normals_of(points, triangles)
     corner = triangles.reshape(-1)
     order = np.argsort(corner, kind="stable")
@@ -96,7 +103,8 @@ def creased(points, triangles):
         for c in start:
             near = [g for g in groups if (normals[np.array(g) // 3] @ normals[c // 3]).max() >= CREASE]
             groups = [g for g in groups if g not in near] + [[c, *(i for g in near for i in g)]]
-        for group in groups:
+        parts = [[g] if is_smooth(normals[np.array(g) // 3]) else [[c] for c in g] for g in groups]
+        for group in (group for part in parts for group in part):
             split[group] = len(vertices)
             vertices.append(points[corner[group[0]]])
     return np.array(vertices).reshape(-1, 3), split.reshape(-1, 3)

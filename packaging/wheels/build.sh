@@ -1,6 +1,7 @@
 #!/bin/sh
 # Wheels for Linux on x86-64 with glibc 2.17 or later, on Debian 12: PyPI's ziglang compiles and links for that glibc.
-# Twice each, in two folders; the bytes must be the same. usage: build.sh [--draft] FOLDER [PYTHON...]
+# Twice each, in two folders; the bytes must be the same. With them an SBOM of all that is linked.
+# usage: build.sh [--draft] FOLDER [PYTHON...]
 # --draft: also of a tree that is not ready to be released. PYTHON: an interpreter for each wheel, by default python3; one of
 # 3.12 serves all later ones. Needs the packages of ./run build, python3-venv and the network.
 set -eu
@@ -27,16 +28,22 @@ zig_dependencies
 
 # Debian's archives of OpenBLAS, LAPACKE and libgfortran call nothing later than that glibc, as auditwheel checks below.
 system=/usr/lib/x86_64-linux-gnu
+archives="$system/libopenblas.a $system/liblapacke.a $(gcc -print-file-name=libgfortran.a)"
 cp /usr/include/lapack.h /usr/include/lapacke*.h "$(dirname "$(readlink -f /usr/include/x86_64-linux-gnu/cblas.h)")"/*.h "$prefix/include"
-cp -L "$system/libopenblas.a" "$system/liblapacke.a" "$(gcc -print-file-name=libgfortran.a)" "$prefix/lib"
+cp -L $archives "$prefix/lib"
 printf '!<arch>\n' >"$prefix/lib/libquadmath.a" # nothing of it is called
 
-export CMAKE_PREFIX_PATH="$prefix" LDFLAGS="-L$prefix/lib" CXXFLAGS="-include cstdio"
+# Debian's Python.h includes a header of a folder that only Debian's compilers search
+mkdir -p "$prefix/include/x86_64-linux-gnu"
+find /usr/include/x86_64-linux-gnu -maxdepth 1 -name 'python3*' -exec cp -r {} "$prefix/include/x86_64-linux-gnu" \;
+
+export CMAKE_PREFIX_PATH="$prefix" LDFLAGS="-L$prefix/lib" CXXFLAGS="-include cstdio -I$prefix/include"
 for time in first second; do
   for python in "$@"; do # the library is compiled once for all of them
     "$python" -m venv --clear "$work/venv"
-    "$work/venv/bin/pip" wheel -q "$source" --no-deps -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
-      --config-settings=cmake.define.CMAKE_AR="$AR" --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB"
+    "$work/venv/bin/pip" wheel -v "$source" --no-deps -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
+      --config-settings=cmake.define.CMAKE_AR="$AR" --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB" >"$work/pip.log" 2>&1 ||
+      { tail -40 "$work/pip.log" && exit 1; }
   done
   for wheel in "$work/$time/wheel"/*.whl; do
     auditwheel repair --plat "$platform" --only-plat -w "$work/$time/repaired" "$wheel" >/dev/null 2>&1
@@ -46,5 +53,14 @@ for wheel in "$work/first/repaired"/*.whl; do
   cmp "$wheel" "$work/second/repaired/${wheel##*/}"
   auditwheel show "$wheel" | tr '\n' ' ' | grep -q "platform tag: \"$platform\""
 done
+{
+  awk '/^Source:/ { name = $2 } /^Version:/ { print "pkg:deb/debian/" name "@" $2 "?arch=source" }' ./*.dsc
+  "$work/tools/bin/pip" freeze | sed -n 's,^ziglang==,pkg:pypi/ziglang@,p' # libc++
+  sed -n 's,.*Successfully installed.* nanobind-\([0-9.]*[0-9]\).*,pkg:pypi/nanobind@\1,p' "$work/pip.log"
+  echo pkg:generic/robin-map # in nanobind
+} >linked
+[ "$(wc -l <linked)" = 6 ]
+release=$(basename "$wheel" | cut -d- -f1,2)
+"$source/packaging/release.py" sbom $(cat linked) $archives >"$folder/$release-wheels.cdx.json"
 mv "$work/first/repaired"/*.whl "$folder"
 ls -l "$folder"

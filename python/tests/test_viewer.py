@@ -220,7 +220,9 @@ def test_forces_of_a_simulation_are_at_its_contacts():
 
 def test_meshes_are_closed_and_split_at_creases():
     from nsdae.pictures import meshes, shapes
-    for shape, vertices, volume in ((shapes.box(np.ones(3)), 24, 1), (shapes.globe(1.0, 0.0, 48, 24), 1106, 4 / 3 * np.pi)):
+    for shape, vertices, volume in ((shapes.box(np.ones(3)), 24, 1), (shapes.globe(1.0, 0.0, 48, 24), 1106, 4 / 3 * np.pi),
+                                    (shapes.cone(1.0, 2.0, 96), 3 * 96, 2 / 3 * np.pi),
+                                    (shapes.prism(shapes.circle(0.5, 96), 1.0), 4 * 96, np.pi / 4)):
         parts = meshes.meshes_of(shape, 1.0)
         assert sum(len(np.unique(part.triangles)) for part in parts) >= vertices and len(parts[0].vertices) == vertices
         corners = np.concatenate([part.vertices[part.triangles] for part in parts])

@@ -61,6 +61,8 @@ if find "$tree/build" -iname '*nsdae*' | grep -v "^$tree/build/nsdae\(/\|$\)"; t
   echo "the subproject wrote outside its folder" >&2
   exit 1
 fi
+objects=$(find "$tree/build" -name '*.o' | wc -l) sources=$(find "$source/lib" -name '*.c' | wc -l)
+[ "$objects" -le $((sources + 2)) ] # lib, what it was built with, and the program
 lacks HDF5 libhdf5
 lacks SUNDIALS libsundials
 lacks Fortran libgfortran
