@@ -72,29 +72,31 @@ static void add_joint(ragdoll *p, int number, double height)
   }
 }
 
-/* The stairs as a mesh 2 m wide: two triangles for each tread and riser, from the floor behind the
- * highest step, which is around y = 0, to the floor before the lowest. */
+/* The stairs as a closed mesh 2 m wide. Its profile is from the floor behind the highest step,
+ * which is around y = 0, to the floor before the lowest; points 2 i and 2 i + 1 are those of its
+ * corner i on both sides, which are fans about the first. */
 static int add_stairs(const ragdoll *p)
 {
-  const int edges = 2 * p->steps + 2, triangles = 2 * (edges - 1);
-  double *point = calloc((size_t)edges, 6 * sizeof *point);
+  const int edges = 2 * p->steps + 1, triangles = 4 * edges;
+  double *point = calloc((size_t)edges + 1, 6 * sizeof *point);
   int *triangle = calloc((size_t)triangles, 3 * sizeof *triangle), status = NSDAE_E_MEMORY;
-  for (int i = 0; point && triangle && i < edges; i++) {
+  for (int i = 0; point && triangle && i <= edges; i++) {
     double y = -(i / 2 - 0.5) * p->run, z = i == 0 ? 0 : (p->steps - (i - 1) / 2) * p->rise;
-    const double across[6] = {1, y, z, -1, y, z};
-    const int two[6] = {2 * i, 2 * i + 1, 2 * i + 3, 2 * i, 2 * i + 3, 2 * i + 2};
-    memcpy(point + 6 * (ptrdiff_t)i, across, sizeof across);
-    if (i + 1 < edges) memcpy(triangle + 6 * (ptrdiff_t)i, two, sizeof two);
+    const double corner[6] = {1, y, z, -1, y, z};
+    const int a = 2 * i, b = i < edges ? a + 2 : 0, side = i > 0 && i < edges;
+    const int four[12] = {a, a + 1, b + 1, a, b + 1, b, 0, a, b, 1, b + 1, a + 1};
+    memcpy(point + 6 * (ptrdiff_t)i, corner, sizeof corner);
+    memcpy(triangle + 12 * (ptrdiff_t)i - (i > 0 ? 6 : 0), four,
+           (side ? 12 : 6) * sizeof *triangle);
   }
   if (point && triangle)
-    status = nsdae_bodies_add_solid(
-        p->world, NSDAE_GROUND,
-        &(nsdae_solid){.shape = NSDAE_SHAPE_MESH,
-                       .points = 2 * edges,
-                       .point = point,
-                       .triangles = triangles,
-                       .triangle = triangle,
-                       .length = {0, 0, fmin(p->steps * p->rise, p->run / 2)}});
+    status = nsdae_bodies_add_solid(p->world, NSDAE_GROUND,
+                                    &(nsdae_solid){.shape = NSDAE_SHAPE_MESH,
+                                                   .points = 2 * (edges + 1),
+                                                   .point = point,
+                                                   .triangles = triangles,
+                                                   .triangle = triangle,
+                                                   .length = {0, 0, p->run / 2}});
   free(point);
   free(triangle);
   return status;
