@@ -1043,6 +1043,15 @@ public:
                                value + nsdae_system_sensor_size(nsdae_sim_get_system(c()), i));
   }
 
+  /* nsdae_sim_get_contact_forces: points [3 count] and forces [3 count]. */
+  std::pair<std::vector<double>, std::vector<double>> contact_forces()
+  {
+    const std::size_t size = 3 * static_cast<std::size_t>(record().contacts.count);
+    std::vector<double> point(size), force(size);
+    demand(nsdae_sim_get_contact_forces(c(), point.data(), force.data()));
+    return {point, force};
+  }
+
   /* nsdae_sim_get_state: the state as a block of bytes. */
   std::vector<unsigned char> state() const
   {

@@ -903,6 +903,14 @@ static void test_polyhedron()
   EXPECT(std::fabs(world.start().first[2] - 0.5) < 1e-14);
   sim.run(0.5);
   EXPECT(std::fabs(sim.record().q[2] - 0.5) < 1e-9);
+  const auto pressed = sim.contact_forces(); /* 2 kg on corners */
+  double weight = 0;
+  EXPECT(pressed.first.size() == 12 && pressed.second.size() == 12);
+  for (std::size_t i = 0; i < pressed.second.size(); i += 3) {
+    weight += pressed.second[i + 2];
+    EXPECT(pressed.second[i + 2] == 0 || std::fabs(std::fabs(pressed.first[i] - 3.5) - 0.5) < 1e-9);
+  }
+  EXPECT(std::fabs(weight - 20) < 1e-9);
   hull.points = 4;
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(3).add(body, {hull}, 2); }));
 }

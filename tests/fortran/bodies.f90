@@ -247,6 +247,7 @@ contains
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
     integer(c_int) :: first, second
+    real(c_double), allocatable :: point(:, :), force(:, :)
     call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
     box%shape = NSDAE_SHAPE_POLYGON
     box%point = reshape([-0.5d0, -0.5d0, 0.5d0, -0.5d0, 0.5d0, 0.5d0, -0.5d0, 0.5d0], [2, 4])
@@ -263,6 +264,10 @@ contains
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_true(all(record%v == 0), 'a box at rest has no velocity at all')
+    call is_int(nsdae_sim_get_contact_forces(sim, point, force), NSDAE_OK, 'contact forces')
+    call is_true(size(point, 2) == record%contacts%count, 'points of all contacts')
+    call is_true(abs(sum(force(2, :)) - 30) < 1d-9, 'the weight')
+    call is_true(any(abs(point(1, :) - 0.5d0) < 1d-9), 'at a corner')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)
