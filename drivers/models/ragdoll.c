@@ -1,12 +1,15 @@
-/* A ragdoll of ten capsules, 75 kg and 1.75 m tall, falls down stairs. Knees and elbows are
- * hinges, hips, shoulders and neck are universal joints. Each rotation has limits and dry friction.
- * The body does no work: its energy never grows, except by what the record has of the projection.
+/* A ragdoll of ten capsules, 75 kg and 1.75 m tall, falls backwards down stairs, a mesh. Knees and
+ * elbows are hinges, hips, shoulders and neck are universal joints. Each rotation has limits and
+ * dry friction. The body does no work: its energy never grows, except by what the record has of the
+ * projection.
  */
 #include "ragdoll.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "scene.h"
 
@@ -44,7 +47,7 @@ static int add_part(ragdoll *p, const part *a, double height)
   nsdae_rigid_body body = {
       .position = {(a->from[0] + a->to[0]) / 2, 0, height + (a->from[1] + a->to[1]) / 2},
       .quaternion = {cos(half), 0, sin(half), 0},
-      .velocity = {0, p->push, 0}};
+      .velocity = {0, -p->push, 0}};
   int status = nsdae_solid_inertia(&solid, 1000, &body.mass, body.inertia, NULL);
   if (status < 0) return status;
   return nsdae_bodies_add_solid(p->world, nsdae_bodies_add(p->world, &body), &solid);
@@ -69,20 +72,44 @@ static void add_joint(ragdoll *p, int number, double height)
   }
 }
 
+/* The stairs as a closed mesh 2 m wide. Its profile is from the floor behind the highest step,
+ * which is around y = 0, to the floor before the lowest; points 2 i and 2 i + 1 are those of its
+ * corner i on both sides, which are fans about the first. */
+static int add_stairs(const ragdoll *p)
+{
+  const int edges = 2 * p->steps + 1, triangles = 4 * edges;
+  double *point = calloc((size_t)edges + 1, 6 * sizeof *point);
+  int *triangle = calloc((size_t)triangles, 3 * sizeof *triangle), status = NSDAE_E_MEMORY;
+  for (int i = 0; point && triangle && i <= edges; i++) {
+    double y = -(i / 2 - 0.5) * p->run, z = i == 0 ? 0 : (p->steps - (i - 1) / 2) * p->rise;
+    const double corner[6] = {1, y, z, -1, y, z};
+    const int a = 2 * i, b = i < edges ? a + 2 : 0, side = i > 0 && i < edges;
+    const int four[12] = {a, a + 1, b + 1, a, b + 1, b, 0, a, b, 1, b + 1, a + 1};
+    memcpy(point + 6 * (ptrdiff_t)i, corner, sizeof corner);
+    memcpy(triangle + 12 * (ptrdiff_t)i - (i > 0 ? 6 : 0), four,
+           (side ? 12 : 6) * sizeof *triangle);
+  }
+  if (point && triangle)
+    status = nsdae_bodies_add_solid(p->world, NSDAE_GROUND,
+                                    &(nsdae_solid){.shape = NSDAE_SHAPE_MESH,
+                                                   .points = 2 * (edges + 1),
+                                                   .point = point,
+                                                   .triangles = triangles,
+                                                   .triangle = triangle,
+                                                   .length = {0, 0, p->run / 2}});
+  free(point);
+  free(triangle);
+  return status;
+}
+
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
   ragdoll *p = base;
-  double top = p->steps * p->rise, height = top + 1.2;
+  double height = p->steps * p->rise + 1.2;
   int status = world_begin(&p->world, 3, p->g, p->mu, 0, error);
   if (status < 0) return status;
   p->drift = p->growth = p->start = 0;
-  for (int i = 0; i < p->steps; i++) { /* the highest one around y = 0 */
-    double high = top - i * p->rise;
-    nsdae_bodies_add_solid(p->world, NSDAE_GROUND,
-                           &(nsdae_solid){.shape = NSDAE_SHAPE_BOX,
-                                          .length = {2, p->run, high},
-                                          .position = {0, i * p->run, high / 2}});
-  }
+  if (p->steps > 0) status = add_stairs(p);
   for (int i = 0; i < PARTS && status >= 0; i++) status = add_part(p, &parts[i], height);
   for (int i = HEAD; i < PARTS && status >= 0; i++) add_joint(p, i, height);
   return world_end(p->world, status, system, error);
@@ -118,8 +145,8 @@ static const nsdae_param entries[] = {
      NULL},
     {"run", "m", "depth of a step", NSDAE_PARAM_REAL, AT(run), 0.3, 0, INFINITY, NSDAE_OPEN_MIN,
      NULL},
-    {"push", "m/s", "velocity ahead at the start", NSDAE_PARAM_REAL, AT(push), 1, -INFINITY,
-     INFINITY, 0, NULL},
+    {"push", "m/s", "velocity down the stairs at the start", NSDAE_PARAM_REAL, AT(push), 1,
+     -INFINITY, INFINITY, 0, NULL},
     {"friction", "N m", "dry friction of a joint", NSDAE_PARAM_REAL, AT(friction), 2, 0, INFINITY,
      0, NULL},
     {"mu", "1", "friction of contacts", NSDAE_PARAM_REAL, AT(mu), 0.5, 0, INFINITY, 0, NULL},

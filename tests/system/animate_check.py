@@ -286,6 +286,11 @@ def geneva(a, q, p):
     expect("length of the slots", abs(np.abs(a.pose("polygon 0")).max() - 1) < a.rounding and r < p["distance"])
 
 
+def cam(a, q, p):
+    for i, angle in ((0, q[:, 2]), (1, q[:, 5]), (2, q[:, 5])):
+        a.close(f"polygon {i}", "pose", *q[:, 3 * (i > 0):][:, :2].T, *turn(angle))
+
+
 def backlash(a, q, p):
     a.close("disc 0", "pose", -0.005 * (p["pinion"] + p["gear"]), 0, *turn(q[:, 2]))
     a.close("disc 1", "pose", 0, 0, *turn(q[:, 5]))
@@ -323,9 +328,9 @@ def heap(a, q, p):
 
 def ragdoll(a, q, p):
     q = q.reshape(len(q), -1, 7)
-    expect("number of bodies", q.shape[1] == 10 and len(a.scene["bodies"]) == 11 + p["steps"])
+    expect("number of bodies", q.shape[1] == 10 and len(a.scene["bodies"]) == 12)  # with floor and stairs
     for i in range(10):
-        a.close(f"capsule {1 + p['steps'] + i}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
+        a.close(f"capsule {2 + i}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
 
 
 def scene(a, q, p):
@@ -339,7 +344,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash}
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash, "cam": cam}
 
 
 def check_strips(a, f):

@@ -1,8 +1,9 @@
 /* The examples of joints, motors and contacts against their closed forms: a gripper at its limit
- * of friction, a Geneva drive, gears with backlash, and a ragdoll by its invariants. */
+ * of friction, a Geneva drive, gears with backlash, a cam, and a ragdoll by its invariants. */
 #include "check.h"
 
 #include "backlash.h"
+#include "cam.h"
 #include "geneva.h"
 #include "gripper.h"
 #include "ragdoll.h"
@@ -114,6 +115,36 @@ static void test_backlash(void **state)
 /* Falls on stairs of all kinds: no joint is off by more than 1e-3 of its link, of which the
  * shortest is 0.2 m, and the energy grows by no more than the record of the projection explains, up
  * to the 1e-3 of explicit gyroscopic terms. */
+/* The lift of random cams: what it is off by is that of chords and penetration; by event it is that
+ * of the chords. With less than the least preload the follower leaves the cam. */
+static void test_cam(void **state)
+{
+  static const struct {
+    int method;
+    double dt;
+  } runs[] = {
+      {NSDAE_METHOD_MOREAU, 1e-4}, {NSDAE_METHOD_IMPLICIT, 1e-4}, {NSDAE_METHOD_EVENT, 1e-3}};
+  cam *p = cam_model.base;
+  uint64_t seed = 5;
+  (void)state;
+  for (int i = 0; i < 9; i++) {
+    nsdae_params_default(cam_model.parameters, p);
+    p->rise = random_between(&seed, 1.9, 3.1);
+    p->lift = random_between(&seed, 0.2, 0.9) * p->radius * p->rise * p->rise / (2 * acos(-1));
+    p->corners = 90 + 30 * (i % 3);
+    int leaves = i >= 6, event = runs[i % 3].method == NSDAE_METHOD_EVENT;
+    if (leaves) p->speed = 40;
+    p->preload = leaves ? 0.3 * cam_least_preload(p) : 3 + 3 * cam_least_preload(p);
+    run(&cam_model, runs[i % 3].method, runs[i % 3].dt, 0.32);
+    print_message("cam: off by %.2e m, chords %.2e m, penetration %.1e m, preload %.3g of %.3g N\n",
+                  p->error, cam_bound(p), p->depth, p->preload, cam_least_preload(p));
+    if (leaves)
+      assert_true(p->error > 10 * (cam_bound(p) + p->depth));
+    else
+      assert_at_most(p->error, cam_bound(p) + p->depth + (event ? 1e-9 : 0));
+  }
+}
+
 static void test_ragdoll(void **state)
 {
   static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
@@ -136,7 +167,7 @@ static void test_ragdoll(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_gripper), cmocka_unit_test(test_geneva),
-                                     cmocka_unit_test(test_backlash),
+                                     cmocka_unit_test(test_backlash), cmocka_unit_test(test_cam),
                                      cmocka_unit_test(test_ragdoll)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -389,11 +389,19 @@ def scene(a, f, p):
 
 
 def ragdoll(a, f, p):
-    moved(a, f, "capsule", 1 + p["steps"])
+    """Each corner of the stairs is one of a tread."""
+    moved(a, f, "capsule", 2)
+    stairs = a.body("mesh 1")[0]
     for i in range(p["steps"]):
-        box = a.body(f"box {1 + i}")[0]
-        close("a step", box.max(axis=0), [1, (i + 0.5) * p["run"], (p["steps"] - i) * p["rise"]])
-        close("a step", box.min(axis=0), [-1, (i - 0.5) * p["run"], 0])
+        tread = stairs[np.abs(stairs[:, 2] - (p["steps"] - i) * p["rise"]) < 1e-9]
+        close("a step", tread.max(axis=0)[:2], [1, (0.5 - i) * p["run"]])
+        close("a step", tread.min(axis=0)[:2], [-1, -(i + 0.5) * p["run"]])
+
+
+def cam(a, f, p):
+    """The highest point of the cam is at the face of the follower: the overlap is at most a step of its corners, 0.1 mm."""
+    gap = a.body("polygon 1")[..., 1].min(axis=1) - a.body("polygon 0")[..., 1].max(axis=1)
+    expect("the follower is on the cam", np.abs(gap).max() < 1e-4)
 
 
 CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
@@ -401,7 +409,7 @@ CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-c
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash}
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash, "cam": cam}
 
 
 def check_with_vtk(a):
