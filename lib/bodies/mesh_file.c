@@ -137,7 +137,7 @@ static void next_word(reader *r)
     if (c == EOF || isspace(c)) {
       if (length > 0) break;
     } else if (length < WORD_SIZE - 1) {
-      r->word[length++] = (char)c;
+      r->word[length++] = c ? (char)c : '?'; /* a NUL byte ends no number */
     }
   }
   r->last = c;
@@ -331,10 +331,10 @@ static int read_stl(reader *r)
   size_t got = fread(head, 1, sizeof head, r->file);
   uint32_t count = word_of(head + 80);
   long size = fseek(r->file, 0, SEEK_END) == 0 ? ftell(r->file) : -1;
-  if (got == sizeof head && size >= 0 && (uint64_t)size == 84 + 50 * (uint64_t)count)
-    return fseek(r->file, (long)sizeof head, SEEK_SET) == 0
-               ? read_stl_binary(r, count)
-               : refuse(r, NSDAE_E_IO, "cannot read it: it must be a regular file");
+  int binary = got == sizeof head && (uint64_t)size == 84 + 50 * (uint64_t)count;
+  if (size < 0 || fseek(r->file, binary ? (long)sizeof head : 0, SEEK_SET) != 0)
+    return refuse(r, NSDAE_E_IO, "cannot read it: it must be a regular file");
+  if (binary) return read_stl_binary(r, count);
   size_t start = 0;
   while (start < got && isspace(head[start])) start++;
   char first[6] = "";
@@ -344,7 +344,6 @@ static int read_stl(reader *r)
                   "%ld bytes are no STL file: one of text begins with 'solid', a binary one of %lu "
                   "triangles has %llu bytes",
                   size, (unsigned long)count, 84 + 50 * (unsigned long long)count);
-  rewind(r->file);
   next_line(r);
   return read_stl_text(r);
 }

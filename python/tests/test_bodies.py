@@ -622,3 +622,16 @@ def test_mesh_files(tmp_path):
         nsdae.read_mesh(text, scale=0)
     with pytest.raises(nsdae.Error, match="none.obj"):
         nsdae.read_mesh(tmp_path / "none.obj")
+
+
+def test_mesh_files_of_trimesh(tmp_path):
+    """Surfaces that trimesh writes; their coordinates are multiples of 1/64, exact in each format."""
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not here")
+    random = np.random.default_rng(7)
+    for count in (4, 10, 100):
+        points = random.integers(-4096, 4096, size=(count, 3)) / 64
+        made = trimesh.Trimesh(points, [random.permutation(count)[:3] for _ in range(2 * count)])
+        for name, kind in (("a.obj", "obj"), ("b.stl", "stl_ascii"), ("c.stl", "stl")):
+            made.export(tmp_path / name, file_type=kind)
+            read = nsdae.read_mesh(tmp_path / name)
+            np.testing.assert_array_equal(read.points[read.triangle], made.triangles)

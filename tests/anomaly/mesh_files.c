@@ -4,6 +4,8 @@
 #include "check.h"
 
 #include <nsdae/nsdae.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <time.h>
 
 #include "allocator.h"
@@ -116,8 +118,10 @@ static void write_binary(FILE *f, const surface *s)
   }
 }
 
+/* A new file: the old one is not cut to length 0, which some file systems write to the disk. */
 static FILE *open_new(const char *path)
 {
+  remove(path);
   FILE *f = fopen(path, "wb");
   assert_non_null(f);
   return f;
@@ -134,8 +138,8 @@ static void write_format(int format, const surface *s)
 
 /* ---- what is written is read */
 
-/* Balls on the surface, thrown at it: their coordinates at the end. */
-static void throw_at(const nsdae_solid *ground, double unit, double q[14])
+/* Balls that fall on the surface: their coordinates at the end; the steps with contacts. */
+static int drop_on(const nsdae_solid *ground, double unit, double q[14])
 {
   nsdae_bodies *b;
   nsdae_system *system;
@@ -166,11 +170,11 @@ static void throw_at(const nsdae_solid *ground, double unit, double q[14])
     nsdae_sim_get_record(sim, &r);
     met += r.contacts.count > 0;
   }
-  assert_true(met > 5);
   memcpy(q, r.q, 14 * sizeof *q);
   nsdae_sim_destroy(&sim);
   nsdae_system_destroy(&system);
   nsdae_bodies_destroy(&b);
+  return met;
 }
 
 static void test_written(void **state)
@@ -199,11 +203,40 @@ static void test_written(void **state)
     given.point = &s.point[0][0];
     given.triangles = TRIANGLES;
     given.triangle = &s.triangle[0][0];
-    throw_at(&read, unit, q[0]);
-    throw_at(&given, unit, q[1]);
+    assert_true(drop_on(&read, unit, q[0]) > 5);
+    drop_on(&given, unit, q[1]);
     assert_memory_equal(q[0], q[1], sizeof q[0]);
     nsdae_solid_release(&read);
     assert_null(read.point);
+  }
+}
+
+/* Triangles of a file left out, twice and in clockwise order: sides of one and of many triangles.
+ * Balls stay finite; those that meet a triangle are stopped or pass through it. */
+static void test_topology(void **state)
+{
+  (void)state;
+  for (int i = 0; i < 30; i++) {
+    surface s;
+    nsdae_solid read;
+    double q[14];
+    make_surface(&s, 1);
+    for (int t = 0; t < TRIANGLES; t++) {
+      int kind = random_below(&seed, 6), other = random_below(&seed, TRIANGLES);
+      if (kind == 0) memcpy(s.triangle[t], s.triangle[other], sizeof s.triangle[t]);
+      if (kind > 1) continue;
+      int corner = s.triangle[t][0];
+      s.triangle[t][0] = s.triangle[t][1];
+      s.triangle[t][1] = corner;
+    }
+    write_format(i % FORMATS, &s);
+    assert_int_equal(nsdae_solid_read(paths[i % FORMATS], 1, &read, NULL), NSDAE_OK);
+    assert_int_equal(read.triangles, TRIANGLES);
+    double unit = fabs(s.point[1][0] - s.point[0][0]);
+    read.length[2] = unit;
+    drop_on(&read, unit, q);
+    for (int j = 0; j < 14; j++) assert_true(isfinite(q[j]));
+    nsdae_solid_release(&read);
   }
 }
 
@@ -305,6 +338,10 @@ static void test_refused(void **state)
     refuse(paths[cases[i].format], 0.5, cases[i].status, cases[i].words);
   }
   refuse("no_such.obj", 1, NSDAE_E_IO, "'no_such.obj': cannot read it: is there such a file?");
+  mkdir("mesh_files_folder.obj", 0700);
+  refuse("mesh_files_folder.obj", 1, NSDAE_E_IO, "cannot read it: it must be a regular file");
+  mkdir("mesh_files_folder.stl", 0700);
+  refuse("mesh_files_folder.stl", 1, NSDAE_E_IO, "cannot read it: it must be a regular file");
   refuse("mesh.ply", 1, NSDAE_E_ARGUMENT, "must end in .obj or .stl");
   assert_int_equal(nsdae_solid_read(NULL, 1, &solid, NULL), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_solid_read("a.obj", 1, NULL, NULL), NSDAE_E_ARGUMENT);
@@ -480,48 +517,73 @@ static void test_memory(void **state)
   }
 }
 
-/* A million triangles: a strip of 2 x 500000, as a binary file. */
-static void test_million(void **state)
+/* Triangle t of a strip of squares: its corner k. */
+static void strip_corner(int t, int k, float x[3])
 {
-  enum { COUNT = 1000000 };
-  FILE *f = open_new(paths[2]);
+  x[0] = (float)(t / 2 + (t % 2 == 0 ? k == 1 : k < 2));
+  x[1] = (float)(t % 2 == 0 ? k == 2 : k > 0);
+  x[2] = 0;
+}
+
+static void write_strip(int format, int count)
+{
+  FILE *f = open_new(paths[format]);
   unsigned char head[84] = {0};
-  nsdae_solid solid;
-  nsdae_error error;
-  (void)state;
-  for (int k = 0; k < 4; k++) head[80 + k] = (unsigned char)(COUNT >> 8 * k);
-  fwrite(head, 1, sizeof head, f);
-  for (int t = 0; t < COUNT; t++) {
+  for (int k = 0; k < 4; k++) head[80 + k] = (unsigned char)(count >> 8 * k);
+  if (format == 1) fputs("solid\n", f);
+  if (format == 2) fwrite(head, 1, sizeof head, f);
+  for (int t = 0; t < count; t++) {
     unsigned char byte[50] = {0};
+    if (format == 1) fputs("facet normal 0 0 1\nouter loop\n", f);
     for (int k = 0; k < 3; k++) {
-      float x[3] = {0};
-      x[0] = (float)(t / 2 + (t % 2 == 0 ? k == 1 : k < 2));
-      x[1] = (float)(t % 2 == 0 ? k == 2 : k > 0);
+      float x[3];
+      strip_corner(t, k, x);
+      if (format == 0) fprintf(f, "v %g %g %g\n", x[0], x[1], x[2]);
+      if (format == 1) fprintf(f, "vertex %g %g %g\n", x[0], x[1], x[2]);
       for (int j = 0; j < 3; j++) {
         uint32_t bits;
         memcpy(&bits, &x[j], sizeof bits);
         for (int i = 0; i < 4; i++) byte[12 + 12 * k + 4 * j + i] = (unsigned char)(bits >> 8 * i);
       }
     }
-    fwrite(byte, 1, sizeof byte, f);
+    if (format == 0) fputs("f -3 -2 -1\n", f);
+    if (format == 1) fputs("endloop\nendfacet\n", f);
+    if (format == 2) fwrite(byte, 1, sizeof byte, f);
   }
+  if (format == 1) fputs("endsolid\n", f);
   fclose(f);
-  clock_t begin = clock();
-  int status = nsdae_solid_read(paths[2], 1, &solid, &error);
-  print_message("10^6 triangles of a binary file: %.1f s\n",
-                (double)(clock() - begin) / CLOCKS_PER_SEC);
-  if (status < 0) fail_msg("%s", error.text);
-  assert_int_equal(solid.triangles, COUNT);
-  assert_int_equal(solid.points, COUNT + 2);
-  nsdae_solid_release(&solid);
-  remove(paths[2]);
+}
+
+/* A million triangles of a binary file, of all formats in the long form. */
+static void test_million(void **state)
+{
+  enum { COUNT = 1000000 };
+  (void)state;
+  for (int format = getenv("NSDAE_LONG") ? 0 : 2; format < FORMATS; format++) {
+    struct rusage use;
+    nsdae_solid solid;
+    nsdae_error error;
+    write_strip(format, COUNT);
+    clock_t begin = clock();
+    int status = nsdae_solid_read(paths[format], 1, &solid, &error);
+    double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
+    if (status < 0) fail_msg("%s", error.text);
+    assert_int_equal(solid.triangles, COUNT);
+    assert_int_equal(solid.points, COUNT + 2);
+    nsdae_solid_release(&solid);
+    getrusage(RUSAGE_SELF, &use);
+    print_message("10^6 triangles of %s: %.1f s, at most %ld MB\n", paths[format], seconds,
+                  use.ru_maxrss / 1000);
+    remove(paths[format]);
+  }
 }
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_written), cmocka_unit_test(test_block),
-                                     cmocka_unit_test(test_refused), cmocka_unit_test(test_cut),
-                                     cmocka_unit_test(test_damaged), cmocka_unit_test(test_memory),
-                                     cmocka_unit_test(test_million)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_written), cmocka_unit_test(test_topology),
+      cmocka_unit_test(test_block),   cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_cut),     cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_memory),  cmocka_unit_test(test_million)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,7 +51,7 @@ for library in $needed; do
 done
 
 "$work/use/bin/pip" install -q --no-compile pytest
-optional="scipy cffi numba mpi4py joblib mypy pandas xarray h5netcdf viser"
+optional="scipy cffi numba mpi4py joblib mypy pandas xarray h5netcdf viser trimesh"
 "$work/use/bin/pip" install -q --no-compile --only-binary :all: $optional 2>/dev/null || for one in $optional; do
   "$work/use/bin/pip" install -q --no-compile --only-binary :all: $one || echo "left out: no $one here"
 done

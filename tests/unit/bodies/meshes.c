@@ -319,6 +319,8 @@ static void test_refused(void **state)
   refuse(s, NSDAE_GROUND, NSDAE_E_ARGUMENT, "grid = 1 x 2");
   s.grid[0] = s.grid[1] = INT32_MAX;
   refuse(s, NSDAE_GROUND, NSDAE_E_ARGUMENT, "grid = 2147483647 x 2147483647");
+  s.grid[0] = s.grid[1] = 10000; /* heights are not read before their number is checked */
+  refuse(s, NSDAE_GROUND, NSDAE_E_ARGUMENT, "grid = 10000 x 10000 of a height field");
   triangle[35] = 4; /* a hole, and a side of three */
   refuse_inertia(triangle, "is no side of one other triangle in the opposite direction");
   for (int i = 0; i < 36; i++) triangle[i] = cube_triangle[35 - i];
