@@ -78,13 +78,12 @@ typedef struct nsdae_rigid_body {
  *                  length[1] about the origin. A cell is two triangles with a common side from its
  *                  corner of least x and y
  *
- * MESH and HEIGHT_FIELD touch POINT, SPHERE, CAPSULE, BOX and POLYHEDRON by nsdae_bodies_set_pair.
- * A body may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to
- * 1.2e-7 of the largest coordinate, are one face. Edges within a face and in a valley have no
- * contacts
+ * MESH and HEIGHT_FIELD touch all solids but PLANE and each other by nsdae_bodies_set_pair. A body
+ * may have one with exclude = -1, for pictures. Neighbouring triangles in one plane, up to 1.2e-7
+ * of the largest coordinate, are one face. Edges within a face and in a valley have no contacts
  *
  * CYLINDER, CONE, ELLIPSOID and DISC (spatial) have exact contacts with PLANE, SPHERE and POINT.
- * With CAPSULE, BOX, POLYHEDRON and each other their contacts are for time stepping:
+ * With CAPSULE, BOX, POLYHEDRON, MESH, HEIGHT_FIELD and each other they are for time stepping:
  * nsdae_sim_create refuses event and penalty. A DISC and another DISC or a POINT have none: they
  * have no inside. */
 typedef struct nsdae_solid {

@@ -382,8 +382,7 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
  * < 0. Gaps up to the reach are there, some others too. */
 int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to);
-/* Whether two solids have no contacts: a disc and a point or disc, a smooth shape and a mesh. The
- * error. */
+/* Whether two solids have no contacts: a disc and a point or disc. The error. */
 int nsdae_pair_has_none(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 int nsdae_bodies_refuse_pair(nsdae_bodies *bodies, const char *what, int index, int solid0,
                              int solid1);

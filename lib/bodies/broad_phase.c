@@ -34,7 +34,8 @@ long nsdae_broad_features(const nsdae_bodies *b)
     if (nsdae_solid_is_smooth(s)) smooth = 1;
   }
   double most = fmax(2 * corners + edges * edges, (1 + corners + edges) * parts);
-  most = fmax(most, smooth * (1 + corners) * (1 + corners)); /* see support.h */
+  /* see support.h; of an edge of a mesh with two ends: see mesh_contact.c */
+  most = fmax(most, smooth * (1 + corners) * fmax(1 + corners, 4 * parts));
   return (long)fmin(most, (double)(LONG_MAX / 2)); /* which nsdae_bodies_check_ids refuses */
 }
 

@@ -55,7 +55,7 @@ static void half_axes(const nsdae_solid_of *s, double *half)
   if (s->shape != NSDAE_SHAPE_ELLIPSOID) half[2] = 0;
 }
 
-static int smooth_on_plane(const nsdae_couple *two, int corner, nsdae_closest *c)
+int nsdae_smooth_on_plane(const nsdae_couple *two, int corner, nsdae_closest *c)
 {
   const nsdae_solid_of *s = two->solid[1];
   double n[3], a[3], tilt[3];
@@ -103,8 +103,11 @@ static void point_on_turned(const nsdae_solid_of *s, const double *place, nsdae_
   }
 }
 
-static void point_on_smooth(const nsdae_solid_of *s, const double *place, nsdae_closest *c)
+void nsdae_point_on_smooth(const nsdae_couple *two, const double *x, nsdae_closest *c)
 {
+  const nsdae_solid_of *s = two->solid[0];
+  double own[3], place[3];
+  place_in(two, x, own, place);
   if (s->shape != NSDAE_SHAPE_ELLIPSOID) {
     point_on_turned(s, place, c);
     return;
@@ -403,15 +406,16 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
     c->kind = s0->shape == NSDAE_SHAPE_PLANE ? NSDAE_PLANE_POINT : NSDAE_POINT_POINT;
     set(s0->origin, c->x[0]);
     if (c->kind == NSDAE_PLANE_POINT) set(s0->R + 6, c->u[0]);
-    return nsdae_solid_is_smooth(s1) ? smooth_on_plane(&two, f->part[1], c) : 1;
+    return nsdae_solid_is_smooth(s1) ? nsdae_smooth_on_plane(&two, f->part[1], c) : 1;
+  }
+  if (smooth) {
+    nsdae_point_on_smooth(&two, x1, c);
+    return 1;
   }
   place_in(&two, x1, own, place);
   if (s0->shape == NSDAE_SHAPE_POLYHEDRON || (s0->shape == NSDAE_SHAPE_BOX && met->polyhedra))
     return nsdae_polyhedron_closest(met, base_of(f), own, c);
   if (s0->shape == NSDAE_SHAPE_BOX) return corner_on_box(met, base_of(f), place, c);
-  if (smooth)
-    point_on_smooth(s0, place, c);
-  else
-    corner_on_rod(s0, place, c);
+  corner_on_rod(s0, place, c);
   return 1;
 }

@@ -218,7 +218,7 @@ static void ascend(pairing *p)
     memset(p->shift, 0, sizeof p->shift);
     double next = separation(p, p->normal);
     if (found != APART || !(next - s > rounding * p->size)) break;
-    for (double by = 1;; by *= 2) {
+    for (double by = 1; by < 1024; by *= 2) { /* an end, which is not reached */
       for (int i = 0; i < 3; i++) n[i] = p->normal[i] + by * (p->normal[i] - before[i]);
       if (!nsdae_unit_vector(n, n)) break;
       double further = separation(p, n);

@@ -25,6 +25,7 @@
 
 #include "mesh.h"
 #include "separating_axis.h"
+#include "support.h"
 
 /* As in feature.c: how far a direction may be beyond faces and still is between them; and beyond
  * which of an edge it is nearer to another face. */
@@ -221,7 +222,8 @@ static int is_nearer(void *to, int t)
          distance_to(m, t, s->x) < s->depth - m->rounding;
 }
 
-static int corner_on_face(const probe *p, int t)
+/* c: the kind of the contact, and half axes of a smooth shape. */
+static int corner_on_face(const probe *p, int t, nsdae_closest c)
 {
   const nsdae_mesh *m = p->m;
   const double *x = p->x + 3 * p->i;
@@ -233,7 +235,6 @@ static int corner_on_face(const probe *p, int t)
   double within = over == 1 ? fabs(height) + m->rounding : fmax(m->thickness, fabs(height));
   if (!over || visit_about(m, x, within, covers_before, &s)) return 0;
   if (over == 1 && height < 0 && visit_about(m, x, -height, is_nearer, &s)) return 0;
-  nsdae_closest c = {.kind = NSDAE_PLANE_POINT};
   set(nsdae_mesh_corner(m, face, 0), c.x[0]);
   set(m->normal + 3L * face, c.u[0]);
   set(nsdae_solid_corner(p->s, p->i), c.x[1]);
@@ -259,7 +260,7 @@ static int corner_on_triangle(void *to, int t)
   const probe *p = to;
   const nsdae_mesh *m = p->m;
   const double *x = p->x + 3 * p->i;
-  int status = corner_on_face(p, t);
+  int status = corner_on_face(p, t, (nsdae_closest){.kind = NSDAE_PLANE_POINT});
   for (int k = 0; k < 3 && status >= 0; k++) {
     const double *a = nsdae_mesh_corner(m, t, k), *b = nsdae_mesh_corner(m, t, k + 1);
     double d[3], foot[3];
@@ -463,6 +464,104 @@ static int sharp_parts(void *to, int t)
   return status < 0 ? status : 0;
 }
 
+/* ---- smooth shapes
+ *
+ * Their corners (feature.c) touch a face as they touch its plane, if they are over it; a sharp
+ * corner of the mesh touches them as a point does. A sharp edge is a segment: its contacts are
+ * those of its manifold, for time stepping, of which the ends are corners. */
+
+static int smooth_on_face(probe *p, int t)
+{
+  const nsdae_mesh *m = p->m;
+  int status = 0;
+  for (p->i = 0; p->i < p->s->points && status >= 0; p->i++) {
+    nsdae_closest c = {.kind = NSDAE_PLANE_POINT};
+    double own[3], d[3];
+    set(m->normal + 3L * m->face[t], c.u[0]);
+    if (!nsdae_smooth_on_plane(p->two, p->i, &c)) continue;
+    set(nsdae_solid_corner(p->s, p->i), own);
+    if (c.kind == NSDAE_PLANE_ELLIPSOID) {
+      nsdae_turn_back(p->two->pose[1]->R, c.u[0], d);
+      for (int j = 0; j < 3; j++) d[j] = -d[j];
+      nsdae_round_end(p->s, nsdae_solid_corner(p->s, p->i), d, own);
+    }
+    nsdae_pose_put(p->two->pose[1], own, p->x + 3 * p->i);
+    status = corner_on_face(p, t, c);
+  }
+  return status;
+}
+
+static int corner_on_smooth(const probe *p, int t, int k)
+{
+  const nsdae_couple back = {{p->two->solid[1], p->two->solid[0]},
+                             {p->two->pose[1], p->two->pose[0]}};
+  nsdae_closest c = {.side = 1};
+  const double *v = nsdae_mesh_corner(p->m, t, k);
+  double d[3];
+  set(v, c.x[1]);
+  nsdae_point_on_smooth(&back, v, &c);
+  const nsdae_still still = nsdae_closest_still(&c, &back);
+  for (int j = 0; j < 3; j++) d[j] = -still.normal[j];
+  if (still.gap > p->reach || still.gap < -p->m->thickness || !in_normal_cone(p, v, d, NULL))
+    return 0;
+  return emit(p, p->s->points, 4L * p->m->triangles + p->m->corner[t][k], &c, 1);
+}
+
+static int edge_on_smooth(const probe *p, int t, int k)
+{
+  const nsdae_mesh *m = p->m;
+  double end[6], way[3], from[3];
+  nsdae_solid_of edge = {
+      .shape = NSDAE_SHAPE_CAPSULE, .points = 2, .point = end, .hull = &nsdae_capsule_hull};
+  set(nsdae_mesh_corner(m, t, k), end);
+  set(nsdae_mesh_corner(m, t, k + 1), end + 3);
+  between(end, end + 3, way);
+  nsdae_unit_vector(way, edge.R + 6);
+  nsdae_complete_frame(edge.R + 6, edge.R, edge.R + 3);
+  edge.size = edge.half[2] = sqrt(nsdae_dot3(way, way)) / 2;
+  for (int j = 0; j < 3; j++) edge.origin[j] = (end[j] + end[3 + j]) / 2;
+  nsdae_meeting met = {.two = {{&edge, p->s}, {p->two->pose[0], p->two->pose[1]}}};
+  if (!nsdae_find_manifold(&met.two, p->reach, &met.manifold)) return 0;
+  int status = 0;
+  for (int i = 0; i < met.manifold.count && status >= 0; i++) {
+    const nsdae_still *at = &met.manifold.at[i];
+    nsdae_closest c;
+    double along = foot_on(end, end + 3, at->at[0], from), slack = p->slack / edge.size;
+    if (at->gap > p->reach || at->gap < -m->thickness || along < slack || along > 1 - slack)
+      continue;
+    if (!in_normal_cone(p, at->at[0], at->normal, NULL)) continue;
+    nsdae_manifold_closest(&met, met.manifold.number[i], &c);
+    status = emit(p, p->s->points + 1 + met.manifold.number[i], m->triangles + 3L * t + k, &c, 0);
+  }
+  return status;
+}
+
+static int smooth_on_triangle(void *to, int t)
+{
+  probe *p = to;
+  int status = smooth_on_face(p, t);
+  for (int k = 0; k < 3 && status >= 0; k++) {
+    if (p->m->mark[t] & NSDAE_SHARP_CORNER << k) status = corner_on_smooth(p, t, k);
+    if (status >= 0 && (p->m->mark[t] & NSDAE_SHARP_SIDE << k)) status = edge_on_smooth(p, t, k);
+  }
+  return status < 0 ? status : 0;
+}
+
+/* The box of its support points, with the reach. */
+static int smooth_contacts(probe *p)
+{
+  const nsdae_pose *pose = p->two->pose[1];
+  for (int j = 0; j < 6; j++) {
+    double d[3] = {0, 0, 0}, own[3], x[3];
+    d[j % 3] = j < 3 ? -1 : 1;
+    nsdae_turn_back(pose->R, d, own);
+    nsdae_support(p->s, own, x);
+    nsdae_pose_put(pose, x, own);
+    (j < 3 ? p->low : p->high)[j % 3] = own[j % 3] + d[j % 3] * p->reach;
+  }
+  return nsdae_mesh_visit(p->m, p->low, p->high, smooth_on_triangle, p);
+}
+
 int nsdae_mesh_contacts(const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to)
 {
   probe p = {.m = two->solid[0]->mesh,
@@ -485,6 +584,7 @@ int nsdae_mesh_contacts(const nsdae_couple *two, double reach, nsdae_contact_fn 
       p.high[j] = fmax(p.high[j], p.x[3 * i + j] + within);
     }
   }
+  if (nsdae_solid_is_smooth(p.s)) return smooth_contacts(&p);
   for (p.i = 0; p.i < p.s->points && status >= 0; p.i++)
     status = visit_about(p.m, p.x + 3 * p.i, within, corner_on_triangle, &p);
   if (p.s->points > 1 && status >= 0)

@@ -91,6 +91,12 @@ int nsdae_polyhedra_edges(const nsdae_meeting *met, const nsdae_feature *feature
 int nsdae_polyhedron_closest(const nsdae_meeting *met, int base, const double *x,
                              nsdae_closest *closest);
 
+/* The closest parts of a smooth shape (solid 0) and a point of the frame of the body of solid 1. */
+void nsdae_point_on_smooth(const nsdae_couple *two, const double *x, nsdae_closest *closest);
+/* A corner of a smooth shape (solid 1: see feature.c) on a plane with the normal u_0: the kind of
+ * the contact and half axes. 0: it does not touch. */
+int nsdae_smooth_on_plane(const nsdae_couple *two, int corner, nsdae_closest *closest);
+
 /* Whether the contacts of two shapes have all their rates: by every method. Else a manifold. */
 int nsdae_pair_is_exact(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 

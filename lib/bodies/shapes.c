@@ -446,30 +446,21 @@ static int is_flat(const nsdae_solid_of *s)
   return s->shape == NSDAE_SHAPE_DISC && nsdae_solid_is_smooth(s);
 }
 
-/* Neither has an inside. */
-static int are_thin(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+int nsdae_pair_has_none(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
 {
   const nsdae_solid_of *other = is_flat(s0) ? s1 : s0;
   return (is_flat(s0) || is_flat(s1)) && other->radius == 0 &&
          (is_flat(other) || other->shape == NSDAE_SHAPE_POINT);
 }
 
-int nsdae_pair_has_none(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
-{
-  return are_thin(s0, s1) || (s0->mesh && nsdae_solid_is_smooth(s1)) ||
-         (s1->mesh && nsdae_solid_is_smooth(s0));
-}
-
 int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
 {
   const nsdae_solid_of *s0 = nsdae_solid_at(b, solid0), *s1 = nsdae_solid_at(b, solid1);
   return nsdae_bodies_refuse(
-      b, NSDAE_E_ARGUMENT, what, "solid", index, "solids %d and %d: a %s and a %s %s", solid0,
-      solid1, nsdae_solid_name(s0->shape), nsdae_solid_name(s1->shape),
-      are_thin(s0, s1) ? "have no inside and cannot touch: make one a "
-                         "cylinder or a sphere"
-                       : "have no contacts: make the curved one a polyhedron "
-                         "with many sides");
+      b, NSDAE_E_ARGUMENT, what, "solid", index,
+      "solids %d and %d: a %s and a %s have no inside and cannot touch: make one a cylinder or a "
+      "sphere",
+      solid0, solid1, nsdae_solid_name(s0->shape), nsdae_solid_name(s1->shape));
 }
 
 typedef struct pairing {
