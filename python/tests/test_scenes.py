@@ -36,7 +36,7 @@ def test_a_scene_is_what_the_file_has():
 
 
 @pytest.mark.skipif(not BIN, reason="NSDAE_BIN does not say where the programs are")
-@pytest.mark.parametrize("name", ["boxes", "mixed", "wall"])
+@pytest.mark.parametrize("name", ["boxes", "mixed", "shapes", "wall"])
 def test_the_program_and_python_have_the_same_bytes(name, tmp_path):
     path = tmp_path / "run.h5"
     subprocess.run([os.path.join(BIN, "nsdae-scene"), os.path.join(DATA, f"scene_{name}.csv"), "--quiet", "--t-end", "0.1",
