@@ -45,7 +45,7 @@ def test_the_program_and_python_have_the_same_bytes(name, tmp_path):
     mine, theirs = nsdae.solve(world, 0.1, **options), nsdae.load(path)
     for field in ("time", "q", "v", "penetration"):
         assert np.array_equal(getattr(mine, field), getattr(theirs, field)), field
-    drawn, written = ([(s.shape, [x for x in s.size if x]) for s in shapes if s.shape != "plane"]
+    drawn, written = ({s.name: (s.shape, [x for x in s.size if x], np.round(s.points, 12).tolist()) for s in shapes if s.shape != "plane"}
                       for shapes in (world.shapes(), theirs.shapes))
     assert drawn == written
 
