@@ -5,6 +5,7 @@ The scenes of this folder:
 
     make_scene.py grid --count 64 --shapes box --seed 1 > scene_boxes.csv
     make_scene.py grid --count 64 --shapes sphere,capsule,box --seed 2 > scene_mixed.csv
+    make_scene.py grid --count 64 --shapes tetrahedron,octahedron,icosahedron,dodecahedron,cylinder,cone,ellipsoid --seed 3 > scene_shapes.csv
     make_scene.py wall --length 6 --courses 7 --ball 4 > scene_wall.csv
 """
 import argparse
@@ -14,8 +15,37 @@ import random
 HEADER = "kind,size0,size1,size2,mass,I1,I2,I3,x,y,z,qw,qx,qy,qz,vx,vy,vz,w1,w2,w3"
 
 
+GOLDEN = (1 + math.sqrt(5)) / 2
+
+# Of regular polyhedra with edges of 1: radius of the sphere through the corners, volume, and a moment of inertia per mass.
+REGULAR = {
+    "tetrahedron": (math.sqrt(3 / 8), math.sqrt(2) / 12, 1 / 20),
+    "octahedron": (math.sqrt(1 / 2), math.sqrt(2) / 3, 1 / 10),
+    "icosahedron": (math.sqrt(GOLDEN * math.sqrt(5)) / 2, 5 * GOLDEN**2 / 6, GOLDEN**2 / 10),
+    "dodecahedron": (math.sqrt(3) * GOLDEN / 2, (15 + 7 * math.sqrt(5)) / 4, (39 * GOLDEN + 28) / 150),
+}
+
+# Sizes of each kind within a ball of radius 1.
+SIZES = {"sphere": [0.8, 0, 0], "capsule": [0.6, 0.8, 0], "box": [1.3, 1.1, 0.95], "cylinder": [0.6, 1.2, 0],
+         "cone": [0.7, 1.2, 0], "ellipsoid": [1.8, 1.4, 1.0], **{kind: [1, 0, 0] for kind in REGULAR}}
+
+
 def inertia(kind, size, density):
-    """Mass and principal moments about the centre; a capsule's are those of its cylinder and of two half balls."""
+    """Mass and principal moments about the centre of mass; a capsule's are those of its cylinder and of two half balls."""
+    if kind in REGULAR:
+        radius, volume, moment = REGULAR[kind]
+        edge = size[0] / radius
+        mass = density * volume * edge**3
+        return mass, [mass * moment * edge**2] * 3
+    if kind == "ellipsoid":
+        a, b, c = (x / 2 for x in size)
+        mass = density * 4 / 3 * math.pi * a * b * c
+        return mass, [mass * (b * b + c * c) / 5, mass * (a * a + c * c) / 5, mass * (a * a + b * b) / 5]
+    if kind in ("cylinder", "cone"):
+        r, h = size[0], size[1]
+        mass = density * math.pi * r**2 * h / (1 if kind == "cylinder" else 3)
+        across = (3 * r**2 + h**2) / 12 if kind == "cylinder" else 3 * (4 * r**2 + h**2) / 80
+        return mass, [mass * across, mass * across, mass * r**2 * (0.5 if kind == "cylinder" else 0.3)]
     if kind == "box":
         a, b, c = size
         mass = density * a * b * c
@@ -44,7 +74,7 @@ def grid(count, shapes, seed):
     rows = []
     for i in range(count):
         kind, r = shapes[int(len(shapes) * rng.random())], widest * (0.8 + 0.2 * rng.random())
-        size = {"sphere": [0.8 * r, 0, 0], "capsule": [0.6 * r, 0.8 * r, 0], "box": [1.3 * r, 1.1 * r, 0.95 * r]}[kind]
+        size = [r * part for part in SIZES[kind]]
         place = [i % side, i // side % side, i // side**2]
         position = [-half + cell * (place[0] + 0.5), -half + cell * (place[1] + 0.5), cell * (place[2] + 0.6)]
         rows.append((kind, size, *inertia(kind, size, 1000), position, turned(rng), [0, 0, 0]))
@@ -74,7 +104,7 @@ def main():
     commands = parser.add_subparsers(dest="command", required=True)
     falling = commands.add_parser("grid", help="bodies that fall between walls")
     falling.add_argument("--count", type=int, default=64, help="number of bodies")
-    falling.add_argument("--shapes", default="sphere,capsule,box", help="some of sphere, capsule, box")
+    falling.add_argument("--shapes", default="sphere,capsule,box", help="some of " + ", ".join(SIZES))
     falling.add_argument("--seed", type=int, default=1, help="of sizes, shapes and rotations")
     bricks = commands.add_parser("wall", help="bricks in running bond")
     bricks.add_argument("--length", type=int, default=6, help="bricks of a course")

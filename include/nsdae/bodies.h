@@ -498,7 +498,8 @@ NSDAE_API int nsdae_bodies_locate(const nsdae_bodies *bodies, const double *q, i
 typedef struct nsdae_scene {
   int bodies;             /* >= 0 */
   nsdae_rigid_body *body; /* [bodies] */
-  nsdae_solid *solid;     /* [bodies], of each body; nsdae_scene_read gives them the material 1 */
+  nsdae_solid *solid;     /* [bodies], of each body; nsdae_scene_read gives them the material 1, and
+                             has the points of polyhedra behind the last one */
   double wall[2];         /* walls at x and y = wall[0] and wall[1] [m]; wall[0] < wall[1];
                              -INFINITY, INFINITY: none */
   double floor;           /* z of the floor, finite [m] */

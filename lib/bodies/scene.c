@@ -48,9 +48,18 @@ typedef struct body_row {
   nsdae_rigid_body body;
 } body_row;
 
-/* A kind uses the sizes up to its number. */
-static const char *const kinds[] = {"sphere", "capsule", "box", NULL};
-static const int shapes[] = {NSDAE_SHAPE_SPHERE, NSDAE_SHAPE_CAPSULE, NSDAE_SHAPE_BOX};
+static const char *const kinds[] = {"sphere",      "capsule",      "box",         "cylinder",
+                                    "cone",        "ellipsoid",    "tetrahedron", "octahedron",
+                                    "icosahedron", "dodecahedron", NULL};
+
+/* Of each kind; sizes: number of those used; corners: of a regular polyhedron. */
+static const struct {
+  int shape, sizes, corners;
+} shape_of[] = {{NSDAE_SHAPE_SPHERE, 1, 0},      {NSDAE_SHAPE_CAPSULE, 2, 0},
+                {NSDAE_SHAPE_BOX, 3, 0},         {NSDAE_SHAPE_CYLINDER, 2, 0},
+                {NSDAE_SHAPE_CONE, 2, 0},        {NSDAE_SHAPE_ELLIPSOID, 3, 0},
+                {NSDAE_SHAPE_POLYHEDRON, 1, 4},  {NSDAE_SHAPE_POLYHEDRON, 1, 6},
+                {NSDAE_SHAPE_POLYHEDRON, 1, 12}, {NSDAE_SHAPE_POLYHEDRON, 1, 20}};
 
 #define ANY(key, unit, field)                                                                   \
   {                                                                                             \
@@ -214,12 +223,14 @@ static int add(reader *r, const body_row *row)
     s->solid = solid;
     r->room = room;
   }
-  nsdae_solid solid = {.shape = shapes[row->kind], .material = 1};
-  if (solid.shape == NSDAE_SHAPE_BOX)
+  nsdae_solid solid = {.shape = shape_of[row->kind].shape, .material = 1};
+  solid.points = shape_of[row->kind].corners;
+  if (shape_of[row->kind].sizes == 2)
+    solid.length[2] = row->size[1];
+  else if (shape_of[row->kind].sizes == 3)
     memcpy(solid.length, row->size, sizeof solid.length);
-  else
-    solid.radius = row->size[0];
-  if (solid.shape == NSDAE_SHAPE_CAPSULE) solid.length[2] = row->size[1];
+  if (shape_of[row->kind].sizes < 3) solid.radius = row->size[0]; /* of corners: see add_corners */
+  if (solid.shape == NSDAE_SHAPE_CONE) solid.position[2] = solid.length[2] / 4;
   s->body[s->bodies] = row->body;
   s->solid[s->bodies++] = solid;
   return NSDAE_OK;
@@ -235,10 +246,13 @@ static int read_row(reader *r, char *const field[COLUMNS])
     int status = set(r, &columns[c], c, &row, field[c]);
     if (status < 0) return status;
   }
-  for (int i = 0; i < 3; i++)
-    if (i <= row.kind ? !(row.size[i] > 0) : row.size[i] != 0)
-      return refuse(r, SIZE0 + i, "size%d = %g of a %s must be %s", i, row.size[i], kinds[row.kind],
-                    i <= row.kind ? "greater than 0" : "0: it has no such size");
+  for (int i = 0; i < 3; i++) {
+    int used = i < shape_of[row.kind].sizes;
+    if (used ? !(row.size[i] > 0) : row.size[i] != 0)
+      return refuse(r, SIZE0 + i, "size%d = %g of a%s %s must be %s", i, row.size[i],
+                    strchr("eio", kinds[row.kind][0]) ? "n" : "", kinds[row.kind],
+                    used ? "greater than 0" : "0: it has no such size");
+  }
   for (int i = 0; i < 3; i++) {
     const double *J = row.body.inertia, j = J[(i + 1) % 3], k = J[(i + 2) % 3];
     if (!nsdae_is_moment(J[i], j, k))
@@ -297,6 +311,53 @@ static int check_complete(reader *r)
   return refuse(r, -1, "the file ends without a body: add a row for each");
 }
 
+/* ---- regular polyhedra */
+
+/* The corners of that number on a sphere about the origin: with g the golden ratio, cyclically,
+ *
+ *   tetrahedron    (+-1, +-1, +-1), their product 1   octahedron     (+-1, 0, 0)
+ *   dodecahedron   (+-1, +-1, +-1), (0, +-1/g, +-g)   icosahedron    (0, +-1, +-g)            */
+static void set_corners(int corners, double radius, double *x)
+{
+  const double g = (1 + sqrt(5)) / 2, first = corners == 20 ? 1 / g : corners == 12;
+  int n = 0;
+  for (int i = 0; i < 8 && (corners == 4 || corners == 20); i++)
+    for (int j = 0; j < 3 && (corners == 20 || i == 0 || i == 3 || i == 5 || i == 6); j++)
+      x[n++] = i >> j & 1 ? -1 : 1;
+  for (int i = 0; n < 3 * corners; i++) { /* an axis, two signs */
+    int axis = i / 4, one = corners == 6;
+    if (one && i % 2) continue;
+    x[n + axis] = 0;
+    x[n + (axis + 1) % 3] = (i & 1 ? -1 : 1) * first;
+    x[n + (axis + 2) % 3] = (i & 2 ? -1 : 1) * (one ? 1 : g);
+    n += 3;
+  }
+  double length = sqrt(nsdae_dot3(x, x));
+  for (int i = 0; i < n; i++) x[i] *= radius / length;
+}
+
+/* Behind the solids, in one piece with them. */
+static int add_corners(reader *r)
+{
+  nsdae_scene *s = r->scene;
+  size_t points = 0;
+  for (int i = 0; i < s->bodies; i++) points += (size_t)s->solid[i].points;
+  if (points == 0) return NSDAE_OK;
+  nsdae_solid *solid =
+      realloc(s->solid, (size_t)s->bodies * sizeof *solid + 3 * points * sizeof *solid->point);
+  if (!solid) return nsdae_error_memory(r->error, "nsdae_scene_read");
+  s->solid = solid;
+  double *at = (double *)(solid + s->bodies);
+  for (int i = 0; i < s->bodies; i++) {
+    if (solid[i].points == 0) continue;
+    set_corners(solid[i].points, solid[i].radius, at);
+    solid[i].radius = 0;
+    solid[i].point = at;
+    at += 3 * solid[i].points;
+  }
+  return NSDAE_OK;
+}
+
 int nsdae_scene_read(const char *path, nsdae_scene *scene, nsdae_error *error)
 {
   const nsdae_params table = {settings, SETTINGS};
@@ -314,6 +375,7 @@ int nsdae_scene_read(const char *path, nsdae_scene *scene, nsdae_error *error)
   int status;
   while ((status = next_line(&r, text)) > 0 && (status = read_line(&r, text)) == NSDAE_OK) continue;
   if (status == 0) status = check_complete(&r);
+  if (status == 0) status = add_corners(&r);
   fclose(r.file);
   if (status < 0) nsdae_scene_release(scene);
   return status;

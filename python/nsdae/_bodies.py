@@ -833,8 +833,8 @@ def read_scene(path: str | os.PathLike[str]) -> Bodies:
     planes += [((0, at, 0), (half, -way * half, 0, 0)) for at, way in zip(scene.wall, (1, -1))]
     world._solids = [(GROUND, Solid("plane", position=position, quaternion=turn)) for position, turn in planes
                      if all(map(math.isfinite, position))]
-    world._solids += [(i, Solid(SHAPES[shape], radius, length, material=material))
-                      for i, (shape, radius, length, material) in enumerate(solids)]
+    world._solids += [(i, Solid(SHAPES[shape], radius, length, position=position, points=points, material=material))
+                      for i, (shape, radius, length, position, points, material) in enumerate(solids)]
     return world
 
 

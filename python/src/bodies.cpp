@@ -328,9 +328,13 @@ nb::dict bodies::add_scene(const std::string &path)
   listed = true;
   nb::list solids;
   for (int i = 0; i < s.bodies; i++) {
-    const double *l = s.solid[i].length;
-    solids.append(nb::make_tuple(static_cast<int>(s.solid[i].shape), s.solid[i].radius,
-                                 triple{l[0], l[1], l[2]}, s.solid[i].material));
+    const nsdae_solid &one = s.solid[i];
+    const double *l = one.length, *at = one.position;
+    nb::list points;
+    for (int j = 0; j < 3 * one.points; j += 3)
+      points.append(nb::make_tuple(one.point[j], one.point[j + 1], one.point[j + 2]));
+    solids.append(nb::make_tuple(static_cast<int>(one.shape), one.radius, triple{l[0], l[1], l[2]},
+                                 triple{at[0], at[1], at[2]}, points, one.material));
   }
   nb::dict d;
   d["wall"] = nb::make_tuple(s.wall[0], s.wall[1]);

@@ -36,7 +36,7 @@ def test_a_scene_is_what_the_file_has():
 
 
 @pytest.mark.skipif(not BIN, reason="NSDAE_BIN does not say where the programs are")
-@pytest.mark.parametrize("name", ["boxes", "mixed", "wall"])
+@pytest.mark.parametrize("name", ["boxes", "mixed", "shapes", "wall"])
 def test_the_program_and_python_have_the_same_bytes(name, tmp_path):
     path = tmp_path / "run.h5"
     subprocess.run([os.path.join(BIN, "nsdae-scene"), os.path.join(DATA, f"scene_{name}.csv"), "--quiet", "--t-end", "0.1",
@@ -45,7 +45,7 @@ def test_the_program_and_python_have_the_same_bytes(name, tmp_path):
     mine, theirs = nsdae.solve(world, 0.1, **options), nsdae.load(path)
     for field in ("time", "q", "v", "penetration"):
         assert np.array_equal(getattr(mine, field), getattr(theirs, field)), field
-    drawn, written = ([(s.shape, [x for x in s.size if x]) for s in shapes if s.shape != "plane"]
+    drawn, written = ({s.name: (s.shape, [x for x in s.size if x], np.round(s.points, 12).tolist()) for s in shapes if s.shape != "plane"}
                       for shapes in (world.shapes(), theirs.shapes))
     assert drawn == written
 

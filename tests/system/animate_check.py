@@ -291,6 +291,14 @@ def cam(a, q, p):
         a.close(f"polygon {i}", "pose", *q[:, 3 * (i > 0):][:, :2].T, *turn(angle))
 
 
+def gears(a, q, p):
+    apart, first = p["module"] * (p["driver"] + p["driven"]) / 2, p["driver"] + 1
+    for i in (0, p["driver"] - 1):
+        a.close(f"polygon {i}", "pose", 0, 0, *turn(q[:, 2]))
+    for i in (first, first + p["driven"] - 1):
+        a.close(f"polygon {i}", "pose", apart, 0, *turn(q[:, 5]))
+
+
 def backlash(a, q, p):
     a.close("disc 0", "pose", -0.005 * (p["pinion"] + p["gear"]), 0, *turn(q[:, 2]))
     a.close("disc 1", "pose", 0, 0, *turn(q[:, 5]))
@@ -344,7 +352,7 @@ MODELS = {"pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slide
           "woodpecker": woodpecker, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall,
           "column": column, "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash, "cam": cam}
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash, "cam": cam, "gears": gears}
 
 
 def check_strips(a, f):

@@ -65,8 +65,8 @@ expect 2 "nul.ini line 2: a NUL byte" "$pendulum" --params nul.ini
 expect 2 "long.ini line 2: a line is longer" "$pendulum" --params long.ini
 expect 2 "no FILE given: nsdae-scene FILE.csv" "$bin/nsdae-scene"
 expect 2 "cannot read 'none.csv'" "$bin/nsdae-scene" none.csv
-sed 's/^box,/cone,/' "$data/scene_boxes.csv" >bad.csv
-expect 2 "'bad.csv' line 9, column 1 (kind): kind has no choice 'cone'" "$bin/nsdae-scene" bad.csv
+sed 's/^box,/torus,/' "$data/scene_boxes.csv" >bad.csv
+expect 2 "'bad.csv' line 9, column 1 (kind): kind has no choice 'torus'" "$bin/nsdae-scene" bad.csv
 expect 2 "'b.csv': one FILE at a time" "$bin/nsdae-scene" a.csv b.csv
 expect 2 "unknown option 'arch.csv'" "$bin/nsdae-arch" arch.csv
 
@@ -81,7 +81,7 @@ check "$bin/nsdae-scene" --restart scene.h5 --t-end 0.02 >table
 check grep -q 'dt 0.002 s, to 0.02 s' table
 if command -v python3 >/dev/null; then
   sed -n 's/^ *make_scene.py \(.*\) > \(scene_.*\)/\1 \2/p' "$data/make_scene.py" >commands
-  check test "$(wc -l <commands)" = 3
+  check test "$(wc -l <commands)" = 4
   while read -r line; do
     # shellcheck disable=SC2086
     python3 "$data/make_scene.py" ${line% *} >made.csv

@@ -28,21 +28,38 @@ static void write_bytes(const char *text, size_t length)
 
 /* ---- a round trip */
 
-static int add_row(char *text, uint64_t *seed, double value[20])
+/* Kinds with the number of their sizes; of a regular polyhedron corners and edges of a corner. */
+static const struct {
+  const char *name;
+  int shape, sizes, corners, edges;
+} kinds[] = {{"sphere", NSDAE_SHAPE_SPHERE, 1, 0, 0},
+             {"capsule", NSDAE_SHAPE_CAPSULE, 2, 0, 0},
+             {"box", NSDAE_SHAPE_BOX, 3, 0, 0},
+             {"cylinder", NSDAE_SHAPE_CYLINDER, 2, 0, 0},
+             {"cone", NSDAE_SHAPE_CONE, 2, 0, 0},
+             {"ellipsoid", NSDAE_SHAPE_ELLIPSOID, 3, 0, 0},
+             {"tetrahedron", NSDAE_SHAPE_POLYHEDRON, 1, 4, 3},
+             {"octahedron", NSDAE_SHAPE_POLYHEDRON, 1, 6, 4},
+             {"icosahedron", NSDAE_SHAPE_POLYHEDRON, 1, 12, 5},
+             {"dodecahedron", NSDAE_SHAPE_POLYHEDRON, 1, 20, 3}};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+/* value[20]: the kind */
+static int add_row(char *text, uint64_t *seed, double value[21])
 {
-  static const char *const kinds[] = {"sphere", "capsule", "box"};
-  int kind = random_below(seed, 3), at = sprintf(text, "%s", kinds[kind]);
+  int kind = random_below(seed, KINDS), at = sprintf(text, "%s", kinds[kind].name);
+  value[20] = kind;
   for (int j = 0; j < 20; j++) {
     value[j] = j < 4   ? random_between(seed, 0.01, 2)
                : j < 7 ? random_between(seed, 1, 2) /* moments that a body has */
                        : random_between(seed, -1, 1);
-    if (j < 3 && j > kind) value[j] = 0;
+    if (j < 3 && j >= kinds[kind].sizes) value[j] = 0;
     at += sprintf(text + at, j % 3 ? ",%.17g" : " ,\t%.17g", value[j]);
   }
   return at + sprintf(text + at, "%s", random_below(seed, 2) ? "\r\n" : "\n");
 }
 
-static int write_scene(char *text, uint64_t *seed, int words, double value[BODIES][20])
+static int write_scene(char *text, uint64_t *seed, int words, double value[BODIES][21])
 {
   int at = sprintf(text, "\xEF\xBB\xBF# %d bodies, mu 3: no setting\n", BODIES);
   if (words)
@@ -57,14 +74,41 @@ static int write_scene(char *text, uint64_t *seed, int words, double value[BODIE
   return at;
 }
 
-static void check_body(const nsdae_scene *s, int i, const double value[20])
+/* A polyhedron is regular if its corners are on a sphere, and each has as many nearest neighbours
+ * as edges. */
+static void check_regular(const nsdae_solid *s, double radius, int edges)
+{
+  for (int i = 0; i < s->points; i++) {
+    double least = INFINITY;
+    int count = 0;
+    for (int round = 0; round < 2; round++)
+      for (int j = 0; j < s->points; j++) {
+        double x[3];
+        for (int l = 0; l < 3; l++) x[l] = s->point[3 * i + l] - s->point[3 * j + l];
+        double away = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        if (j != i && round == 0) least = fmin(least, away);
+        count += round == 1 && fabs(away - least) < 1e-12;
+      }
+    assert_true(least > 0.5 * radius);
+    assert_int_equal(count, edges);
+    assert_near(hypot(hypot(s->point[3 * i], s->point[3 * i + 1]), s->point[3 * i + 2]), radius,
+                1e-15 * 4);
+  }
+}
+
+static void check_body(const nsdae_scene *s, int i, const double value[21])
 {
   const nsdae_rigid_body *b = &s->body[i];
   const nsdae_solid *solid = &s->solid[i];
-  const int box = solid->shape == NSDAE_SHAPE_BOX, capsule = solid->shape == NSDAE_SHAPE_CAPSULE;
-  const double size[3] = {box ? solid->length[0] : solid->radius,
-                          box ? solid->length[1] : capsule * solid->length[2],
-                          box * solid->length[2]};
+  const int kind = (int)value[20], three = kinds[kind].sizes == 3, two = kinds[kind].sizes == 2;
+  assert_int_equal(solid->shape, kinds[kind].shape);
+  assert_int_equal(solid->points, kinds[kind].corners);
+  if (solid->points > 0) check_regular(solid, value[0], kinds[kind].edges);
+  const double size[3] = {three               ? solid->length[0]
+                          : solid->points > 0 ? value[0]
+                                              : solid->radius,
+                          three ? solid->length[1] : two * solid->length[2],
+                          three * solid->length[2]};
   assert_memory_equal(size, value, sizeof size);
   assert_true(b->mass == value[3]);
   assert_memory_equal(b->inertia, value + 4, sizeof b->inertia);
@@ -99,7 +143,7 @@ static void check_start(const nsdae_scene *s)
 static void reads_what_was_written(void **state)
 {
   static char text[ROOM];
-  static double value[BODIES][20];
+  static double value[BODIES][21];
   uint64_t seed = 1;
   (void)state;
   for (int words = 0; words < 2; words++) {
@@ -115,6 +159,28 @@ static void reads_what_was_written(void **state)
     nsdae_scene_release(&s);
     assert_null(s.body);
   }
+}
+
+/* Mass and moments of the bodies of data/make_scene.py are those of the density of 1000. */
+static void masses_are_those_of_the_shapes(void **state)
+{
+  const double density = 1000;
+  nsdae_scene s;
+  nsdae_error error;
+  (void)state;
+  if (nsdae_scene_read(NSDAE_DATA_DIR "/scene_shapes.csv", &s, &error) < 0)
+    fail_msg("%s", error.text);
+  for (int i = 0; i < s.bodies; i++) {
+    nsdae_rigid_body body = {.mass = 0};
+    nsdae_solid solid = s.solid[i];
+    assert_int_equal(nsdae_body_from_solids(1, &solid, &density, &body, NULL), NSDAE_OK);
+    assert_near(body.mass / s.body[i].mass, 1, 1e-8);
+    for (int j = 0; j < 3; j++) {
+      assert_near(body.inertia[j] / s.body[i].inertia[j], 1, 1e-8);
+      assert_near(body.position[j], 0, 1e-15);
+    }
+  }
+  nsdae_scene_release(&s);
 }
 
 /* Five spheres, each 1 mm from one plane and moving towards it, stop at it: each plane is in its
@@ -170,7 +236,9 @@ static const struct {
     {SETTINGS "sphere,1\n", "line 6: 2 columns: a line has 21"},
     {SETTINGS "\n\nsphere\n", "line 8: 1 column: a line has 21"},
     {SETTINGS "sphere,1,0,0,1" REST, "line 6, column 1 (kind): 'sphere' in the header"},
-    {SETTINGS HEADER "cone,1,0,0,1" REST, "line 7, column 1 (kind): kind has no choice 'cone'"},
+    {SETTINGS HEADER "torus,1,0,0,1" REST, "line 7, column 1 (kind): kind has no choice 'torus'"},
+    {SETTINGS HEADER "cone,1,0,0,1" REST, "size1 = 0 of a cone must be greater than 0"},
+    {SETTINGS HEADER "octahedron,1,1,0,1" REST, "size1 = 1 of an octahedron must be 0"},
     {SETTINGS HEADER "spere,1,0,0,1" REST, "did you mean 'sphere'?"},
     {SETTINGS HEADER "sphere,1,0,0,-2" REST, "line 7, column 5 (mass): mass = -2 is outside its"},
     {SETTINGS HEADER "sphere,1,0,0,0" REST, "mass = 0 is outside its range: it must be greater"},
@@ -348,7 +416,7 @@ static void make_system(const nsdae_scene *s)
 static void mutations_are_errors_or_scenes(void **state)
 {
   static char good[ROOM], text[2 * ROOM];
-  static double value[BODIES][20];
+  static double value[BODIES][21];
   uint64_t seed = 7;
   int scenes = 0, errors = 0;
   (void)state;
@@ -380,7 +448,7 @@ static void mutations_are_errors_or_scenes(void **state)
 static void lost_allocations(void **state)
 {
   static char text[ROOM];
-  static double value[BODIES][20];
+  static double value[BODIES][21];
   uint64_t seed = 3;
   int status = NSDAE_E_MEMORY, lost = -1;
   (void)state;
@@ -404,10 +472,15 @@ static void lost_allocations(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(reads_what_was_written),         cmocka_unit_test(planes_are_in_place),
-      cmocka_unit_test(wrong_files_have_errors),        cmocka_unit_test(strange_files_have_errors),
-      cmocka_unit_test(wrong_structs_have_errors),      cmocka_unit_test(structs_are_checked),
-      cmocka_unit_test(mutations_are_errors_or_scenes), cmocka_unit_test(lost_allocations),
+      cmocka_unit_test(reads_what_was_written),
+      cmocka_unit_test(planes_are_in_place),
+      cmocka_unit_test(masses_are_those_of_the_shapes),
+      cmocka_unit_test(wrong_files_have_errors),
+      cmocka_unit_test(strange_files_have_errors),
+      cmocka_unit_test(wrong_structs_have_errors),
+      cmocka_unit_test(structs_are_checked),
+      cmocka_unit_test(mutations_are_errors_or_scenes),
+      cmocka_unit_test(lost_allocations),
   };
   int file = mkstemp(path);
   if (file < 0) return 77;

@@ -404,12 +404,21 @@ def cam(a, f, p):
     expect("the follower is on the cam", np.abs(gap).max() < 1e-4)
 
 
+def gears(a, f, p):
+    """The tips are as far from the axes as the addendum, a module."""
+    apart, first = p["module"] * (p["driver"] + p["driven"]) / 2, p["driver"] + 1
+    for number, teeth, x in ((0, p["driver"], 0), (first, p["driven"], apart)):
+        for i in range(teeth):
+            out = np.linalg.norm(a.body(f"polygon {number + i}")[..., :2] - [x, 0], axis=2).max(axis=1)
+            close("addendum", out, p["module"] * (teeth / 2 + 1))
+
+
 CHECKS = {"bouncing-ball": bouncing_ball, "falling-rod": falling_rod, "newtons-cradle": newtons_cradle,
           "woodpecker": woodpecker, "pendulum": pendulum, "clearance-hinge": clearance_hinge, "crank-slider": crank_slider,
           "incline": incline, "rolling-ball": rolling_ball, "arch": arch, "dominoes": dominoes, "wall": wall, "column": column,
           "heap": heap, "shaken-ball": shaken_ball, "squeezer": squeezer, "car-axis": car_axis,
           "flexible-crank": flexible_crank, "scene": scene, "gripper": gripper,
-          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash, "cam": cam}
+          "geneva": geneva, "ragdoll": ragdoll, "backlash": backlash, "cam": cam, "gears": gears}
 
 
 def check_with_vtk(a):
