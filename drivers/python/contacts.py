@@ -89,6 +89,7 @@ def step_length(file):
 
 
 FORCES_MAX = 4000  # lines of a frame; the strongest
+LONGEST = 3.0  # strength from which arrows have one length
 
 
 def by_pair(contacts, lines):
@@ -111,3 +112,21 @@ def force_lines(file, bodies, rows, records):
     impulses = np.concatenate([impulse[impulse > 0] for _, impulse in found] or [[]])
     scale = np.quantile(impulses, 0.95) if len(impulses) else 1.0
     return [np.column_stack([ends.reshape(-1, 6), impulse / scale])[impulse > 0] for ends, impulse in found]
+
+
+def arrows(points, forces, length):
+    """Arrows [f, 2, 3] from the points [f, 3] along forces [f, 3] in units of that of this length; none shorter than a fifth."""
+    strength = np.linalg.norm(forces, axis=1)
+    seen = np.flatnonzero(strength > 0.2)
+    seen = seen[np.argsort(-strength[seen], kind="stable")[:FORCES_MAX]]
+    along = length * forces[seen] * (np.minimum(strength[seen], LONGEST) / strength[seen])[:, None]
+    return np.stack([points[seen], points[seen] + along], axis=1)
+
+
+def line_arrows(lines):
+    """Of lines [f, 7] two arrows each from the middle, along the force on either body."""
+    ends = np.asarray(lines)[:, :6].reshape(-1, 2, 3)
+    half, middle = (ends[:, 1] - ends[:, 0]) / 2, ends.mean(axis=1)
+    size = np.linalg.norm(half, axis=1)
+    forces = half * (np.asarray(lines)[:, 6] / np.maximum(size, 1e-9 * size.max(initial=1)))[:, None]
+    return np.concatenate([arrows(middle, side * forces, 1.2 * np.median(size) if len(size) else 1.0) for side in (-1, 1)])

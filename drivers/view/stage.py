@@ -26,8 +26,7 @@ BEHIND = UNITS / 20  # from bodies to the plane behind them; planar bodies are a
 LINE = UNITS / 800  # width of a line of the ground: a pixel or two
 NAMES_MAX = 200  # labels at a time
 GLASS = 0.3  # opacity of bodies when forces are shown
-FORCE, LONGEST = (176, 22, 28), 3.0  # colour of forces; the strength from which arrows have one length
-LENGTH, HEAD = 1.2, 0.2  # of an arrow of strength 1, and of heads, in typical distances from a contact to a body
+FORCE, HEAD = (176, 22, 28), 0.2  # colour of forces; length of the heads by that of long arrows
 
 
 def port_from(first):
@@ -81,7 +80,8 @@ class Stage:
         self.bodies, self.spatial = bodies, is_spatial(bodies)
         self.up = 2 if self.spatial else 1
         self.low, self.high = feet(bodies, *extent(bodies))
-        self.unit = (np.linalg.norm(self.high - self.low) or 1.0) / UNITS
+        self.size = np.linalg.norm(self.high - self.low) or 1.0
+        self.unit = self.size / UNITS
         self.names, self.selected, self.arrows = {}, None, None
         self.draw_light()
         self.draw_bodies()
@@ -187,27 +187,20 @@ class Stage:
             node.batched_wxyzs = quaternions(poses.rotations[record]).astype(np.float32)
             node.batched_scales = poses.scales[record].astype(np.float32)
 
-    def show_forces(self, lines):
-        """Of lines [f, 7] (ends and strength) two arrows each from the middle, along the force on either body."""
+    def show_forces(self, arrows):
+        """Arrows [f, 2, 3], tails and heads."""
         for nodes in self.nodes:
             for node in nodes:
-                node.opacity = None if lines is None else GLASS
+                node.opacity = None if arrows is None else GLASS
         if self.arrows is not None:
             self.arrows.remove()
             self.arrows = None
-        lines = np.zeros((0, 7)) if lines is None else np.asarray(lines)
-        lines = lines[lines[:, 6] * LENGTH > HEAD]  # no shorter than their heads
-        if not len(lines):
+        if arrows is None or not len(arrows):
             return
-        ends, strength = lines[:, :6].reshape(-1, 2, 3) / self.unit, np.minimum(lines[:, 6], LONGEST)
-        middle, half = ends.mean(axis=1), (ends[:, 1] - ends[:, 0]) / 2
-        typical = np.median(np.linalg.norm(half, axis=1))
-        along = half / np.maximum(np.linalg.norm(half, axis=1), 1e-9)[:, None] * (LENGTH * typical * strength)[:, None]
-        points = np.concatenate([np.stack([middle, middle + side * along], axis=1) for side in (-1, 1)])
-        if not self.spatial:
-            points[..., 2] += UNITS / 20
-        self.arrows = self.server.scene.add_arrows("/world/forces", points, FORCE, shaft_radius=0.05 * typical,
-                                                   head_radius=0.12 * typical, head_length=HEAD * typical)
+        points = np.asarray(arrows) / self.unit + [0, 0, 0 if self.spatial else UNITS / 20]
+        length = np.quantile(np.linalg.norm(points[:, 1] - points[:, 0], axis=1), 0.95)
+        self.arrows = self.server.scene.add_arrows("/world/forces", points, FORCE, shaft_radius=0.04 * length,
+                                                   head_radius=0.1 * length, head_length=HEAD * length)
 
     # ---- names
     def place_of(self, number, record):

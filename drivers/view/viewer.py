@@ -9,7 +9,7 @@ import webbrowser
 import numpy as np
 
 from bodies import bodies_of, columns_of, count_of, is_spatial, read_motion, times_of
-from contacts import Contacts, Origins, by_pair, force_lines
+from contacts import arrows, force_lines, line_arrows
 from scene import camera
 from trajectory import Parser, Problem, has_list, heading, open_trajectory, tell
 
@@ -130,7 +130,7 @@ class Playback(Viewer):
     def redraw(self):
         with self.lock:
             self.stage.label(self.names.value)
-            self.stage.show(self.record, self.lines[self.record] if self.forces.value else None,
+            self.stage.show(self.record, line_arrows(self.lines[self.record]) if self.forces.value else None,
                             self.way[self.record] if self.way is not None else None)
 
     def run(self):
@@ -170,13 +170,14 @@ def playback(file, path, *, title=None, point=None, port=PORT):
 
 
 class Live(Viewer):
-    """A simulation that its own program steps: `now` tells time, coordinates and contacts, `restart` sets its start."""
+    """A simulation that its own program steps: `now` tells time and coordinates, `pressed` points and forces of contacts (None:
+    it has none), `restart` sets its start."""
 
-    def __init__(self, stage, title, file, now, restart, playing):
-        self.file, self.tell_now, self.restart = file, now, restart
+    def __init__(self, stage, title, file, now, pressed, restart, playing):
+        self.file, self.tell_now, self.pressed, self.restart = file, now, pressed, restart
         self.steps, self.again, self.strongest = 0, False, 0.0
         self.anchor = self.drawn = None  # speed, time and clock that the pace counts from; clock of the last drawing
-        super().__init__(stage, title, has_list(file), playing)
+        super().__init__(stage, title, pressed is not None, playing)
 
     def add_time(self, gui):
         gui.add_button("Step").on_click(lambda _: self.step())
@@ -192,20 +193,20 @@ class Live(Viewer):
     def redraw(self):
         self.drawn = None  # the program draws it
 
-    def lines(self, contacts):
-        """Strength 1 is the force of which one in twenty is larger, the largest so far."""
-        listed = Contacts(*(contacts[name] for name in ("id", "block", "gap", "normal_impulse", "tangential_impulse", "mode")))
-        ends, impulse = by_pair(listed, Origins(self.file, self.stage.bodies).lines(0, listed))
-        if np.any(impulse > 0):
-            self.strongest = max(self.strongest, np.quantile(impulse[impulse > 0], 0.95))
-        return np.column_stack([ends.reshape(-1, 6), impulse / (self.strongest or 1.0)])[impulse > 0]
+    def arrows(self):
+        """Forces at the contacts. A tenth of the scene is the force that one in twenty is larger than, the largest so far."""
+        points, forces = self.pressed()
+        points, forces = points[np.isfinite(points[:, 0])], forces[np.isfinite(points[:, 0])]
+        if len(forces):
+            self.strongest = max(self.strongest, np.quantile(np.linalg.norm(forces, axis=1), 0.95))
+        return arrows(points, forces / (self.strongest or 1.0), self.stage.size / 10)
 
     def draw(self):
-        t, q, contacts = self.tell_now()
+        t, q = self.tell_now()
         self.stage.set_bodies(bodies_of(self.file, "the simulation", None, np.array([t]), q[None]))
         self.clock.content = f"t = {t:.4f} s"
         self.stage.label(self.names.value)
-        self.stage.show(0, self.lines(contacts) if self.forces.value else None)
+        self.stage.show(0, self.arrows() if self.forces.value else None)
         self.drawn = time.monotonic()
 
     def due(self):
@@ -242,12 +243,12 @@ class Live(Viewer):
         return False
 
 
-def live(file, path, now, restart, *, title=None, port=PORT, playing=True):
+def live(file, path, now, pressed, restart, *, title=None, port=PORT, playing=True):
     """Opens a viewer of a simulation; its file, in memory, has the shapes, and a record."""
-    t, q, _ = now()
+    t, q = now()
     title = heading(file, path) if title is None else title
     bodies = bodies_of(file, path, None, np.array([t]), q[None])
-    return Live(stage_of(bodies, title, port), title, file, now, restart, playing)
+    return Live(stage_of(bodies, title, port), title, file, now, pressed, restart, playing)
 
 
 def parse(argv):

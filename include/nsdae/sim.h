@@ -430,6 +430,18 @@ enum { NSDAE_VALUES_MAX = 4 }; /* most values of a sensor */
  * NSDAE_E_ARGUMENT; NSDAE_E_STATE: before nsdae_sim_init. */
 NSDAE_API int nsdae_sim_get_sensor(nsdae_sim *sim, int i, double *value);
 
+/* Points [3 count] and forces [3 count] of the contacts of the present record, also in an observer,
+ * in the axes of space; count is the number of contacts of the record. In the plane z is 0. A point
+ * is midway between the surfaces of two solids [m]. The force is on the body of the larger number,
+ * never the ground, and a mean over the step [N].
+ *
+ * A contact without an impulse, a limit, a rope and a contact of user rows have the point NaN and
+ * the force 0. So have all contacts at the start and after nsdae_sim_set_state.
+ *
+ * NSDAE_E_ARGUMENT: NULL though count > 0, or the system was not made by nsdae_bodies_system;
+ * NSDAE_E_STATE: before nsdae_sim_init. */
+NSDAE_API int nsdae_sim_get_contact_forces(nsdae_sim *sim, double *point, double *force);
+
 /* The complementarity problem of a step that failed with NSDAE_E_LCP, NSDAE_E_INFEASIBLE or
  * NSDAE_E_PAINLEVE. Its arrays belong to the simulation and are valid until the next step.
  * NSDAE_E_STATE: the last step did not fail in this way, or its contacts have the second-order cone

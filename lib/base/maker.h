@@ -22,6 +22,8 @@ typedef struct nsdae_maker_sensors {
                  const double *before, double *angle);
   void (*sense)(const void *of, int i, const nsdae_record *record, const double *angle,
                 double *value);
+  /* nsdae_sim_get_contact_forces */
+  void (*contact_forces)(const void *of, const nsdae_record *record, double *point, double *force);
 } nsdae_maker_sensors;
 
 /* Why a callback has no value at a point. */

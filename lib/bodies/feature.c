@@ -204,16 +204,15 @@ static int edge_of(const nsdae_solid_of *s, int i, double *middle)
 }
 
 /* Of the edges of a box along an axis, or of a capsule, and a direction n in the solid's frame:
- * whether n is between the normals of the two faces of each edge, up to rounding; and how far each
+ * whether n is between the normals of the two faces of each edge, up to its rounding; how far each
  * lies behind the foremost corner, INFINITY if n is more than 45 degrees beyond its faces, which is
  * nearer to another face. A capsule's line is round. */
-static const double facing_rounding = 1e-4;
 typedef struct facing {
   int count, between[4];
   double behind[4];
 } facing;
 
-static facing face_along(const nsdae_solid_of *s, int axis, const double *n)
+static facing face_along(const nsdae_solid_of *s, int axis, const double *n, double rounding)
 {
   facing f = {.count = s->shape == NSDAE_SHAPE_BOX ? 4 : 1};
   f.between[0] = 1;
@@ -223,7 +222,7 @@ static facing face_along(const nsdae_solid_of *s, int axis, const double *n)
       int across = (axis + 1 + j) % 3;
       double along = (i >> j & 1) ? n[across] : -n[across];
       if (along < 0) f.behind[i] -= 2 * s->half[across] * along;
-      f.between[i] &= along >= -facing_rounding;
+      f.between[i] &= along >= -rounding;
       if (along < -sqrt(0.5)) f.behind[i] = INFINITY;
     }
   }
@@ -244,8 +243,10 @@ static void add_facing(nsdae_meeting *met, int i, int j)
   n[(i + 1) % 3] = -scale * w[(i + 2) % 3];
   n[(i + 2) % 3] = scale * w[(i + 1) % 3];
   for (int l = 0; l < 3; l++) back[l] = -nsdae_dot3(n, o->cosine + 3 * l);
-  const facing first = face_along(met->two.solid[0], i, n);
-  const facing second = face_along(met->two.solid[1], j, back);
+  /* of the cosines: of two rotated axes by quaternions and three products, over the sine |m| */
+  double rounding = 16 * DBL_EPSILON * fabs(scale);
+  const facing first = face_along(met->two.solid[0], i, n, rounding);
+  const facing second = face_along(met->two.solid[1], j, back, rounding);
   int shallow = o->edges[3 * i + j] >= 2 * o->most - o->slack;
   int from[2] = {first.count == 4 ? 4 * i : 0, second.count == 4 ? 4 * j : 0};
   for (int k = 0; k < first.count; k++)

@@ -205,20 +205,31 @@ static double separation(const pairing *p, const double *n)
   return nsdae_dot3(n, w.z);
 }
 
-/* The concave-convex procedure from p->normal on; p->bound = s there. */
+/* The concave-convex procedure from p->normal on; p->bound = s there. Each step is lengthened as
+ * long as s increases: alone they come to the maximum as slowly as the depth is large. */
 static void ascend(pairing *p)
 {
   double s = separation(p, p->normal);
   for (int k = 0; k < 64; k++) {
-    double t = fmax(fabs(s), touching * p->size) - s;
+    double t = fmax(fabs(s), touching * p->size) - s, before[3], n[3];
+    memcpy(before, p->normal, sizeof before);
     for (int i = 0; i < 3; i++) p->shift[i] = t * p->normal[i];
     int found = gjk(p);
     memset(p->shift, 0, sizeof p->shift);
-    double next = separation(p, p->normal), gain = next - s;
+    double next = separation(p, p->normal);
+    if (found != APART || !(next - s > rounding * p->size)) break;
+    for (double by = 1;; by *= 2) {
+      for (int i = 0; i < 3; i++) n[i] = p->normal[i] + by * (p->normal[i] - before[i]);
+      if (!nsdae_unit_vector(n, n)) break;
+      double further = separation(p, n);
+      if (!(further > next)) break;
+      next = further;
+      memcpy(before, p->normal, sizeof before);
+      memcpy(p->normal, n, sizeof n);
+    }
     s = next;
-    if (found != APART || !(gain > rounding * p->size)) break;
   }
-  p->bound = s;
+  p->bound = separation(p, p->normal);
 }
 
 /* best := the one with the largest s of itself and a direction of solid `side`. */

@@ -3,33 +3,64 @@
 #include <float.h>
 #include <string.h>
 
-/* n and g of a distance vector d; side = -1 where the solid lies outside. With d = 0 any direction
- * is as good as another. */
-static inline nsdae_jet3 direction(nsdae_jet3 d, double side, nsdae_jet *length)
+/* Unit vectors that points in one place have as a normal: any, and any across a line along u. */
+static const double any[3] = {1, 0, 0};
+
+static void across_line(const double *u, double n[3])
 {
-  const double x[3] = {side, 0, 0};
+  const double up[3] = {0, 0, 1}; /* of a line in the plane the normal is in it too */
+  nsdae_cross3(up, u, n);
+  if (!nsdae_unit_vector(n, n)) memcpy(n, any, sizeof any);
+}
+
+/* n and g of a distance vector d; side = -1 where the solid lies outside. zero: n where d = 0. */
+static inline nsdae_jet3 direction(nsdae_jet3 d, double side, const double *zero, nsdae_jet *length)
+{
   nsdae_jet square = nsdae_jet3_dot(d, d);
   if (square.x == 0) {
     *length = nsdae_jet_of(0);
-    return nsdae_jet3_of(x);
+    return nsdae_jet3_scale(side, nsdae_jet3_of(zero));
   }
   *length = nsdae_jet_sqrt(square);
   return nsdae_jet3_scale(side, nsdae_jet3_times(nsdae_jet_inverse(*length), d));
 }
 
-/* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1:
- * g = side (|x_1 - x_0| - r_0) - r_1,  n = side (x_1 - x_0) / |x_1 - x_0| */
-static inline nsdae_touch point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1,
-                                      double r1)
+/* x_0 rounded by r_0 (side -1: a hole of that radius), x_1 by r_1; d = x_1 - x_0:
+ * g = side (|d| - r_0) - r_1,  n = side d / |d| */
+static inline nsdae_touch touch_along(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1,
+                                      double r1, nsdae_jet3 d, const double *zero)
 {
   nsdae_touch touch;
   nsdae_jet length;
-  touch.normal = direction(nsdae_jet3_sub(x1, x0), side, &length);
+  touch.normal = direction(d, side, zero, &length);
   touch.gap = nsdae_jet_scale(side, length);
   touch.gap.x -= side * r0 + r1;
   touch.at[0] = nsdae_jet3_add(x0, nsdae_jet3_scale(side * r0, touch.normal));
   touch.at[1] = nsdae_jet3_sub(x1, nsdae_jet3_scale(r1, touch.normal));
   return touch;
+}
+
+static inline nsdae_touch point_point(nsdae_jet3 x0, double r0, double side, nsdae_jet3 x1,
+                                      double r1)
+{
+  return touch_along(x0, r0, side, x1, r1, nsdae_jet3_sub(x1, x0), any);
+}
+
+/* The line through x_0 along the unit vector u: from the foot x_0 + (u . d) u. What rounding leaves
+ * of u . d is taken off again, or it is the direction of a point within rounding of the line. */
+static inline nsdae_touch line_point(nsdae_jet3 x0, nsdae_jet3 u, double r0, double side,
+                                     nsdae_jet3 x1, double r1)
+{
+  const double value[3] = {u.at[0].x, u.at[1].x, u.at[2].x};
+  double across[3];
+  nsdae_jet3 d = nsdae_jet3_sub(x1, x0);
+  for (int pass = 0; pass < 2; pass++) {
+    nsdae_jet3 along = nsdae_jet3_times(nsdae_jet3_dot(u, d), u);
+    x0 = nsdae_jet3_add(x0, along);
+    d = nsdae_jet3_sub(d, along);
+  }
+  across_line(value, across);
+  return touch_along(x0, r0, side, x1, r1, d, across);
 }
 
 /* The plane through x_0 with the unit normal n: g = n . (x_1 - x_0) - r_1 */
@@ -176,7 +207,7 @@ static nsdae_touch ellipsoid_point(const nsdae_closest *c, const nsdae_couple *t
     normal = nsdae_jet3_add(normal, part);
   }
   if (c->half[2] == 0) return point_point(z, 0, 1, x1, c->radius[1]);
-  return plane_point(z, direction(normal, 1, &length), x1, c->radius[1]);
+  return plane_point(z, direction(normal, 1, any, &length), x1, c->radius[1]);
 }
 
 /* The side of a cone, or of a cylinder, touches as its tangent plane does: with e across the axis
@@ -191,7 +222,7 @@ static nsdae_touch side_point(const nsdae_closest *c, const nsdae_couple *two, n
   nsdae_jet y[3], length;
   along_axes(two, nsdae_jet3_sub(x1, x0), u, y);
   nsdae_jet3 across = nsdae_jet3_add(nsdae_jet3_times(y[0], u[0]), nsdae_jet3_times(y[1], u[1]));
-  nsdae_jet3 e = direction(across, 1, &length);
+  nsdae_jet3 e = direction(across, 1, any, &length);
   if (length.x == 0) e = u[0];
   nsdae_jet3 n = nsdae_jet3_add(nsdae_jet3_scale(h / side, e), nsdae_jet3_scale(i / side, u[2]));
   return plane_point(nsdae_jet3_add(x0, nsdae_jet3_scale(r, e)), n, x1, c->radius[1]);
@@ -215,10 +246,7 @@ nsdae_touch nsdae_closest_touch(const nsdae_closest *c, const nsdae_couple *two)
     u[1] = nsdae_pose_direction(two->pose[1], c->u[1]);
     return line_line(x, u, c->side, c->radius);
   }
-  /* from the foot x_0 + (u . d) u */
-  nsdae_jet s = nsdae_jet3_dot(u[0], nsdae_jet3_sub(x[1], x[0]));
-  x[0] = nsdae_jet3_add(x[0], nsdae_jet3_times(s, u[0]));
-  return point_point(x[0], c->radius[0], c->side, x[1], c->radius[1]);
+  return line_point(x[0], u[0], c->radius[0], c->side, x[1], c->radius[1]);
 }
 
 /* ---- values alone, in the order of operations of the jets */
@@ -251,16 +279,20 @@ nsdae_still nsdae_closest_still(const nsdae_closest *c, const nsdae_couple *two)
   }
   int plane = c->kind == NSDAE_PLANE_POINT, lines = c->kind == NSDAE_LINE_LINE;
   double r0 = c->radius[0], r1 = c->radius[1];
-  double x[2][3], u[2][3], d[3], *n = s.normal;
+  double x[2][3], u[2][3], d[3], zero[3], *n = s.normal;
+  memcpy(zero, any, sizeof zero);
   for (int i = 0; i < 2; i++) {
     nsdae_pose_put(two->pose[i], c->x[i], x[i]);
     if (i == 0 ? c->kind != NSDAE_POINT_POINT : lines) nsdae_turn(two->pose[i]->R, c->u[i], u[i]);
   }
   for (int j = 0; j < 3; j++) d[j] = x[1][j] - x[0][j];
   if (c->kind == NSDAE_LINE_POINT) {
-    double along = nsdae_dot3(u[0], d);
-    for (int j = 0; j < 3; j++) x[0][j] += along * u[0][j];
-    for (int j = 0; j < 3; j++) d[j] = x[1][j] - x[0][j];
+    for (int pass = 0; pass < 2; pass++) {
+      double along = nsdae_dot3(u[0], d);
+      for (int j = 0; j < 3; j++) x[0][j] += along * u[0][j];
+      for (int j = 0; j < 3; j++) d[j] -= along * u[0][j];
+    }
+    across_line(u[0], zero);
   }
   if (lines) still_lines(x, u, c->side, d, n);
   if (plane) memcpy(n, u[0], sizeof s.normal);
@@ -271,8 +303,7 @@ nsdae_still nsdae_closest_still(const nsdae_closest *c, const nsdae_couple *two)
     for (int j = 0; j < 3; j++) s.at[0][j] = plane ? x[1][j] - height * n[j] : x[0][j] + r0 * n[j];
   } else {
     double square = nsdae_dot3(d, d), length = sqrt(square), inverse = 1 / length;
-    for (int j = 0; j < 3; j++) n[j] = square == 0 ? 0 : c->side * (inverse * d[j]);
-    if (square == 0) n[0] = c->side;
+    for (int j = 0; j < 3; j++) n[j] = c->side * (square == 0 ? zero[j] : inverse * d[j]);
     s.gap = c->side * length - (c->side * r0 + r1);
     for (int j = 0; j < 3; j++) s.at[0][j] = x[0][j] + c->side * r0 * n[j];
   }

@@ -14,7 +14,8 @@
 #include "narrow_phase.h"
 #include "separating_axis.h"
 
-/* How far n may be beyond the faces of an edge and still is between them. */
+/* How far n may be beyond the faces of an edge and still is between them: corners are in the plane
+ * of a face up to 1e-9, and it is 1e-5 wide at least (hull.c). */
 static const double facing_rounding = 1e-4;
 
 static const double *plane_of(const nsdae_solid_of *s, int face)

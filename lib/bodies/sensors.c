@@ -229,78 +229,105 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
   return 1;
 }
 
-/* A contact of two solids and its force on solid `on`: along the directions of its feature or, if
- * another one is nearer at the end of the step, of that with the least gap. */
+/* A contact of two solids: the point midway between its surfaces and the force on the body of the
+ * larger number, along the directions of its feature or, if another one is nearer at the end of the
+ * step, of that with the least gap. */
 enum { ANY = -1 }; /* in place of a number */
 typedef struct pressed {
-  const nsdae_bodies *b;
-  int on;
+  int dimension;
   long number;
-  double impulse[3], gap, force[3];
+  double impulse[3], gap, point[3], force[3];
 } pressed;
 
 static int find_force(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
 {
   pressed *p = to;
   nsdae_contact c;
-  int d = p->b->dimension, go_on = p->number == ANY ? 0 : -1;
+  int d = p->dimension, go_on = p->number == ANY ? 0 : -1;
   if (p->number != ANY && number != p->number) return 0;
   const nsdae_still still = nsdae_closest_still(closest, two);
   if (still.gap >= p->gap) return go_on;
   p->gap = still.gap;
   nsdae_bodies_contact_rows(d, two, &still, d, &c);
-  int side = two->solid[0]->body == NSDAE_GROUND;
-  double sign = two->solid[side] == nsdae_solid_at(p->b, p->on) ? 1 : -1;
+  int side = two->solid[1]->body > two->solid[0]->body; /* not the ground */
   for (int i = 0; i < d; i++) {
+    p->point[i] = (still.at[0][i] + still.at[1][i]) / 2;
     p->force[i] = 0;
-    for (int j = 0; j < d; j++) p->force[i] += sign * p->impulse[j] * c.direction[side][j][i];
+    for (int j = 0; j < d; j++) p->force[i] += p->impulse[j] * c.direction[side][j][i];
   }
   return go_on;
 }
 
-static void add_contact(pressed *p, const int solid[2], const nsdae_record *r, double *sum)
+/* Contact i of a record, between the solids of its pair. 0: they are apart. */
+static int press(const nsdae_bodies *b, const nsdae_record *r, int i, const int solid[2],
+                 long number, pressed *p)
 {
-  const nsdae_solid_of *solids = p->b->solid.at;
-  int turned = nsdae_pair_is_turned(&solids[solid[0]], &solids[solid[1]]);
+  const nsdae_solid_of *solids = b->solid.at;
+  int turned = nsdae_pair_is_turned(&solids[solid[0]], &solids[solid[1]]), nt = nsdae_bodies_nt(b);
   const nsdae_solid_of *s[2] = {&solids[solid[turned]], &solids[solid[!turned]]};
-  const nsdae_pose pose[2] = {nsdae_bodies_pose(p->b, s[0]->body, r->q, NULL),
-                              nsdae_bodies_pose(p->b, s[1]->body, r->q, NULL)};
+  const nsdae_pose pose[2] = {nsdae_bodies_pose(b, s[0]->body, r->q, NULL),
+                              nsdae_bodies_pose(b, s[1]->body, r->q, NULL)};
   const nsdae_couple two = {{s[0], s[1]}, {&pose[0], &pose[1]}};
   double reach = s[0]->mesh ? s[0]->mesh->thickness + s[1]->size : INFINITY;
-  p->gap = INFINITY;
+  *p = (pressed){.dimension = b->dimension, .number = number, .gap = INFINITY};
+  p->impulse[0] = r->contacts.normal_impulse[i] / r->duration;
+  for (int j = 0; j < nt; j++)
+    p->impulse[1 + j] = r->contacts.tangential_impulse[i * nt + j] / r->duration;
   nsdae_pair_contacts(solids, solid[0], solid[1], &two, reach, find_force, p);
   p->number = ANY;
   if (!(p->gap < INFINITY))
     nsdae_pair_contacts(solids, solid[0], solid[1], &two, reach, find_force, p);
-  for (int i = 0; i < p->b->dimension && p->gap < INFINITY; i++) sum[i] += p->force[i];
+  return p->gap < INFINITY;
 }
 
-/* Of a pair the solid 1; of a body its solid. -1: it is of neither. */
-static int pressed_solid(const nsdae_bodies *b, const nsdae_sensor *s, const int solid[2])
+/* The sign of that force for a sensor: of its body, or of solid 1 of its pair. 0: of neither. */
+static double sign_of(const nsdae_bodies *b, const nsdae_sensor *s, const int solid[2])
 {
+  const int body[2] = {nsdae_solid_at(b, solid[0])->body, nsdae_solid_at(b, solid[1])->body};
+  int on = s->body;
   if (s->kind == NSDAE_SENSOR_PAIR_FORCE) {
     int same = solid[0] == s->solid[0] && solid[1] == s->solid[1];
     int other = solid[0] == s->solid[1] && solid[1] == s->solid[0];
-    return same || other ? s->solid[1] : -1;
+    if (!same && !other) return 0;
+    on = body[same];
   }
-  for (int i = 0; i < 2; i++)
-    if (nsdae_solid_at(b, solid[i])->body == s->body) return solid[i];
-  return -1;
+  if (on != body[0] && on != body[1]) return 0;
+  return on == (body[0] > body[1] ? body[0] : body[1]) ? 1 : -1;
+}
+
+/* Whether contact i has an impulse and is of two solids. */
+static int is_pressed(const nsdae_bodies *b, const nsdae_record *r, int i, int solid[2],
+                      long *number)
+{
+  return r->duration > 0 && r->contacts.normal_impulse[i] != 0 &&
+         nsdae_bodies_pair_of(b, r->contacts.id[i], solid, number);
 }
 
 static void contact_force(const nsdae_bodies *b, const nsdae_sensor *s, const nsdae_record *r,
                           double *value)
 {
-  const nsdae_contact_set *c = &r->contacts;
-  pressed p = {.b = b};
-  int solid[2], nt = nsdae_bodies_nt(b);
-  for (int i = 0; i < c->count && r->duration > 0; i++) {
-    if (c->normal_impulse[i] == 0 || !nsdae_bodies_pair_of(b, c->id[i], solid, &p.number)) continue;
-    p.on = pressed_solid(b, s, solid);
-    if (p.on < 0) continue;
-    p.impulse[0] = c->normal_impulse[i] / r->duration;
-    for (int j = 0; j < nt; j++) p.impulse[1 + j] = c->tangential_impulse[i * nt + j] / r->duration;
-    add_contact(&p, solid, r, value);
+  pressed p;
+  int solid[2];
+  long number;
+  for (int i = 0; i < r->contacts.count; i++) {
+    double sign = is_pressed(b, r, i, solid, &number) ? sign_of(b, s, solid) : 0;
+    if (sign == 0 || !press(b, r, i, solid, number, &p)) continue;
+    for (int j = 0; j < b->dimension; j++) value[j] += sign * p.force[j];
+  }
+}
+
+static void contact_forces(const void *of, const nsdae_record *r, double *point, double *force)
+{
+  const nsdae_bodies *b = of;
+  pressed p;
+  int solid[2];
+  long number;
+  for (int i = 0; i < r->contacts.count; i++) {
+    int is = is_pressed(b, r, i, solid, &number) && press(b, r, i, solid, number, &p);
+    for (int j = 0; j < 3; j++) {
+      point[3 * i + j] = is ? p.point[j] : NAN;
+      force[3 * i + j] = is ? p.force[j] : 0;
+    }
   }
 }
 
@@ -391,7 +418,10 @@ static void sense(const void *of, int i, const nsdae_record *r, const double *an
 
 void nsdae_bodies_sense(const nsdae_bodies *b, nsdae_maker *maker)
 {
-  maker->sensors = (nsdae_maker_sensors){
-      .count = b->sensor.count, .size = size_of, .follow = follow, .sense = sense};
+  maker->sensors = (nsdae_maker_sensors){.count = b->sensor.count,
+                                         .size = size_of,
+                                         .follow = follow,
+                                         .sense = sense,
+                                         .contact_forces = contact_forces};
   for (int i = 0; i < b->sensor.count; i++) maker->sensors.angles += sensor_at(b, i)->angle >= 0;
 }

@@ -246,7 +246,8 @@ module nsdae_f_sim
             nsdae_sim_get_state, nsdae_sim_set_state, nsdae_sim_run_to_event, &
             nsdae_sim_interpolate, nsdae_sim_set_user, nsdae_sim_set_options, &
             nsdae_sim_set_contact, nsdae_sim_set_frictional_joint, nsdae_sim_set_friction_bound, &
-            nsdae_sim_set_control, nsdae_sim_get_control, nsdae_sim_get_sensor
+            nsdae_sim_set_control, nsdae_sim_get_control, nsdae_sim_get_sensor, &
+            nsdae_sim_get_contact_forces
 
   interface
     subroutine nsdae_sim_options_default(options) bind(C)
@@ -257,7 +258,7 @@ module nsdae_f_sim
     ! headers: functions nsdae_sim_ options_set options_table create destroy project init observe
     ! headers: functions nsdae_sim_ set_interrupt unobserve step run get_record get_stats run_to_event
     ! headers: functions nsdae_sim_ interpolate set_user set_options set_contact set_frictional_joint
-    ! headers: functions nsdae_sim_ set_friction_bound set_control get_control get_sensor
+    ! headers: functions nsdae_sim_ set_friction_bound set_control get_control get_sensor get_contact_forces
     ! headers: functions nsdae_sim_ state_size get_state set_state get_dims has_potential get_options
     ! headers: functions nsdae_sim_ get_failed_lcp get_friction error
     ! headers: functions nsdae_ method_name method_summary
@@ -498,6 +499,19 @@ contains
     real(c_double), intent(out) :: val(NSDAE_VALUES_MAX)
     val = 0
     status = c_get_sensor(at(sim), i, val)
+  end function
+
+  ! Points and forces (3, count) of the contacts of the present record, allocated here. The point of
+  ! a contact of two solids is midway between their surfaces; the force is on the body of the larger
+  ! number, a mean over the step. A contact without an impulse, a limit, a rope and a contact of user
+  ! rows have the point NaN and the force 0.
+  integer(c_int) function nsdae_sim_get_contact_forces(sim, point, force) result(status)
+    type(nsdae_sim), intent(in) :: sim
+    real(c_double), allocatable, intent(out) :: point(:, :), force(:, :)
+    type(nsdae_record) :: record
+    status = nsdae_sim_get_record(sim, record)
+    allocate (point(3, record%contacts%count), force(3, record%contacts%count))
+    status = c_get_contact_forces(at(sim), point, force)
   end function
 
   ! Size in bytes of the state block, which depends on system and options. A block contains all data

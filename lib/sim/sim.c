@@ -381,6 +381,25 @@ NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_sensor, (nsdae_sim * sim, int i, double 
   return NSDAE_OK;
 }
 
+NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_contact_forces,
+               (nsdae_sim * sim, double *point, double *force), sim, point, force)
+{
+  const nsdae_maker *maker = &sim->system->maker;
+  const char *where = "nsdae_sim_get_contact_forces", *missing = point ? "force" : "point";
+  if (!sim->observers.telling) nsdae_error_clear(&sim->error);
+  if (!sim->stage.started)
+    return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
+                           "the simulation has no state: call nsdae_sim_init first");
+  const nsdae_record *record = &nsdae_sim_shown(sim)->record;
+  if (record->contacts.count > 0 && (!point || !force))
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+  if (!maker->sensors.contact_forces)
+    return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "sim",
+                           "the system of sim has no solids: nsdae_bodies_system makes such a one");
+  maker->sensors.contact_forces(maker->of, record, point, force);
+  return NSDAE_OK;
+}
+
 NSDAE_SIM_CALL(NSDAE_READ, nsdae_sim_get_failed_lcp,
                (const nsdae_sim *sim, nsdae_lcp_problem *problem), sim, problem)
 {

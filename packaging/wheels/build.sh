@@ -32,16 +32,19 @@ cp -L "$system/libopenblas.a" "$system/liblapacke.a" "$(gcc -print-file-name=lib
 printf '!<arch>\n' >"$prefix/lib/libquadmath.a" # nothing of it is called
 
 export CMAKE_PREFIX_PATH="$prefix" LDFLAGS="-L$prefix/lib" CXXFLAGS="-include cstdio"
-for python in "$@"; do
-  for time in first second; do
-    "$python" -m venv "$work/$time"
-    "$work/$time/bin/pip" wheel -q "$source" --no-deps -w "$work/$time/wheel" -Cbuild-dir="$work/$time/build" \
-      -Ccmake.define.CMAKE_AR="$AR" -Ccmake.define.CMAKE_RANLIB="$RANLIB"
-    auditwheel repair --plat "$platform" --only-plat -w "$work/$time/repaired" "$work/$time/wheel"/*.whl >/dev/null 2>&1
+for time in first second; do
+  for python in "$@"; do # the library is compiled once for all of them
+    "$python" -m venv --clear "$work/venv"
+    "$work/venv/bin/pip" wheel -q "$source" --no-deps -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
+      --config-settings=cmake.define.CMAKE_AR="$AR" --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB"
   done
-  cmp "$work/first/repaired"/*.whl "$work/second/repaired"/*.whl
-  auditwheel show "$work/first/repaired"/*.whl | tr '\n' ' ' | grep -q "platform tag: \"$platform\""
-  mv "$work/first/repaired"/*.whl "$folder"
-  rm -rf "$work/first" "$work/second"
+  for wheel in "$work/$time/wheel"/*.whl; do
+    auditwheel repair --plat "$platform" --only-plat -w "$work/$time/repaired" "$wheel" >/dev/null 2>&1
+  done
 done
+for wheel in "$work/first/repaired"/*.whl; do
+  cmp "$wheel" "$work/second/repaired/${wheel##*/}"
+  auditwheel show "$wheel" | tr '\n' ' ' | grep -q "platform tag: \"$platform\""
+done
+mv "$work/first/repaired"/*.whl "$folder"
 ls -l "$folder"

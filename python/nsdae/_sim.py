@@ -351,6 +351,20 @@ class Sim:
         """
         return self._told(self._core.get_sensor, i)
 
+    def contact_forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Returns where the contacts of the present record act, and their forces.
+
+        Returns
+        -------
+        point : ndarray, shape (c, 3)
+            Points midway between the surfaces of two solids [m], in the order of `Record.contacts`. NaN for a contact without
+            an impulse, a limit, a rope or a contact of user rows.
+        force : ndarray, shape (c, 3)
+            Forces on the body of the larger number, means over the step [N].
+        """
+        point, force = self._told(self._core.contact_forces)
+        return point.reshape(-1, 3), force.reshape(-1, 3)
+
     def interpolate(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Interpolates the state within the last step.
 
@@ -483,15 +497,16 @@ class Sim:
         from ._viewer import opened, shown
         start = self.state
 
-        def now() -> tuple[float, np.ndarray, np.ndarray]:
+        def now() -> tuple[float, np.ndarray]:
             record = self.record
-            return record.time, record.q, record.contacts
+            return record.time, record.q
 
         def restart() -> None:
             self.state = start
 
         with self.record_run(self.time, shapes=shapes)._opened() as file:
-            viewer: LiveViewer = opened("live", file, "the simulation", now, restart, title=title, port=port, playing=not block)
+            viewer: LiveViewer = opened("live", file, "the simulation", now, self.contact_forces if self._bodies else None,
+                                        restart, title=title, port=port, playing=not block)
         if block:
             try:
                 shown(viewer)

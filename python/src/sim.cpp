@@ -534,6 +534,17 @@ nb::object sim::get_sensor(int i)
   return array_of(value, static_cast<std::size_t>(size));
 }
 
+nb::tuple sim::contact_forces()
+{
+  use held(*this);
+  nsdae_record record;
+  checked(nsdae_sim_get_record(handle, &record));
+  const std::size_t n = static_cast<std::size_t>(record.contacts.count);
+  std::vector<double> point(3 * n), force(3 * n);
+  checked(nsdae_sim_get_contact_forces(handle, point.data(), force.data()));
+  return nb::make_tuple(array_of(point.data(), 3 * n), array_of(force.data(), 3 * n));
+}
+
 // (name, unit) of each sensor.
 nb::list sim::sensors() const
 {
@@ -682,6 +693,7 @@ void bind_sim(nb::module_ &m)
       .def("set_control", &sim::set_control)
       .def("get_control", &sim::get_control)
       .def("get_sensor", &sim::get_sensor)
+      .def("contact_forces", &sim::contact_forces)
       .def("sensors", &sim::sensors)
       .def("interpolate", &sim::interpolate)
       .def("failed_lcp", &sim::failed_lcp)

@@ -110,6 +110,7 @@ public:
   void set_control(int i, double value);
   double get_control(int i);
   nb::object get_sensor(int i);
+  nb::tuple contact_forces();
   nb::list sensors() const;
   nb::tuple interpolate(double t);
   nb::object failed_lcp() const;

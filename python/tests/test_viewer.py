@@ -190,6 +190,34 @@ def test_a_simulation_is_paused_and_stepped(browser):
     assert ended.wait(10) and not viewer.update()
 
 
+def test_forces_of_a_simulation_are_at_its_contacts():
+    """Balls and a box at rest: below the centre of each ball is an arrow up of its weight, those of the box are at its corners."""
+    world = Bodies(3, gravity=(0, 0, -10))
+    world.add_solid(GROUND, Solid("plane"))
+    balls = [world.add(1, (0.01, 0.01, 0.01), position=(0.5 * i, 0.1 * i, 0.1)) for i in range(3)]
+    for ball in balls:
+        world.add_solid(ball, Solid("sphere", radius=0.1))
+    world.add_solid(world.add(4, (0.1, 0.1, 0.1), position=(0, 1, 0.2)), Solid("box", length=(0.6, 0.6, 0.4)))
+    world.set_pair(0, 0, mu=0)
+    sim = nsdae.Sim(world, method="implicit", dt=2e-3)
+    sim.init()
+    sim.run(0.1)
+    point, force = sim.contact_forces()
+    assert point.shape == force.shape == (len(sim.record.contacts), 3)
+    assert force.sum(axis=0) == pytest.approx([0, 0, 70], abs=1e-6)
+    viewer = sim.show(block=False)
+    viewer.forces.value = True
+    viewer.draw()
+    arrows = viewer.stage.arrows.points * viewer.stage.unit
+    tails = {tuple(tail) for tail in (arrows[:, 0].round(3) + 0.0).tolist()}
+    corners = {(x, y, 0.0) for x in (-0.3, 0.3) for y in (0.7, 1.3)}
+    below = {(0.0, 0.0, 0.0), (0.5, 0.1, 0.0), (1.0, 0.2, 0.0)}
+    assert below < tails <= below | corners  # two corners may bear the box
+    along = arrows[:, 1] - arrows[:, 0]
+    assert np.abs(along[:, :2]).max() < 1e-3 * along[:, 2].min()
+    viewer.close()
+
+
 def test_meshes_are_closed_and_split_at_creases():
     from nsdae.pictures import meshes, shapes
     for shape, vertices, volume in ((shapes.box(np.ones(3)), 24, 1), (shapes.globe(1.0, 0.0, 48, 24), 1106, 4 / 3 * np.pi)):

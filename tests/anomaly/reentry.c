@@ -71,6 +71,7 @@ CALL(set_user, nsdae_sim_set_user(sim, &options))
 CALL(destroy, (nsdae_sim_destroy(&at->sim), at->sim ? NSDAE_E_STATE : NSDAE_OK))
 CALL(interpolate, nsdae_sim_interpolate(sim, 0, &q, &v))
 CALL(get_sensor, nsdae_sim_get_sensor(sim, 0, &q))
+CALL(get_contact_forces, nsdae_sim_get_contact_forces(sim, &q, &v))
 CALL(get_state, nsdae_sim_get_state(sim, at->block, at->size))
 CALL(get_friction, nsdae_sim_get_friction(sim, &friction))
 CALL(observe, nsdae_sim_observe(sim, ignore, NULL))
@@ -96,14 +97,15 @@ typedef struct call {
   {                                    \
     "nsdae_sim_" #name, call_##name, 0 \
   }
-static const call calls[] = {MOVE(step),          MOVE(run),          MOVE(run_to_event),
-                             MOVE(init),          MOVE(project),      MOVE(set_state),
-                             MOVE(set_options),   MOVE(set_contact),  MOVE(set_frictional_joint),
-                             MOVE(set_control),   MOVE(set_user),     MOVE(destroy),
-                             LOOK(interpolate),   LOOK(get_sensor),   LOOK(get_state),
-                             LOOK(observe),       LOOK(get_friction), LOOK(unobserve),
-                             LOOK(state_size),    LOOK(get_record),   LOOK(get_stats),
-                             LOOK(set_interrupt), LOOK(get_options),  LOOK(get_failed_lcp)};
+static const call calls[] = {MOVE(step),          MOVE(run),           MOVE(run_to_event),
+                             MOVE(init),          MOVE(project),       MOVE(set_state),
+                             MOVE(set_options),   MOVE(set_contact),   MOVE(set_frictional_joint),
+                             MOVE(set_control),   MOVE(set_user),      MOVE(destroy),
+                             LOOK(interpolate),   LOOK(get_sensor),    LOOK(get_contact_forces),
+                             LOOK(get_state),     LOOK(observe),       LOOK(get_friction),
+                             LOOK(unobserve),     LOOK(state_size),    LOOK(get_record),
+                             LOOK(get_stats),     LOOK(set_interrupt), LOOK(get_options),
+                             LOOK(get_failed_lcp)};
 enum { CALLS = sizeof calls / sizeof *calls };
 
 static target the_target = {.call = -1};

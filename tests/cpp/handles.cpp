@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <thread>
 
 #include "cpp_pendulum.h"
@@ -719,6 +720,18 @@ static void test_bodies()
   EXPECT(thrown);
 }
 
+/* A surface of a mesh file. */
+static void test_mesh()
+{
+  std::ofstream("handles.obj") << "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n";
+  EXPECT(throws_status(NSDAE_E_IO, [] { nsdae::mesh("/no/such/file.stl"); }));
+  nsdae::mesh read("handles.obj", 0.1), moved(std::move(read));
+  EXPECT(read.c().points == 0 && moved.c().points == 3 && moved.c().point[3] == 1);
+  moved->length[2] = 1;
+  nsdae::bodies world(3);
+  EXPECT(world.solid(NSDAE_GROUND, moved.c()) == 0);
+}
+
 /* A scene of a file, changed before it is a mechanism; its contact problems within contact_give and
  * within contact_work: set by the members of the struct and by text. */
 static void test_scene()
@@ -903,6 +916,14 @@ static void test_polyhedron()
   EXPECT(std::fabs(world.start().first[2] - 0.5) < 1e-14);
   sim.run(0.5);
   EXPECT(std::fabs(sim.record().q[2] - 0.5) < 1e-9);
+  const auto pressed = sim.contact_forces(); /* 2 kg on corners */
+  double weight = 0;
+  EXPECT(pressed.first.size() == 12 && pressed.second.size() == 12);
+  for (std::size_t i = 0; i < pressed.second.size(); i += 3) {
+    weight += pressed.second[i + 2];
+    EXPECT(pressed.second[i + 2] == 0 || std::fabs(std::fabs(pressed.first[i] - 3.5) - 0.5) < 1e-9);
+  }
+  EXPECT(std::fabs(weight - 20) < 1e-9);
   hull.points = 4;
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(3).add(body, {hull}, 2); }));
 }
@@ -1014,6 +1035,7 @@ int main(int argc, char **argv)
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   test_bodies();
+  test_mesh();
   test_scene();
   test_springs();
   test_neighbours(false);

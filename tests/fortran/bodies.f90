@@ -69,6 +69,7 @@ program mechanism
   call carried_body
   call box_of_halves
   call surfaces
+  call mesh_of_a_file
   call box_on_floor
   call spring_and_torsion
   call limits_and_couplers
@@ -239,6 +240,26 @@ contains
     call is_true(error%argument == 'triangle', 'its side')
   end subroutine
 
+  ! Two triangles of a file, in millimetres.
+  subroutine mesh_of_a_file()
+    type(nsdae_solid) :: mesh
+    type(nsdae_error) :: error
+    type(nsdae_bodies) :: bodies
+    integer :: unit
+    open (newunit=unit, file='bodies_f90.obj', action='write')
+    write (unit, '(a)') 'v 0 0 0', 'v 1000 0 0', 'v 0 1000 0', 'v 1000 1000 0', 'f 1 2 4 3'
+    close (unit)
+    call is_int(nsdae_solid_read('/no/such/file.stl', 1d0, mesh, error), NSDAE_E_IO, 'no file')
+    call is_true(index(error%text, '/no/such/file.stl') > 0, 'it is named')
+    call is_int(nsdae_solid_read('bodies_f90.obj', 1d-3, mesh), NSDAE_OK, 'mesh')
+    call is_true(all(shape(mesh%point) == [3, 4]) .and. all(mesh%triangle(:, 2) == [0, 3, 2]), 'its sizes')
+    call is_true(all(mesh%point(:, 4) == [1d0, 1d0, 0d0]), 'its points')
+    mesh%length(3) = 1
+    call is_int(nsdae_bodies_create(3_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_add_solid(bodies, NSDAE_GROUND, mesh), 0_c_int, 'the ground')
+    call nsdae_bodies_destroy(bodies)
+  end subroutine
+
   subroutine box_on_floor()
     type(nsdae_bodies) :: bodies
     type(nsdae_rigid_body) :: body
@@ -247,6 +268,7 @@ contains
     type(nsdae_sim) :: sim
     type(nsdae_record) :: record
     integer(c_int) :: first, second
+    real(c_double), allocatable :: point(:, :), force(:, :)
     call is_int(nsdae_bodies_create(2_c_int, bodies), NSDAE_OK, 'create')
     box%shape = NSDAE_SHAPE_POLYGON
     box%point = reshape([-0.5d0, -0.5d0, 0.5d0, -0.5d0, 0.5d0, 0.5d0, -0.5d0, 0.5d0], [2, 4])
@@ -263,6 +285,10 @@ contains
     call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run')
     call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
     call is_true(all(record%v == 0), 'a box at rest has no velocity at all')
+    call is_int(nsdae_sim_get_contact_forces(sim, point, force), NSDAE_OK, 'contact forces')
+    call is_true(size(point, 2) == record%contacts%count, 'points of all contacts')
+    call is_true(abs(sum(force(2, :)) - 30) < 1d-9, 'the weight')
+    call is_true(any(abs(point(1, :) - 0.5d0) < 1d-9), 'at a corner')
     call nsdae_sim_destroy(sim)
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)

@@ -217,8 +217,43 @@ static void test_spatial(void **state)
   compare_all(3, shapes, 4);
 }
 
+/* The normal of a point on the line of a capsule or rounded segment is across that line, in the
+ * plane of a planar one, and as deep as both roundings. */
+static void test_on_line(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 2000; k++) {
+    int d = 2 + k % 2, axis = d == 2 ? 0 : 2;
+    couple c;
+    double q[14];
+    make_couple(&c, d, d == 2 ? NSDAE_SHAPE_SEGMENT : NSDAE_SHAPE_CAPSULE,
+                k / 2 % 2 ? NSDAE_SHAPE_POINT
+                : d == 2  ? NSDAE_SHAPE_DISC
+                          : NSDAE_SHAPE_SPHERE);
+    random_pose(&c, q);
+    const nsdae_pose line = nsdae_bodies_pose(c.bodies, 0, q, NULL);
+    double part = uniform(-0.1, 0.1), off = k % 3 ? pow(10, uniform(-17, -12)) : 0;
+    for (int j = 0; j < d; j++)
+      q[c.nq + j] = q[j] + part * line.R[3 * axis + j] + off * uniform(-1, 1);
+    const nsdae_solid_of *s = c.bodies->solid.at;
+    const nsdae_pose other = nsdae_bodies_pose(c.bodies, 1, q, NULL);
+    const nsdae_feature *f = c.bodies->feature.at;
+    nsdae_touch touch;
+    assert_true(feature_touch(s, f, (const nsdae_pose[2]){line, other}, &touch));
+    const double n[3] = {touch.normal.at[0].x, touch.normal.at[1].x, touch.normal.at[2].x};
+    assert_near(nsdae_dot3(n, n), 1, 1e-15);
+    /* rounding of R, more if the rest of 1e-17 is along the line up to an angle */
+    assert_near(nsdae_dot3(n, line.R + 3 * axis), 0, 1e-12);
+    if (d == 2) assert_true(n[2] == 0);
+    assert_near(touch.gap.x, -s[0].radius - s[1].radius, 2 * off + 1e-15);
+    nsdae_system_destroy(&c.system);
+    nsdae_bodies_destroy(&c.bodies);
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_planar), cmocka_unit_test(test_spatial)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_planar), cmocka_unit_test(test_spatial),
+                                     cmocka_unit_test(test_on_line)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

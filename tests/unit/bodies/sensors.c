@@ -151,6 +151,41 @@ static int push(double t, const double x[3], const double v[3], double force[3],
   return 0;
 }
 
+/* The boxes rest: the forces of each body and their moments about its centre are in balance with
+ * weight and push, and act at the corners of a face. */
+static void check_corners(const machine *m, double half)
+{
+  const double expected[2][3] = {{-3, 0, 2 * g}, {0, 0, g}};
+  double point[256][3], force[256][3], sum[2][3] = {{0}}, moment[2][3] = {{0}};
+  nsdae_record r;
+  nsdae_sim_get_record(m->sim, &r);
+  assert_true(r.contacts.count <= 256);
+  assert_int_equal(nsdae_sim_get_contact_forces(m->sim, *point, *force), NSDAE_OK);
+  for (int i = 0; i < r.contacts.count; i++) {
+    if (isnan(point[i][0])) {
+      assert_true(r.contacts.normal_impulse[i] == 0 && force[i][2] == 0);
+      continue;
+    }
+    int high = point[i][2] > 0.5; /* between the boxes: on box 1 */
+    for (int j = 0; j < 2; j++) assert_near(fabs(point[i][j]), high ? half : 0.5, 1e-4);
+    assert_near(point[i][2], high, 1e-4);
+    for (int k = 0; k <= high; k++) {
+      const double *q = r.q + 7 * k, *x = point[i], *f = force[i], sign = high && k == 0 ? -1 : 1;
+      const double arm[3] = {x[0] - q[0], x[1] - q[1], x[2] - q[2]};
+      for (int j = 0; j < 3; j++) {
+        int a = (j + 1) % 3, b = (j + 2) % 3;
+        sum[k][j] += sign * f[j];
+        moment[k][j] += sign * (arm[a] * f[b] - arm[b] * f[a]);
+      }
+    }
+  }
+  for (int k = 0; k < 2; k++)
+    for (int j = 0; j < 3; j++) {
+      assert_near(sum[k][j], expected[k][j], 1e-7);
+      assert_near(moment[k][j], 0, 1e-3);
+    }
+}
+
 static void test_boxes(void **state)
 {
   (void)state;
@@ -195,6 +230,7 @@ static void test_boxes(void **state)
       assert_vector(&m, from_floor, -3, 0, 3 * g, 1e-7);
       assert_vector(&m, on_floor, 3, 0, -3 * g, 1e-7);
       assert_vector(&m, none, 0, 0, 0, 0);
+      check_corners(&m, (1 - less) / 2);
       release(&m);
     }
 }
@@ -245,6 +281,76 @@ static void test_momentum(void **state)
         }
     }
     assert_true(box ? sum < 0.05 : worst < 1e-8);
+    release(&m);
+  }
+}
+
+/* Discs of the plane bounce with spin on a floor, two of them against each other: in each step the
+ * forces of a disc are m (v_1 - v_0) / h + m g, and their moments J (w_1 - w_0) / h. Contacts of
+ * two discs turn in a step. */
+static void test_spin(void **state)
+{
+  enum { DISCS = 4, STEPS = 600 };
+  const double h = 1e-3, radius = 0.2;
+  uint64_t seed = 3;
+  (void)state;
+  for (int kind = 0; kind < 4; kind++) {
+    int method = kind < 2 ? 0 : 2, list = kind % 2, hits = 0;
+    nsdae_bodies *b = create(2, 0, -g, 0);
+    nsdae_rigid_body body[DISCS];
+    double before[3 * DISCS], point[16][3], force[16][3];
+    nsdae_record r;
+    int floor = nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+    for (int i = 0; i < DISCS; i++) {
+      nsdae_solid disc = {.shape = NSDAE_SHAPE_DISC, .radius = radius};
+      body[i] =
+          (nsdae_rigid_body){.position = {i, 0.4}, .spin = {0, 0, random_between(&seed, -20, 20)}};
+      body[i].velocity[0] = i == 0 ? 1.5 : i == 1 ? -1.5 : 0;
+      nsdae_solid_inertia(&disc, 20, &body[i].mass, body[i].inertia, NULL);
+      nsdae_bodies_add(b, &body[i]);
+      int solid = nsdae_bodies_add_solid(b, i, &disc);
+      if (!list) nsdae_bodies_add_contact(b, floor, solid, 0.5, 0.5, 0);
+    }
+    if (!list) nsdae_bodies_add_contact(b, 2, 1, 0.5, 0.5, 0); /* discs 1 and 0 */
+    if (list) nsdae_bodies_set_pair(b, 0, 0, 0.5, 0.5, 0);
+    machine m = start(b, methods[method], h);
+    for (int k = 0; k < STEPS; k++) {
+      double pushed[DISCS][3] = {{0}};
+      nsdae_sim_get_record(m.sim, &r);
+      memcpy(before, r.v, sizeof before);
+      assert_true(nsdae_sim_step(m.sim) >= 0);
+      nsdae_sim_get_record(m.sim, &r);
+      assert_int_equal(nsdae_sim_get_contact_forces(m.sim, *point, *force), NSDAE_OK);
+      int meet[DISCS] = {0};
+      for (int c = 0; c < r.contacts.count; c++) {
+        if (isnan(point[c][0])) continue;
+        const int *block = r.contacts.block + 2 * c;
+        int pair = list ? block[0] >= 0 && block[1] >= 0 : c == DISCS;
+        int on = list ? (block[0] > block[1] ? block[0] : block[1]) : pair ? 1 : c;
+        assert_true(point[c][2] == 0 && force[c][2] == 0);
+        for (int other = 0; other <= pair; other++) {
+          int i = !other ? on : list ? (block[0] < block[1] ? block[0] : block[1]) : 0;
+          double sign = other ? -1 : 1, x = point[c][0] - r.q[3 * i],
+                 y = point[c][1] - r.q[3 * i + 1];
+          double arm = hypot(x, y) / radius; /* 1 - half of the penetration, which has no moment */
+          assert_near(arm, 1, 10 * h / 2 / radius); /* below 10 m/s */
+          meet[i] |= pair;
+          pushed[i][0] += sign * force[c][0];
+          pushed[i][1] += sign * force[c][1];
+          pushed[i][2] += sign * (x * force[c][1] - y * force[c][0]) / arm;
+        }
+      }
+      for (int i = 0; i < DISCS; i++) {
+        double scale = body[i].mass / h * (meet[i] ? 0.02 : 1e-5);
+        hits += pushed[i][2] != 0;
+        for (int j = 0; j < 2; j++)
+          assert_near(pushed[i][j],
+                      body[i].mass * ((r.v[3 * i + j] - before[3 * i + j]) / h + j * g), scale);
+        assert_near(pushed[i][2], body[i].inertia[2] * (r.v[3 * i + 2] - before[3 * i + 2]) / h,
+                    scale * radius);
+      }
+    }
+    assert_true(hits > 10);
     release(&m);
   }
 }
@@ -383,6 +489,28 @@ static void test_energies(void **state)
   release(&m);
 }
 
+/* A point mass hangs on a rope of 1 m: a contact without a point. */
+static void test_no_point(void **state)
+{
+  (void)state;
+  double point[3], force[3];
+  nsdae_bodies *b = create(2, 0, -g, 0);
+  nsdae_record r;
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {0, 0, 1}, .position = {0, -1}});
+  nsdae_bodies_add_rope(b, &(nsdae_rope){.body = {NSDAE_GROUND, 0}, .end = {0, -1}, .length = 1});
+  machine m = start(b, NSDAE_METHOD_IMPLICIT, 0.01);
+  go(&m, 0.1);
+  nsdae_sim_get_record(m.sim, &r);
+  assert_near(r.contacts.normal_impulse[0], 0.01 * g, 1e-9);
+  assert_int_equal(nsdae_sim_get_contact_forces(m.sim, point, force), NSDAE_OK);
+  for (int j = 0; j < 3; j++) assert_true(isnan(point[j]) && force[j] == 0);
+  assert_int_equal(nsdae_sim_get_contact_forces(m.sim, NULL, force), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(m.sim)->text, "point is NULL");
+  assert_int_equal(nsdae_sim_get_contact_forces(m.sim, point, NULL), NSDAE_E_ARGUMENT);
+  assert_string_equal(nsdae_sim_error(m.sim)->text, "force is NULL");
+  release(&m);
+}
+
 /* ---- names and errors */
 
 static void refuse(nsdae_sensor sensor, const char *words)
@@ -448,6 +576,8 @@ static void test_names(void **state)
   assert_int_equal(nsdae_sim_get_sensor(none, 0, value), NSDAE_E_ARGUMENT);
   assert_int_equal(nsdae_sim_create(m.system, NULL, &none, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_get_sensor(none, 0, value), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_get_contact_forces(none, value, value), NSDAE_E_STATE);
+  assert_int_equal(nsdae_sim_get_contact_forces(m.sim, NULL, NULL), NSDAE_OK); /* no contacts */
   nsdae_sim_destroy(&none);
   release(&m);
 }
@@ -457,6 +587,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_hanging_weight), cmocka_unit_test(test_pendulum),
       cmocka_unit_test(test_boxes),          cmocka_unit_test(test_momentum),
+      cmocka_unit_test(test_spin),           cmocka_unit_test(test_no_point),
       cmocka_unit_test(test_corner),         cmocka_unit_test(test_turns),
       cmocka_unit_test(test_points),         cmocka_unit_test(test_energies),
       cmocka_unit_test(test_refused),        cmocka_unit_test(test_names)};
