@@ -31,6 +31,16 @@ static inline void untested(const char *lack)
   skip();
 }
 
+/* A long family takes one in test_share() of its cases: 1, or NSDAE_TEST_SHARE. Tests that a
+ * sanitizer, valgrind or gcov slows down get 7: a prime has no period in common with a family that
+ * alternates among 2, 3 or 5 kinds. */
+static inline int test_share(void)
+{
+  const char *text = getenv("NSDAE_TEST_SHARE");
+  int share = text ? atoi(text) : 1;
+  return share > 1 ? share : 1;
+}
+
 static inline void check_near(double actual, double expected, double tol, const char *what,
                               const char *file, int line)
 {

@@ -178,7 +178,7 @@ static void test_lost_allocations(void **state)
   for (int form = 0; form < 8; form++) {
     int d = form & 1 ? 3 : 2, listed = form >> 1 & 1, own = form >> 2;
     long at = 0;
-    for (;; at++) {
+    for (;; at += test_share()) {
       faults f = {.at = -1};
       world w;
       allocator_reset(at);
@@ -240,7 +240,9 @@ static void test_failing_callbacks(void **state)
   (void)state;
   for (int form = 0; form < 8; form++)
     for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++)
-      for (long at = 0; fail_call(form, method, at, at % 2 ? 2 : -2); at += 1 + at / 8) continue;
+      for (long at = 0; fail_call(form, method, at, at % 2 ? 2 : -2);
+           at += 1 + at * test_share() / 8)
+        continue;
 }
 
 static int all_finite(const double *x, int n)
@@ -296,7 +298,9 @@ static void test_spoiled_callbacks(void **state)
   (void)state;
   for (int form = 0; form < 8; form++)
     for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_EVENT; method++)
-      for (long at = 0; spoil_call(form, method, at, value[at % 5]); at += 1 + at / 8) continue;
+      for (long at = 0; spoil_call(form, method, at, value[at % 5]);
+           at += 1 + at * test_share() / 8)
+        continue;
 }
 
 int main(void)

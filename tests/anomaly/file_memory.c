@@ -12,16 +12,12 @@
 
 static const char path[] = "test_file_memory.h5";
 
-#ifndef NSDAE_TEST_SHARE
-#define NSDAE_TEST_SHARE 1 /* one of so many allocations fails */
-#endif
-
 enum { STEPS = 1100 };
 
 /* From one allocation that fails to the next: n, or 1 in the long form. */
 static long stride(long n)
 {
-  return getenv("NSDAE_LONG") ? 1 : n * NSDAE_TEST_SHARE;
+  return getenv("NSDAE_LONG") ? 1 : n * test_share();
 }
 
 typedef struct fixture {

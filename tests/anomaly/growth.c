@@ -207,7 +207,7 @@ static void test_growth(void **state)
   static random_system r;
   static long count[2][5][OUTCOMES];
   nsdae_sim_options o;
-  long bad = 0, runs = from_environment("NSDAE_GROWTH_RUNS", RUNS);
+  long bad = 0, runs = from_environment("NSDAE_GROWTH_RUNS", RUNS / test_share());
   long first = from_environment("NSDAE_GROWTH_SEED", 1);
   (void)state;
   signal(SIGVTALRM, on_alarm);

@@ -295,7 +295,7 @@ static atomic_long refused;
 static void *hammer(void *seed)
 {
   uint64_t state = *(uint64_t *)seed;
-  for (int i = 0; i < TRIES; i++) {
+  for (int i = 0; i < TRIES / test_share(); i++) {
     uint64_t draw = random_next(&state);
     target own = shared;
     char block[BLOCK_MOST];

@@ -15,12 +15,7 @@
 
 #include "friction_families.h"
 
-/* A sanitizer makes everything some ten times slower. */
-#ifndef NSDAE_TEST_SHARE
-#define NSDAE_TEST_SHARE 1
-#endif
-
-enum { FEW = 48 / NSDAE_TEST_SHARE, SMALLEST = 20, LARGEST = 60 };
+enum { FEW = 48, SMALLEST = 20, LARGEST = 60 };
 
 typedef struct tally {
   int count, solved, lies;
@@ -95,7 +90,7 @@ static tally report(const tally *all)
 static void test_families(void **state)
 {
   (void)state;
-  int count = FEW;
+  int count = FEW / test_share();
   unsigned long long first = 1;
   tally all[FRICTION_FAMILIES] = {0};
   const char *more = getenv("NSDAE_TEST_FRICTION");
@@ -132,7 +127,7 @@ static void test_folded(void **state)
 static void test_locked(void **state)
 {
   (void)state;
-  if (NSDAE_TEST_SHARE > 1) skip();
+  if (test_share() > 1) skip();
   tally all[FRICTION_FAMILIES] = {0};
   try(312, 990, 1e-10, 2, all);
   assert_int_equal(all[990 % FRICTION_FAMILIES].solved, 1);

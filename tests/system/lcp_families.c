@@ -9,11 +9,6 @@
 
 #include "lcp_families.h"
 
-/* A sanitizer makes everything some ten times slower. */
-#ifndef NSDAE_TEST_SHARE
-#define NSDAE_TEST_SHARE 1
-#endif
-
 enum { LARGEST = 1000, STAGES = 8, ENUMERATED = 8 };
 
 /* One solution to 1e-9 of the largest term of A x + b: ten times the solver's tolerance, which is
@@ -259,7 +254,7 @@ static void run(unsigned families, int count, int (*size)(lcp_sample *, int))
 static void test_small(void **state)
 {
   (void)state;
-  run((1u << FAMILIES) - 1, (getenv("NSDAE_LONG") ? 90000 : 6000) / NSDAE_TEST_SHARE, draw_size);
+  run((1u << FAMILIES) - 1, (getenv("NSDAE_LONG") ? 90000 : 6000) / test_share(), draw_size);
 }
 
 static int size_300(lcp_sample *s, int family)
@@ -278,8 +273,8 @@ static int size_1000(lcp_sample *s, int family)
 static void test_large(void **state)
 {
   (void)state;
-  run((1u << FAMILY_ANY) - 1, NSDAE_TEST_SHARE == 1 ? 4 : 1, size_300);
-  if (NSDAE_TEST_SHARE > 1) return;
+  run((1u << FAMILY_ANY) - 1, test_share() == 1 ? 4 : 1, size_300);
+  if (test_share() > 1) return;
   run((1u << FAMILY_INFEASIBLE) - 1, 1, size_1000);
 }
 

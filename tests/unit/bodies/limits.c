@@ -207,7 +207,7 @@ static void test_turning(void **state)
         rest = rests[i];
         if (hypot(rest, spin / 1.1) < pi) judge(turning, 3, 100);
         assert_at_most(turning(3, NSDAE_METHOD_EVENT, 0.05), 1e-8);
-        for (double dt = 2e-3; dt > 1e-4; dt /= 4) {
+        for (double dt = 2e-3; dt > smallest_step(); dt /= 4) {
           assert_at_most(turning(3, NSDAE_METHOD_MOREAU, dt), 100 * dt);
           assert_at_most(turning(3, NSDAE_METHOD_IMPLICIT, dt), 100 * dt);
         }

@@ -214,7 +214,7 @@ static void test_stop(void **state)
   (void)state;
   for (int brake = 0; brake <= 1; brake++)
     for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
-      for (int i = 0; i < 9; i++) {
+      for (int i = 0; i < 9; i += test_share()) {
         nsdae_bodies *b = pinned(2, 0.15, 0, brake ? 1e-9 : 0.01, -9.81);
         nsdae_system *system;
         nsdae_sim *sim;
@@ -283,7 +283,7 @@ static void test_arch(void **state)
   (void)state;
   for (int links = 3; links <= 4; links++)
     for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++)
-      for (int i = 0; i < 8; i++) {
+      for (int i = 0; i < 8; i += test_share()) {
         ending end = run(arch(links, 0.15 + 0.1 * i, (uint64_t)i), method, 2e-3, 0.06);
         for (int j = 0; j < 6 * links; j++) assert_at_most(fabs(end.v[j]), 1e-9);
       }
