@@ -196,7 +196,7 @@ static void test_heaps(void **state)
 {
   uint64_t random = 3;
   (void)state;
-  for (int run = 0; run < 12; run++)
+  for (int run = 0; run < 12; run += test_share())
     assert_false(run_bodies(heap(&random, 0.2 * (run % 4)), run % 3, 2e-3, 1) & IMPACTS);
 }
 
