@@ -9,8 +9,8 @@ function(nsdae_family test)
 endfunction()
 
 foreach(test IN ITEMS anomaly/file_memory anomaly/hdf5 anomaly/disk unit/bodies/continuity unit/bodies/derivatives
-    unit/bodies/distance unit/bodies/limited unit/bodies/polyhedra system/lcp_families system/projection system/slop
-    system/structures)
+    unit/bodies/distance unit/bodies/limited unit/bodies/meshes unit/bodies/polyhedra system/lcp_families system/projection
+    system/slop system/structures)
   nsdae_family(${test} NSDAE_LONG=1)
 endforeach()
 nsdae_family(anomaly/corrupt NSDAE_LONG=100000) # files of each program
