@@ -207,18 +207,19 @@ static void test_gaps(void **state)
 {
   static const double tetrahedron[12] = {0.1,  0.1, 0.1,  0.1,  -0.1, -0.1,
                                          -0.1, 0.1, -0.1, -0.1, -0.1, 0.1};
+  const int many = getenv("NSDAE_LONG") ? 50 : 1; /* at least 1e5 of each */
   (void)state;
   compare(&(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.3}, 100000, "sphere");
   compare(&(nsdae_solid){.shape = NSDAE_SHAPE_POINT}, 50000, "point");
   compare(&(nsdae_solid){.shape = NSDAE_SHAPE_CAPSULE, .radius = 0.05, .length = {0, 0, 0.3}},
-          10000, "capsule");
-  compare(&(nsdae_solid){.shape = NSDAE_SHAPE_BOX, .length = {0.3, 0.2, 0.1}}, 5000, "box");
-  compare(&(nsdae_solid){.shape = NSDAE_SHAPE_POLYHEDRON, .points = 4, .point = tetrahedron}, 5000,
-          "tetrahedron");
+          10000 * many, "capsule");
+  compare(&(nsdae_solid){.shape = NSDAE_SHAPE_BOX, .length = {0.3, 0.2, 0.1}}, 5000 * many, "box");
+  compare(&(nsdae_solid){.shape = NSDAE_SHAPE_POLYHEDRON, .points = 4, .point = tetrahedron},
+          5000 * many, "tetrahedron");
   for (int k = 0; k < 4; k++) {
     nsdae_solid s = {.shape = smooth_shapes[k], .length = {0.3, 0.2, 0.15}};
     if (s.shape != NSDAE_SHAPE_ELLIPSOID) s.radius = 0.12;
-    compare(&s, 2000, nsdae_solid_name(s.shape));
+    compare(&s, 2000 * many, nsdae_solid_name(s.shape));
   }
 }
 
