@@ -16,9 +16,9 @@
  *
  * Along the mean the impulse of a persisting contact does the work Lambda (W_1 + W_0)^T (v_1 + v_0)
  * / 4, which is not zero if W turns by much in a step, as of a thin body that tips over: then it is
- * an impact, along W_1, too. The bound is h^2 F^T M^-1 F / 8 of its bodies. That is the most that
- * forces do beyond their potential where an impact of e = 0 ends their motion; smooth motions, with
- * impulses of h F, exceed it if W turns by more than 1/2.
+ * an impact, along W_1, too. The bound is h^2 F^T M^-1 F / 8 of its bodies, the most that forces do
+ * beyond their potential where an impact of e = 0 ends their motion, and the truncation error of
+ * their kinetic energy. Smooth motions with impulses of h F exceed it if W turns by more than 1/2.
  *
  * The matrix of the LCP is kept symmetric: (J_1 - J_h)^T Lambda - (W_1 - W_h) Lambda_c of the
  * iterate before goes to the right-hand side. The iteration ends when q_1 and v_1 are stationary.
@@ -87,19 +87,22 @@ static int mark_impacts(const nsdae_step *step, int all)
   return any;
 }
 
-/* h^2 F^T M^-1 F / 8 of the blocks of a row, of a diagonal M. */
-static double work_of_forces(const nsdae_step *step, int i)
+/* h^2 F^T M^-1 F / 8 + TRUNCATION v^T M v / 2 of the blocks of a row, of a diagonal M. */
+static double largest_gain(const nsdae_step *step, int i)
 {
   const nsdae_terms *T = step->start;
   const nsdae_blocks *blocks = &T->system->blocks;
   const nsdae_rows *normal = &T->by.normal;
   double sum = 0;
   for (int p = normal->first[i]; p < normal->first[i + 1]; p++) {
-    int b = normal->block[p], n = nsdae_blocks_size(blocks, b);
-    const double *F = T->F + blocks->first[b], *M = T->M + blocks->square[b];
-    for (int j = 0; j < n; j++) sum += F[j] * F[j] / M[(size_t)j * (size_t)(n + 1)];
+    int b = normal->block[p], first = blocks->first[b], n = nsdae_blocks_size(blocks, b);
+    for (int j = 0; j < n; j++) {
+      double m = T->M[blocks->square[b] + (size_t)j * (size_t)(n + 1)], v = T->v[first + j],
+             dv = step->h * T->F[first + j] / m;
+      sum += m * (dv * dv / 8 + TRUNCATION * v * v / 2);
+    }
   }
-  return step->h * step->h * sum / 8;
+  return sum;
 }
 
 /* Marks persisting contacts that give more energy than the bound. Returns whether there is one. */
@@ -119,7 +122,7 @@ static int mark_gains(const nsdae_step *step)
       for (int j = i * nt; j < (i + 1) * nt; j++)
         work += r->tangential[j] * nsdae_terms_tangent_rate(T, j, v[k % 2]) / 4;
     }
-    if (!(work > work_of_forces(step, i))) continue;
+    if (!(work > largest_gain(step, i))) continue;
     r->impact[i] = any = 1;
   }
   return any;
