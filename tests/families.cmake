@@ -13,6 +13,7 @@ foreach(test IN ITEMS anomaly/file_memory anomaly/hdf5 anomaly/disk unit/bodies/
   nsdae_family(${test} NSDAE_LONG=1)
 endforeach()
 nsdae_family(anomaly/corrupt NSDAE_LONG=100000) # files of each program
+nsdae_family(anomaly/mesh_files NSDAE_LONG=1000000) # damaged files of each format
 nsdae_family(system/long_runs NSDAE_LONG=1000000) # steps
 nsdae_family(conformance/failing NSDAE_EVERY_CALL=1)
 if(NSDAE_DRIVERS AND NSDAE_HDF5)

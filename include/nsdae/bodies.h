@@ -132,6 +132,21 @@ NSDAE_API int nsdae_body_from_solids(int n, nsdae_solid *solid, const double *de
  * number of triangles, or an error as above. */
 NSDAE_API int nsdae_solid_triangles(const nsdae_solid *solid, double *triangle, nsdae_error *error);
 
+/* Reads the triangles of a mesh file as a MESH: Wavefront OBJ (.obj) or STL (.stl, text or binary).
+ * scale > 0 multiplies coordinates: metres in a unit of the file (STL names none). Sets shape,
+ * points, point, triangles and triangle; the other fields are 0, and length[2] is the caller's. The
+ * points also serve a POLYHEDRON, closed surfaces nsdae_body_from_solids. Equal coordinates become
+ * one point, and points of no triangle are left out. Of OBJ, v and f are read; the faces must be
+ * convex. nsdae_solid_release frees it; after an error it is empty. error may be NULL.
+ *
+ * - NSDAE_E_IO: the file cannot be read
+ * - NSDAE_E_ARGUMENT, NSDAE_E_NONFINITE: the text names file, line or triangle, and the cause
+ * - NSDAE_E_MEMORY */
+NSDAE_API int nsdae_solid_read(const char *path, double scale, nsdae_solid *solid,
+                               nsdae_error *error);
+/* Frees point and triangle of nsdae_solid_read and empties the struct; NULL is allowed. */
+NSDAE_API void nsdae_solid_release(nsdae_solid *solid);
+
 /* Kinds of joints; see nsdae_joint. */
 enum nsdae_joint_kind {
   NSDAE_JOINT_REVOLUTE,    /* common point; spatial: common axis; may have friction */

@@ -671,33 +671,57 @@ private:
   std::shared_ptr<detail::system_guts> guts_;
 };
 
-/* nsdae_scene of a file. */
-class scene
+namespace detail
+{
+
+/* A struct of C with memory of its own. */
+template <class T, void (*release)(T *)> class owner
 {
 public:
-  /* nsdae_scene_read. */
-  explicit scene(const std::string &path) : c_(nsdae_scene())
-  {
-    nsdae_error record = nsdae_error();
-    detail::demand(nsdae_scene_read(path.c_str(), &c_, &record), &record);
-  }
+  owner() : c_(T()) {}
   /* The source becomes empty. */
-  scene(scene &&other) noexcept : c_(other.c_) { other.c_ = nsdae_scene(); }
+  owner(owner &&other) noexcept : c_(other.c_) { other.c_ = T(); }
   /* The source gets what was here. */
-  scene &operator=(scene &&other) noexcept
+  owner &operator=(owner &&other) noexcept
   {
     std::swap(c_, other.c_);
     return *this;
   }
-  ~scene() { nsdae_scene_release(&c_); }
+  ~owner() { release(&c_); }
 
   /* The struct of C. */
-  nsdae_scene *operator->() noexcept { return &c_; }
+  T *operator->() noexcept { return &c_; }
   /* The struct of C. */
-  const nsdae_scene &c() const noexcept { return c_; }
+  const T &c() const noexcept { return c_; }
 
-private:
-  nsdae_scene c_;
+protected:
+  T c_;
+};
+
+} // namespace detail
+
+/* nsdae_scene of a file. */
+class scene : public detail::owner<nsdae_scene, nsdae_scene_release>
+{
+public:
+  /* nsdae_scene_read. */
+  explicit scene(const std::string &path)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_scene_read(path.c_str(), &c_, &record), &record);
+  }
+};
+
+/* nsdae_solid of a mesh file; bodies::solid takes c(). */
+class mesh : public detail::owner<nsdae_solid, nsdae_solid_release>
+{
+public:
+  /* nsdae_solid_read. */
+  explicit mesh(const std::string &path, double scale = 1)
+  {
+    nsdae_error record = nsdae_error();
+    detail::demand(nsdae_solid_read(path.c_str(), scale, &c_, &record), &record);
+  }
 };
 
 /* nsdae_bodies. Members that add an object return its number, or throw. Copies refer to the same

@@ -11,7 +11,7 @@ module nsdae_f_bodies
   use nsdae_f_status
   use nsdae_f_system
   use nsdae_f_text
-  use nsdae_f_shape, only: NSDAE_SHAPE_POINT, NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_HEIGHT_FIELD
+  use nsdae_f_shape, only: NSDAE_SHAPE_POINT, NSDAE_SHAPE_POLYGON, NSDAE_SHAPE_MESH, NSDAE_SHAPE_HEIGHT_FIELD
   implicit none
   private
 
@@ -199,6 +199,7 @@ module nsdae_f_bodies
             nsdae_bodies_add_solid, nsdae_bodies_add_contact, nsdae_bodies_set_pair, nsdae_bodies_set_gravity, &
             nsdae_bodies_set_user_rows, nsdae_bodies_system, nsdae_bodies_get_dims, nsdae_bodies_get_start, &
             nsdae_bodies_locate, nsdae_bodies_error, nsdae_solid_inertia, nsdae_body_from_solids, nsdae_solid_triangles, &
+            nsdae_solid_read, &
             nsdae_bodies_add_scene, &
             nsdae_scene_read, nsdae_scene_release, nsdae_bodies_set_name, nsdae_bodies_material, &
             nsdae_bodies_set_colour
@@ -212,6 +213,7 @@ module nsdae_f_bodies
     ! headers: functions nsdae_solid_ inertia triangles
     ! headers: functions nsdae_body_ from_solids
     ! headers: functions nsdae_scene_ read
+    ! headers: functions nsdae_ solid_read solid_release
 
     subroutine nsdae_scene_release(scene) bind(C)
       import
@@ -395,6 +397,37 @@ contains
   type(nsdae_error) function nsdae_bodies_error(bodies) result(error)
     type(nsdae_bodies), intent(in) :: bodies
     error = error_at(c_error(at(bodies)))
+  end function
+
+  ! Reads the triangles of an OBJ or STL file as a mesh; scale: metres in a unit of the file. length(3) is the caller's.
+  integer(c_int) function nsdae_solid_read(path, scale, solid, error) result(status)
+    character(len=*), intent(in) :: path
+    real(c_double), intent(in) :: scale
+    type(nsdae_solid), intent(out) :: solid
+    type(nsdae_error), intent(out), optional :: error
+    type(nsdae_c_solid) :: read
+    type(nsdae_c_error) :: why
+    real(c_double), pointer :: point(:, :)
+    integer(c_int), pointer :: triangle(:, :)
+    integer :: lost
+    character(kind=c_char) :: c_path(len_trim(path) + 1)
+    call to_chars(path, c_path)
+    status = c_solid_read(c_path, scale, read, why)
+    solid%shape = NSDAE_SHAPE_MESH
+    if (status >= 0) then
+      call c_f_pointer(read%point, point, [3, read%points])
+      call c_f_pointer(read%triangle, triangle, [3, read%triangles])
+      allocate (solid%point(3, read%points), solid%triangle(3, read%triangles), stat=lost)
+      if (lost == 0) then
+        solid%point = point
+        solid%triangle = triangle
+      else
+        status = NSDAE_E_MEMORY
+        why%status = status
+      end if
+      call c_solid_release(read)
+    end if
+    call error_from_c(why, error)
   end function
 
   ! Mass and inertia of a solid of uniform density, in its frame.

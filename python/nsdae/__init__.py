@@ -26,7 +26,7 @@ try:
 finally:
     if not _CHOSEN:
         del _os.environ["OPENBLAS_NUM_THREADS"]
-from ._bodies import GROUND, Bodies, Scene, Solid, read_scene
+from ._bodies import GROUND, Bodies, Scene, Solid, read_mesh, read_scene
 from ._errors import ArgumentError, CallbackError, Error, ModelWarning, ProblemError, RunWarning
 from ._lists import CONTACT, BlockList, ContactList, RowList, block_add, contact_add, row_add
 from ._pointers import cfunc, signature
@@ -46,5 +46,5 @@ __doc__ += "\n" + "".join(f"    {key:<18}{what}{f' [{unit}]' if unit not in ('',
 __all__ = ["ArgumentError", "Bodies", "CONTACT", "CallbackError", "ContactList", "Dims", "Error", "FrictionResult",
            "GROUND", "LcpProblem", "LcpResult", "METHODS", "ModelWarning", "OPEN", "Options", "ProblemError", "Record", "RowList", "RunWarning",
            "SLIP", "STICK", "Scene", "Shape", "Sim", "Solid", "Status", "Sweep", "System", "Trajectory", "Worst", "build_info",
-           "block_add", "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "read_scene", "row_add", "signature", "solve",
+           "block_add", "cfunc", "contact_add", "friction", "friction_local", "lcp", "load", "load_sweep", "read_mesh", "read_scene", "row_add", "signature", "solve",
            "sweep"]

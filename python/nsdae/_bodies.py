@@ -764,6 +764,40 @@ class Bodies:
                 for shape, (body, solid) in zip(made, self._solids)]
 
 
+def read_mesh(path: str | os.PathLike[str], scale: float = 1, **fields: Any) -> Solid:
+    """Reads the triangles of an OBJ or STL file, text or binary.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file; its name ends in .obj or .stl.
+    scale : float
+        Metres in a unit of the file, > 0.
+    **fields
+        Further fields of the `Solid`. A mesh of the ground needs a `length`, the depth of the material beneath it.
+
+    Returns
+    -------
+    Solid
+        A "mesh" with the arrays `points`, shape (p, 3), and `triangle`, shape (t, 3). Equal coordinates are one point. The
+        points also serve a "polyhedron", their convex hull.
+
+    Raises
+    ------
+    Error
+        The file cannot be read.
+    ArgumentError
+        The text names file, line or triangle, and the cause.
+
+    Examples
+    --------
+    >>> stairs = nsdae.read_mesh("stairs.stl", scale=0.001, length=0.2)
+    >>> world.add_solid(nsdae.GROUND, stairs)
+    """
+    points, triangle = _core.solid_read(os.fspath(path), float(scale))
+    return Solid("mesh", points=points, triangle=triangle, **fields)
+
+
 def read_scene(path: str | os.PathLike[str]) -> Bodies:
     """Reads bodies, floor and walls from a CSV file, see "Scenes" in the documentation.
 

@@ -435,6 +435,20 @@ nb::tuple body_from_solids(nb::list dicts, std::vector<double> density, triple p
                         triple{x[0], x[1], x[2]}, places);
 }
 
+// Points [n, 3] and triangles [n, 3] of a mesh file.
+nb::tuple solid_read(const std::string &path, double scale)
+{
+  nsdae_error error;
+  nsdae_solid s;
+  check(nsdae_solid_read(text(path, "path"), scale, &s, &error), &error);
+  const std::unique_ptr<nsdae_solid, void (*)(nsdae_solid *)> held(&s, nsdae_solid_release);
+  const std::size_t points = static_cast<std::size_t>(s.points);
+  const std::size_t triangles = static_cast<std::size_t>(s.triangles);
+  std::vector<double> point(s.point, s.point + 3 * points);
+  std::vector<int> triangle(s.triangle, s.triangle + 3 * triangles);
+  return nb::make_tuple(array_of(point, {points, 3}), array_of(triangle, {triangles, 3}));
+}
+
 // Coordinates of the corners of its triangles, one after another.
 std::vector<double> solid_triangles(nb::dict d)
 {
@@ -486,6 +500,7 @@ void bind_bodies(nb::module_ &m)
       .def("system", &bodies::make_system)
       .def("start", &bodies::start)
       .def("locate", &bodies::locate);
+  m.def("solid_read", &solid_read);
   m.def("solid_inertia", &solid_inertia);
   m.def("body_from_solids", &body_from_solids);
   m.def("solid_triangles", &solid_triangles);

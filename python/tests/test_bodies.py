@@ -595,3 +595,30 @@ def test_a_mesh_and_a_height_field():
         Solid("mesh", points=corner, triangle=side[:-1], length=1).inertia(6)
     with pytest.raises(ValueError, match="three whole numbers in each row"):
         Solid("mesh", points=corner, triangle=[[0, 1]], length=1).inertia(6)
+
+
+def test_mesh_files(tmp_path):
+    """A cube of each format has the inertia of its box and eight points; errors name the file."""
+    corner = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    side = np.array([[f[0], f[i], f[i + 1]] for f in faces for i in (1, 2)])
+    obj, text, binary = tmp_path / "a.obj", tmp_path / "b.stl", tmp_path / "c.stl"
+    obj.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corner) + "".join("f " + " ".join(str(i + 1) for i in f) + "\n" for f in faces))
+    loops = ("".join(f" vertex {x} {y} {z}\n" for x, y, z in corner[t]) for t in side)
+    text.write_text("solid\n" + "".join(f"facet normal 0 0 0\nouter loop\n{loop}endloop\nendfacet\n" for loop in loops) + "endsolid\n")
+    record = np.zeros(len(side), dtype=[("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("", "<u2")])
+    record["corner"] = corner[side]
+    binary.write_bytes(bytes(80) + np.uint32(len(side)).tobytes() + record.tobytes())
+    for path in (obj, text, str(binary)):
+        mesh = nsdae.read_mesh(path, scale=0.5, length=0.1, material="stone")
+        assert mesh.points.shape == (8, 3) and mesh.triangle.shape == (12, 3) and mesh.material == "stone"
+        np.testing.assert_array_equal(mesh.points[mesh.triangle], 0.5 * corner[side])
+        mass, inertia = mesh.inertia(6)
+        assert mass == pytest.approx(6, rel=1e-14) and inertia == pytest.approx([1, 1, 1], rel=1e-14)
+    obj.write_text("v 0 0 0\nv 0 x 0\n")
+    with pytest.raises(nsdae.ArgumentError, match="a.obj' line 2: 'x' instead of a coordinate"):
+        nsdae.read_mesh(obj)
+    with pytest.raises(nsdae.ArgumentError, match="0.001 for millimetres"):
+        nsdae.read_mesh(text, scale=0)
+    with pytest.raises(nsdae.Error, match="none.obj"):
+        nsdae.read_mesh(tmp_path / "none.obj")

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <thread>
 
 #include "cpp_pendulum.h"
@@ -719,6 +720,18 @@ static void test_bodies()
   EXPECT(thrown);
 }
 
+/* A surface of a mesh file. */
+static void test_mesh()
+{
+  std::ofstream("handles.obj") << "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\n";
+  EXPECT(throws_status(NSDAE_E_IO, [] { nsdae::mesh("/no/such/file.stl"); }));
+  nsdae::mesh read("handles.obj", 0.1), moved(std::move(read));
+  EXPECT(read.c().points == 0 && moved.c().points == 3 && moved.c().point[3] == 1);
+  moved->length[2] = 1;
+  nsdae::bodies world(3);
+  EXPECT(world.solid(NSDAE_GROUND, moved.c()) == 0);
+}
+
 /* A scene of a file, changed before it is a mechanism; its contact problems within contact_give and
  * within contact_work: set by the members of the struct and by text. */
 static void test_scene()
@@ -1022,6 +1035,7 @@ int main(int argc, char **argv)
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   test_bodies();
+  test_mesh();
   test_scene();
   test_springs();
   test_neighbours(false);

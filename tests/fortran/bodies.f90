@@ -69,6 +69,7 @@ program mechanism
   call carried_body
   call box_of_halves
   call surfaces
+  call mesh_of_a_file
   call box_on_floor
   call spring_and_torsion
   call limits_and_couplers
@@ -237,6 +238,26 @@ contains
     call is_int(nsdae_solid_triangles(mesh(1), triangle), 2, 'triangles of a mesh')
     call is_int(nsdae_body_from_solids(mesh, [1d0], body, error), NSDAE_E_ARGUMENT, 'an open surface')
     call is_true(error%argument == 'triangle', 'its side')
+  end subroutine
+
+  ! Two triangles of a file, in millimetres.
+  subroutine mesh_of_a_file()
+    type(nsdae_solid) :: mesh
+    type(nsdae_error) :: error
+    type(nsdae_bodies) :: bodies
+    integer :: unit
+    open (newunit=unit, file='bodies_f90.obj', action='write')
+    write (unit, '(a)') 'v 0 0 0', 'v 1000 0 0', 'v 0 1000 0', 'v 1000 1000 0', 'f 1 2 4 3'
+    close (unit)
+    call is_int(nsdae_solid_read('/no/such/file.stl', 1d0, mesh, error), NSDAE_E_IO, 'no file')
+    call is_true(index(error%text, '/no/such/file.stl') > 0, 'it is named')
+    call is_int(nsdae_solid_read('bodies_f90.obj', 1d-3, mesh), NSDAE_OK, 'mesh')
+    call is_true(all(shape(mesh%point) == [3, 4]) .and. all(mesh%triangle(:, 2) == [0, 3, 2]), 'its sizes')
+    call is_true(all(mesh%point(:, 4) == [1d0, 1d0, 0d0]), 'its points')
+    mesh%length(3) = 1
+    call is_int(nsdae_bodies_create(3_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_add_solid(bodies, NSDAE_GROUND, mesh), 0_c_int, 'the ground')
+    call nsdae_bodies_destroy(bodies)
   end subroutine
 
   subroutine box_on_floor()

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Whatever the C headers declare (functions, types, constants, fields), the module nsdae has: programs
 # that use every name compile; and the test layout looks at the place of every field.
-# Complementarity problems come and go as plain arrays.
+# Complementarity problems come and go as plain arrays, solids free their allocatable ones.
 # usage: complete.sh INCLUDE_DIR MODULE_DIR COMPILER SOURCE_DIR
 set -eu
 include=$1
@@ -23,7 +23,7 @@ cat ./*.h |
   grep -oE '\bNSDAE_[A-Z_]+\b' "$work/text" |
     grep -vE '^NSDAE_(API|[A-Z_]+_(LIST|ENUM))$' || true       # constants
   grep -oE 'X\(NSDAE_[A-Z_]+' status.h | tr -d 'X('           # statuses
-} | sort -u | grep -vxE 'nsdae_(lcp_(problem|file|file_release)|friction_points)' >"$work/names"
+} | sort -u | grep -vxE 'nsdae_(lcp_(problem|file|file_release)|friction_points|solid_release)' >"$work/names"
 printf '%s names\n' "$(wc -l <"$work/names")"
 [ "$(wc -l <"$work/names")" -gt 150 ]
 
