@@ -87,7 +87,7 @@ static int mark_impacts(const nsdae_step *step, int all)
   return any;
 }
 
-/* h^2 F^T M^-1 F / 8 + TRUNCATION v^T M v / 2 of the blocks of a row, of a diagonal M. */
+/* h^2 F^T M^-1 F / 8 + TRUNCATION v^T M v / 2 of the velocities in a row, of a diagonal M. */
 static double largest_gain(const nsdae_step *step, int i)
 {
   const nsdae_terms *T = step->start;
@@ -97,6 +97,7 @@ static double largest_gain(const nsdae_step *step, int i)
   for (int p = normal->first[i]; p < normal->first[i + 1]; p++) {
     int b = normal->block[p], first = blocks->first[b], n = nsdae_blocks_size(blocks, b);
     for (int j = 0; j < n; j++) {
+      if (normal->value[normal->at[p] + (size_t)j * normal->stride] == 0) continue;
       double m = T->M[blocks->square[b] + (size_t)j * (size_t)(n + 1)], v = T->v[first + j],
              dv = step->h * T->F[first + j] / m;
       sum += m * (dv * dv / 8 + TRUNCATION * v * v / 2);
