@@ -96,7 +96,7 @@ typedef struct nsdae_sim_options {
   double contact_work; /* multiplications by J that the contact problem of an island may take: a
                           tenth of it to reach contact_tol, all to reach contact_give times that.
                           An island of fewer than 100 contacts counts as one of 100. 0 (default):
-                          1e4 if contact_tol >= 1e-6, else the budget of nsdae_friction_options */
+                          1e4 if contact_tol >= 1e-5, else the budget of nsdae_friction_options */
   double contact_give; /* a step goes on with the best point if its residual is at most this times
                           contact_tol; 1: it fails */
   int polygon; /* edges of the friction polygon for nt = 2: 3 .. 32; 0: second-order Coulomb cone */

@@ -302,11 +302,12 @@ static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w,
 {
   char first[NSDAE_CALLED_SIZE] = "none";
   if (c->contacts > 0) nsdae_island_called(w, c->at.item[0], first);
-  nsdae_error_set(work->error, status, "nsdae_contacts", "",
-                  "contact problem of %d contacts (first %s) and %d constraints at t = %.17g: "
-                  "%s, residual %.3g above %.3g; a smaller dt or less friction may help",
-                  c->contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
-                  nsdae_status_message(status), work->info.residual, work->tol);
+  nsdae_error_set(
+      work->error, status, "nsdae_contacts", "",
+      "contact problem of %d contacts (first %s) and %d constraints at t = %.17g: "
+      "%s, residual %.3g above %.3g; a smaller dt, less friction or more contact_work may help",
+      c->contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
+      nsdae_status_message(status), work->info.residual, work->tol);
   return nsdae_error_at(work->error, status, -1, nsdae_terms_time(w->terms));
 }
 

@@ -26,11 +26,12 @@ static double settled(const nsdae_system *system, double tol)
 
 /* Multiplications by J for an island; 0: no limit but the solver's. A sweep of Gauss-Seidel takes
  * two and reaches no small tolerance. A median step of heaps and walls takes 10 to 100 sweeps; a
- * tenth of the default (NSDAE_SHARE_TO_TOL) are 500. */
+ * tenth of the default (NSDAE_SHARE_TO_TOL) are 500. A wall hit by a ball, 160 contacts, is left at
+ * 3e-4 by all of it: contact_give times 1e-6 is less. */
 static double contact_budget(const nsdae_sim_options *o)
 {
   if (o->contact_work > 0) return o->contact_work;
-  return o->contact_tol < 1e-6 ? 0 : 1e4;
+  return o->contact_tol < 1e-5 ? 0 : 1e4;
 }
 
 void nsdae_stepper_prepare(nsdae_stepper *s)

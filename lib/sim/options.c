@@ -43,7 +43,7 @@ static const nsdae_param entries[] = {
     {"contact_tol", "1", "tolerance of the scaled natural residual of contact problems",
      NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
     {"contact_work", "1",
-     "multiplications by J for the contact problem of an island; 0: 1e4 if contact_tol >= 1e-6, "
+     "multiplications by J for the contact problem of an island; 0: 1e4 if contact_tol >= 1e-5, "
      "else the budget of friction problems",
      NSDAE_PARAM_REAL, AT(contact_work), 0, 0, 1e12, 0, NULL},
     {"contact_give", "1",
