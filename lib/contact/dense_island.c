@@ -74,6 +74,8 @@ static void layout(void *object, nsdae_arena *arena)
   g->J.at = nsdae_arena_take(arena, most->parts, sizeof *g->J.at);
   nsdae_arena_doubles(arena, most->n, (double **[]){&l->free, &l->column, NULL});
   l->asked = NSDAE_ARENA_DOUBLES(arena, most->m);
+  l->was = NSDAE_ARENA_DOUBLES(arena, most->contacts);
+  l->basis = NSDAE_ARENA_INTS(arena, most->contacts * (long)c->rows_most + 3L * joints);
   l->kkt.n = most->n;
   l->kkt.m = most->m;
   l->kkt.blocks = &s->blocks;
@@ -451,7 +453,6 @@ static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
                  nsdae_natural_residual *residual)
 {
   const nsdae_island_view *at = &l->at;
-  memcpy(l->asked, at->lambda, (size_t)l->kkt.m * sizeof *l->asked);
   int status =
       nsdae_contacts_step(&l->contacts, w->terms, &l->kkt, at->r, at->v, at->size, at->lambda);
   if (status < 0) return status;
@@ -460,6 +461,65 @@ static int solve(nsdae_dense_island *l, const nsdae_island_equations *w,
   if (!(nsdae_natural_residual_scaled(residual) <= l->contacts.lcp.options.tol))
     *residual = nsdae_dense_residual(l, 1);
   return status;
+}
+
+static int solve_again(nsdae_dense_island *l, const nsdae_island_equations *w,
+                       nsdae_natural_residual *residual)
+{
+  memcpy(l->at.lambda, l->asked, (size_t)l->kkt.m * sizeof *l->asked);
+  return solve(l, w, residual);
+}
+
+/* Whether the normal impulses are what they were, up to rounding. */
+static int same_impulses(const nsdae_dense_island *l, const double *was)
+{
+  const nsdae_contacts *c = &l->contacts;
+  double apart = 0, most = nsdae_largest(c->active_count, was);
+  for (int a = 0; a < c->active_count; a++)
+    apart = fmax(apart, fabs(c->results->normal[c->active[a]] - was[a]));
+  return apart <= 1e-3 * most;
+}
+
+/* Bases of the contacts and joints, from or to their places. */
+static void copy_bases(nsdae_dense_island *l, int back)
+{
+  const nsdae_contacts *c = &l->contacts;
+  int *basis = l->basis;
+  int rows = c->rows_most;
+  for (int a = 0; a < c->active_count; a++, basis += rows) {
+    int *of = c->warm.basis + (size_t)c->active[a] * (size_t)rows;
+    memcpy(back ? of : basis, back ? basis : of, (size_t)rows * sizeof *of);
+  }
+  for (int i = 0; i < c->slides.count; i++, basis += 3) {
+    int *of = c->warm.slide_basis + 3 * (size_t)c->slides.place[i];
+    memcpy(back ? of : basis, back ? basis : of, 3 * sizeof *of);
+  }
+}
+
+/* The complementarity problem is judged by scales of its own: if it is solved and a law is not,
+ * once more and by two digits more. If that fails, or finds another solution of which a law is not
+ * solved either, the first one is taken. */
+static int solve_laws(nsdae_dense_island *l, const nsdae_island_equations *w,
+                      nsdae_natural_residual *residual)
+{
+  nsdae_contacts *c = &l->contacts;
+  double *tol = &c->lcp.options.tol, asked = *tol, accept = c->lcp.accept;
+  memcpy(l->asked, l->at.lambda, (size_t)l->kkt.m * sizeof *l->asked);
+  copy_bases(l, 0);
+  int status = solve(l, w, residual);
+  if (status < 0 || c->lcp.accepted || nsdae_natural_residual_scaled(residual) <= asked)
+    return status;
+  for (int a = 0; a < c->active_count; a++) l->was[a] = c->results->normal[c->active[a]];
+  *tol = 1e-2 * asked;
+  c->lcp.accept = 0;
+  status = solve_again(l, w, residual);
+  *tol = asked;
+  c->lcp.accept = accept;
+  if (status == NSDAE_OK &&
+      (same_impulses(l, l->was) || nsdae_natural_residual_scaled(residual) <= asked))
+    return status;
+  copy_bases(l, 1);
+  return solve_again(l, w, residual);
 }
 
 int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations *w, int island,
@@ -474,7 +534,7 @@ int nsdae_dense_island_solve(nsdae_dense_island *l, const nsdae_island_equations
                                           nsdae_members_count(&w->islands->joint, island) >
                                       0;
   if (l->solves) close_contacts(l, w, island);
-  status = l->solves ? solve(l, w, residual) : solve_alone(l);
+  status = l->solves ? solve_laws(l, w, residual) : solve_alone(l);
   if (status == NSDAE_OK && !l->at.whole) scatter(l, w, island);
   return status;
 }

@@ -55,6 +55,8 @@ typedef struct nsdae_dense_island {
   int solves;            /* the last solution was of a contact problem */
   double *free, *column; /* n: M^-1 r less v; M^-1 W of a column */
   double *asked;         /* m: -Phi_t */
+  double *was;           /* contacts: impulses of another solution */
+  int *basis;            /* bases before it */
   nsdae_arena arena;
 } nsdae_dense_island;
 
