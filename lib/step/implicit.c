@@ -14,20 +14,13 @@
  * A closed contact is an impact when it closes faster than the turning of its normal over the
  * step explains:  v(-) < -2 |W_N(q_0 + h v_0)^T v_0 + w_1 - v(-)| - impact_velocity.
  *
- * Along the mean the impulse of a persisting contact does the work Lambda (W_1 + W_0)^T (v_1 + v_0)
- * / 4, which is not zero if W turns by much in a step, as of a thin body that tips over: then it is
- * an impact, along W_1, too. The bound is h^2 F^T M^-1 F / 8 of its bodies, the most that forces do
- * beyond their potential where an impact of e = 0 ends their motion, and the truncation error of
- * their kinetic energy. Smooth motions with impulses of h F exceed it if W turns by more than 1/2.
- *
  * The matrix of the LCP is kept symmetric: (J_1 - J_h)^T Lambda - (W_1 - W_h) Lambda_c of the
  * iterate before goes to the right-hand side. The iteration ends when q_1 and v_1 are stationary.
  *
  * Contacts of a list may come and go between iterates, or their normals jump, as from face to edge.
  * Then no fixed point may exist. If the change of q_1 and v_1 has not been halved for STAGNATION
- * iterations, or is 1 and more for DIVERGED in turn, or after half of iteration_max, W_1 and w_1
- * remain those of the last iterate: the map is continuous again. If it diverges with these, the
- * attempt ends. With friction it may go to and fro between solutions of the contact problem. */
+ * iterations, or is 1 and more for DIVERGED in turn, W_1 and w_1 remain those of the last iterate:
+ * the map is continuous again. If it diverges with these, the attempt ends. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -83,48 +76,6 @@ static int mark_impacts(const nsdae_step *step, int all)
     double turned = nsdae_terms_normal_rate(step->end, i, step->start->v);
     r->impact[i] = all || r->before[i] < -2 * fabs(turned - r->before[i]) - slow;
     any |= r->impact[i];
-  }
-  return any;
-}
-
-/* h^2 F^T M^-1 F / 8 + TRUNCATION v^T M v / 2 of the velocities in a row, of a diagonal M. */
-static double largest_gain(const nsdae_step *step, int i)
-{
-  const nsdae_terms *T = step->start;
-  const nsdae_blocks *blocks = &T->system->blocks;
-  const nsdae_rows *normal = &T->by.normal;
-  double sum = 0;
-  for (int p = normal->first[i]; p < normal->first[i + 1]; p++) {
-    int b = normal->block[p], first = blocks->first[b], n = nsdae_blocks_size(blocks, b);
-    for (int j = 0; j < n; j++) {
-      if (normal->value[normal->at[p] + (size_t)j * normal->stride] == 0) continue;
-      double m = T->M[blocks->square[b] + (size_t)j * (size_t)(n + 1)], v = T->v[first + j],
-             dv = step->h * T->F[first + j] / m;
-      sum += m * (dv * dv / 8 + TRUNCATION * v * v / 2);
-    }
-  }
-  return sum;
-}
-
-/* Marks persisting contacts that give more energy than the bound. Returns whether there is one. */
-static int mark_gains(const nsdae_step *step)
-{
-  const nsdae_problem *p = &step->tools->problem;
-  nsdae_impulses *r = &step->result->impulses;
-  const double *v[2] = {step->start->v, step->tools->v};
-  int any = 0, nt = p->system->dims.nt;
-  for (int a = 0; a < p->count; a++) {
-    int i = p->number[a];
-    double work = 0;
-    if (r->impact[i] || r->normal[i] == 0) continue;
-    for (int k = 0; k < 4; k++) {
-      const nsdae_terms *T = k / 2 ? step->end : step->start;
-      work += r->normal[i] * nsdae_terms_normal_rate(T, i, v[k % 2]) / 4;
-      for (int j = i * nt; j < (i + 1) * nt; j++)
-        work += r->tangential[j] * nsdae_terms_tangent_rate(T, j, v[k % 2]) / 4;
-    }
-    if (!(work > largest_gain(step, i))) continue;
-    r->impact[i] = any = 1;
   }
   return any;
 }
@@ -286,19 +237,13 @@ static int attempt(const nsdae_step *step, int all_impacts)
     p.count++;
     p.apart = p.moved < 1 ? 0 : p.apart + 1;
     if (p.moved <= p.mark / 2) p.mark = p.moved, p.since = 0;
-    int converged = p.moved <= settled(step, &p);
-    int stagnates = !p.frozen && (p.since >= STAGNATION || p.apart >= DIVERGED ||
-                                  2 * p.count >= s->options->iteration_max);
-    if ((converged || stagnates || p.frozen) && mark_gains(step)) {
-      p.mark = INFINITY, p.since = p.apart = 0, impact = 1;
-      continue;
-    }
-    if (converged) return end_iteration(step, &p);
+    if (p.moved <= settled(step, &p)) return end_iteration(step, &p);
     if (p.frozen && p.apart >= DIVERGED) break; /* or NaN */
-    if (!stagnates || s->problem.count == 0) continue;
+    if (p.frozen || (p.since < STAGNATION && p.apart < DIVERGED) || s->problem.count == 0) continue;
     p.mark = p.moved, p.since = p.apart = 0, p.frozen = 1;
   }
-  if (p.frozen && p.moved <= TRUNCATION) return end_iteration(step, &p);
+  /* between solutions of the contact problem, which friction makes several */
+  if (p.frozen && p.since >= STAGNATION && p.moved <= TRUNCATION) return end_iteration(step, &p);
   return no_convergence(step, &p);
 }
 

@@ -5,16 +5,16 @@
  *   M (v_1 - v_0) + Phi_q^T Lambda - W Lambda_c = h F,  Phi_q v_1 + Phi_t = 0,  contact laws
  *   q_1 = q_m + h/2 v_1
  *
- * u_m is the midpoint of a motion with the reactions R of the step before:
+ * u_m is v_0 in blocks that constraints join. In the others it is the midpoint of a step without
+ * contacts:
  *
- *   M (u - v_0) = h (F(t_m, q_m, u_m) - R),   u_m = (v_0 + u) / 2
+ *   M (u - v_0) = h F(t_m, q_m, u_m),   u_m = (v_0 + u) / 2
  *
  * The implicit midpoint rule keeps quadratic invariants (Cooper, IMA J. Numer. Anal. 7 (1987) 1):
- * gyroscopic forces, which have no power, leave u^T M u as it was, at any speed of rotation. With F
- * at v_0 they raise it by the square of the angle per step. R = h^-1 (Phi_q^T Lambda - W Lambda_c)
- * for the blocks that constraints join, else 0. Without R contacts with e = 0 and w = 0 take energy
- * from u: v_1 is an M-projection, v_1^T M v_1 <= u^T M u. So would constraints, and brake a rotor
- * that is not balanced; with R they have nothing left to project.
+ * gyroscopic forces, which have no power, leave u^T M u as it was. With F at v_0 they raise it by
+ * the square of the angle per step. Contacts with e = 0 and w = 0 take energy from u: v_1 is an
+ * M-projection, v_1^T M v_1 <= u^T M u. Constraints would, too, and brake a rotor that is not
+ * balanced.
  *
  * Phi_t is that of (t_1, q_m): a driven coordinate moves by h/2 (f'(t_0) + f'(t_1)). With Phi_t at
  * t_m it would be late by h/2 f', and each projection would shift it by h^2/4 f'' under what it
@@ -26,20 +26,18 @@
 
 #include "dense.h"
 #include "stepper.h"
-#include "vector.h"
 
-/* A step is divided into up to this number of intervals for u: by twice as many if substitution
- * does not halve the change of u_m. It contracts by h |M^-1 dF/dv| / 2 over the intervals, of a
- * free body at most half the angle of its rotation. 64 are 64 rad, 10 turns in a step; of what
- * changes faster, and of F that jumps with v, F is taken at the start of the step. */
-enum { INTERVALS_MAX = 64 };
+/* u_m is found by substitution, which contracts by h |M^-1 dF/dv| / 2: of a free body at most half
+ * the angle of its rotation. Of a block without convergence it is found in parts of the step, twice
+ * as many each time: 64 are enough for 64 rad. If F jumps with v, or changes faster, it is v_0. */
+enum { PARTS = 64, SUBSTITUTIONS = 64 };
 
-/* A change of u_m that is not halved is rounding of F if it is below this: of terms that are up to
- * 1e6 times larger than M v / h. */
+/* A change that does not decrease is rounding of F if it is below this: of terms that are up to 1e6
+ * times larger than M v / h. */
 static const double ROUNDING = 1e-10;
 
 enum {
-  FREE_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP,
+  FREE_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_JACOBIAN | NSDAE_TERM_GAP,
   CLOSED_TERMS =
       NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_SLIDE | NSDAE_TERM_BOUND
 };
@@ -72,116 +70,154 @@ static int close_contacts(const nsdae_step *step)
   return nsdae_problem_position(&step->tools->problem, middle, step->h, 0);
 }
 
-/* What is kept between steps, behind the bases of the contacts: R, and whether there is one. Its
- * terms are not unique where a contact acts along constraints. */
-typedef struct memory {
-  double *reaction; /* nv; without constraints 0 */
-  int *known;
-} memory;
+/* Of blocks; last: of each the change before, or a state. */
+typedef struct substitution {
+  double *v, *u_m, *F, *last; /* nv: at the start of a part, its midpoint, mean F of the parts */
+  double tol;
+} substitution;
 
-static memory take(const nsdae_stepper *s, nsdae_memory_part *part)
+static const double FOUND = -1, JOINED = -2, FAILED = -3; /* u_m is v_0 where joined or failed */
+
+/* x^T M x */
+static double square_of(int n, const double *M, int diagonal, const double *x)
 {
-  nsdae_stepper_lay(s, part);
-  return (memory){nsdae_memory_reals(part, s->system->dims.m > 0 ? (size_t)s->system->dims.nv : 0),
-                  nsdae_memory_wholes(part, 1)};
+  double sum = 0;
+  for (int j = 0; j < n; j++)
+    for (int i = diagonal ? j : 0; i < (diagonal ? j + 1 : n); i++)
+      sum += x[i] * M[i + (long)j * n] * x[j];
+  return sum;
 }
 
-static void lay(const nsdae_stepper *s, nsdae_memory_part *part)
+static void copy_block(const nsdae_blocks *blocks, int b, const double *from, double *to)
 {
-  (void)take(s, part);
+  memcpy(to + blocks->first[b], from + blocks->first[b],
+         (size_t)nsdae_blocks_size(blocks, b) * sizeof *to);
 }
 
-/* Factors M into mean.M; 0, or 1 if a block is not positive definite. */
-static int factor_mass(nsdae_stepper *s)
-{
-  const nsdae_blocks *blocks = &s->system->blocks;
-  int failed = 0;
-  for (int b = 0; b < blocks->count && !failed; b++)
-    failed = nsdae_blocks_factor(blocks, b, s->middle.M,
-                                 &(nsdae_block_factor){.L = s->mean.M + blocks->square[b]}) != 0;
-  return failed;
-}
-
-/* u_m := v + scale M^-1 r */
-static void midpoint(nsdae_stepper *s, const double *v, double scale, double *r, double *u_m)
-{
-  const nsdae_blocks *blocks = &s->system->blocks;
-  for (int b = 0; b < blocks->count; b++) {
-    int n = nsdae_blocks_size(blocks, b);
-    const double *M = s->middle.M + blocks->square[b];
-    const nsdae_block_factor factor = {n, nsdae_la_is_diagonal(n, M, n),
-                                       s->mean.M + blocks->square[b]};
-    nsdae_blocks_solve(&factor, r + blocks->first[b]);
-  }
-  for (int i = 0; i < s->system->dims.nv; i++) u_m[i] = v[i] + scale * r[i];
-}
-
-/* F := the mean of F(u_m) over `count` intervals; 1, or 0 if it was not found, or a status.
- * reaction [nv]: R, NULL: 0. */
-static int mean_force(const nsdae_step *step, int count, const double *reaction, double *mean)
+/* u_m := v + h/2 M^-1 F of a block and a part of length h, with F at u_m. Returns the change if it
+ * is to go on, relative in the norm of M: there a gyroscopic map is normal, each change is less
+ * than the last. */
+static double substitute(const nsdae_step *step, const substitution *u, int b, double h)
 {
   nsdae_stepper *s = step->tools;
-  nsdae_terms *T = &s->middle;
-  const int n = s->system->dims.nv;
-  double *v = s->size, *u_m = s->v, *r = s->r, *F = s->v_other;
-  const size_t bytes = (size_t)n * sizeof *v;
-  memcpy(v, step->start->v, bytes);
-  memset(mean, 0, bytes);
-  for (int k = 0; k < count; k++) {
-    double change = INFINITY, last;
-    memcpy(u_m, v, bytes);
-    do {
-      last = change;
-      nsdae_terms_set_velocity(T, u_m);
-      int status = nsdae_terms_need(T, NSDAE_TERM_FORCE);
-      if (status < 0) return status;
-      change = 0;
-      if (last < INFINITY && memcmp(F, T->F, bytes) == 0) break;
-      memcpy(F, T->F, bytes);
-      for (int i = 0; i < n; i++) r[i] = reaction ? F[i] - reaction[i] : F[i];
-      midpoint(s, v, step->h / count / 2, r, u_m);
-      change = nsdae_relative_change(n, u_m, T->v);
-    } while (change > s->options->iteration_tol && change <= last / 2);
-    if (!(change <= fmax(s->options->iteration_tol, ROUNDING))) return 0;
-    if (count == 1) return 1;
-    for (int i = 0; i < n; i++) {
-      mean[i] += F[i] / count;
-      v[i] = 2 * u_m[i] - v[i];
+  const nsdae_blocks *blocks = &s->system->blocks;
+  const int first = blocks->first[b], n = nsdae_blocks_size(blocks, b);
+  const double *M = s->middle.M + blocks->square[b], *v = u->v + first;
+  const nsdae_block_factor factor = {n, nsdae_la_is_diagonal(n, M, n),
+                                     s->mean.M + blocks->square[b]};
+  double *x = s->r + first, *u_m = u->u_m + first, last = u->last[b];
+  memcpy(x, s->middle.F + first, (size_t)n * sizeof *x);
+  nsdae_blocks_solve(&factor, x);
+  for (int i = 0; i < n; i++) {
+    x[i] = v[i] + h / 2 * x[i];
+    u_m[i] -= x[i];
+  }
+  double change = sqrt(square_of(n, M, factor.diagonal, u_m));
+  if (change > 0) change /= sqrt(square_of(n, M, factor.diagonal, x));
+  memcpy(u_m, x, (size_t)n * sizeof *x);
+  u->last[b] = change;
+  if (change < last) return change;
+  if (change <= ROUNDING) return 0;
+  u->last[b] = FAILED;
+  copy_block(blocks, b, step->start->v, u->u_m);
+  return INFINITY; /* the others go on with F at this u_m */
+}
+
+static int evaluate(const nsdae_step *step, const double *v)
+{
+  nsdae_terms_set_velocity(&step->tools->middle, v);
+  return nsdae_terms_need(&step->tools->middle, NSDAE_TERM_FORCE);
+}
+
+/* One part: u_m, then F and v of its end. F is at u_m before. */
+static int find_midpoint(const nsdae_step *step, const substitution *u, int parts)
+{
+  nsdae_stepper *s = step->tools;
+  const nsdae_blocks *blocks = &s->system->blocks;
+  double most = INFINITY;
+  for (int k = 0; k < SUBSTITUTIONS && most > u->tol; k++) {
+    most = 0;
+    for (int b = 0; b < blocks->count; b++)
+      if (u->last[b] >= 0) most = fmax(most, substitute(step, u, b, step->h / parts));
+    int status = most == 0 ? NSDAE_OK : evaluate(step, u->u_m);
+    if (status < 0) return status;
+  }
+  for (int b = 0; b < blocks->count; b++) {
+    if (!(u->last[b] >= 0)) continue;
+    if (!(u->last[b] <= fmax(u->tol, ROUNDING))) {
+      u->last[b] = FAILED;
+      copy_block(blocks, b, step->start->v, u->u_m);
+      continue;
+    }
+    for (int i = blocks->first[b]; i < blocks->first[b + 1]; i++) {
+      u->F[i] += s->middle.F[i] / parts;
+      u->v[i] = 2 * u->u_m[i] - u->v[i];
     }
   }
-  memcpy(T->F, mean, bytes);
-  return 1;
+  return NSDAE_OK;
 }
 
-/* F of the step. In the first one of a system with constraints it is that at v_0. */
-static int force(const nsdae_step *step, const memory *last)
+/* The step in parts, of the blocks that failed before. Returns how many fail again, or a status. */
+static int try_parts(const nsdae_step *step, const substitution *u, int parts)
 {
-  nsdae_stepper *s = step->tools;
-  int found = 0, at_start = s->system->dims.m > 0 && !*last->known;
-  if (!at_start && factor_mass(s) == 0)
-    for (int count = 1; found == 0 && count <= INTERVALS_MAX; count *= 2)
-      found = mean_force(step, count, s->system->dims.m > 0 ? last->reaction : NULL, s->mean.F);
-  if (found != 0) return found < 0 ? found : NSDAE_OK;
-  nsdae_terms_set_velocity(&s->middle, step->start->v);
-  return nsdae_terms_need(&s->middle, NSDAE_TERM_FORCE);
+  const nsdae_blocks *blocks = &step->tools->system->blocks;
+  int status = NSDAE_OK, failed = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    if (u->last[b] != FAILED) continue;
+    u->last[b] = INFINITY;
+    copy_block(blocks, b, step->start->v, u->v);
+    for (int i = blocks->first[b]; i < blocks->first[b + 1]; i++) u->F[i] = 0;
+  }
+  for (int k = 0; k < parts && status == NSDAE_OK; k++) {
+    for (int b = 0; b < blocks->count; b++) {
+      if (!(u->last[b] >= 0)) continue;
+      u->last[b] = INFINITY;
+      copy_block(blocks, b, u->v, u->u_m);
+    }
+    if (parts > 1) status = evaluate(step, u->u_m);
+    if (status == NSDAE_OK) status = find_midpoint(step, u, parts);
+  }
+  for (int b = 0; b < blocks->count; b++) {
+    failed += u->last[b] == FAILED;
+    if (u->last[b] >= 0) u->last[b] = FOUND;
+  }
+  return status < 0 ? status : failed;
 }
 
-/* R = (r - M v_1) / h of the momentum r. */
-static void keep(const nsdae_step *step, const memory *last)
+/* last of the blocks: JOINED by constraints, or FAILED so far. Returns the number of these. A block
+ * whose M is not positive definite is refused later. */
+static int begin_substitution(const nsdae_step *step, const substitution *u)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_blocks *blocks = &s->system->blocks;
   const nsdae_rows *J = &s->middle.by.jacobian;
-  double *gained = s->v_other; /* M v_1 - r */
-  int n = s->system->dims.nv, parts = J->count > 0 ? J->first[J->count] : 0;
-  if (J->count == 0) return;
-  *last->known = 1;
-  for (int i = 0; i < n; i++) gained[i] = -s->r[i];
-  nsdae_blocks_add_product(blocks, s->middle.M, s->v, gained);
-  memset(last->reaction, 0, (size_t)n * sizeof *gained);
-  for (int p = 0; p < parts; p++)
-    for (int i = blocks->first[J->block[p]]; i < blocks->first[J->block[p] + 1]; i++)
-      last->reaction[i] = -gained[i] / step->h;
+  int parts = J->count > 0 ? J->first[J->count] : 0, count = 0;
+  for (int b = 0; b < blocks->count; b++) u->last[b] = FAILED;
+  for (int p = 0; p < parts; p++) u->last[J->block[p]] = JOINED;
+  for (int b = 0; b < blocks->count; b++) {
+    nsdae_block_factor factor = {.L = s->mean.M + blocks->square[b]};
+    if (u->last[b] == FAILED && nsdae_blocks_factor(blocks, b, s->middle.M, &factor) != 0)
+      u->last[b] = JOINED;
+    count += u->last[b] == FAILED;
+  }
+  return count;
+}
+
+/* F of the middle := that at u_m; it is at v_0 before. */
+static int midpoint_force(const nsdae_step *step)
+{
+  nsdae_stepper *s = step->tools;
+  const nsdae_blocks *blocks = &s->system->blocks;
+  const substitution u = {s->size, s->v, s->mean.F, s->v_other, s->options->iteration_tol};
+  int failed = begin_substitution(step, &u), status = NSDAE_OK;
+  if (failed == 0) return NSDAE_OK;
+  memcpy(u.u_m, step->start->v, (size_t)s->system->dims.nv * sizeof *u.u_m);
+  for (int parts = 1; failed > 0 && parts <= PARTS; parts *= 2) failed = try_parts(step, &u, parts);
+  if (failed < 0) return failed;
+  if (failed > 0) status = evaluate(step, u.u_m);
+  for (int b = 0; b < blocks->count && status == NSDAE_OK; b++)
+    if (u.last[b] == FOUND) copy_block(blocks, b, u.F, s->middle.F);
+  return status;
 }
 
 static int to_end(const nsdae_step *step)
@@ -200,25 +236,19 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_stepper *s = own;
   nsdae_terms *middle = &s->middle;
   const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
-  nsdae_memory_part part = {.real = result->memory.real,
-                            .whole = result->memory.whole,
-                            .slots = (size_t)s->system->dims.k};
-  const memory last = take(s, &part);
   int status = to_middle(&step);
   if (status == NSDAE_OK) status = close_contacts(&step);
   if (status == NSDAE_OK) status = nsdae_problem_factor(&step.tools->problem, middle, 0);
-  if (status == NSDAE_OK) status = force(&step, &last);
+  if (status == NSDAE_OK) status = midpoint_force(&step);
   if (status < 0) return status;
   nsdae_stepper_momentum(&s->system->blocks, middle->M, step.start->v, step.h, middle->F, s->r);
   status = nsdae_step_impact(&step, middle, middle->M, s->r, NULL, s->v);
-  if (status < 0) return status;
-  keep(&step, &last);
-  return to_end(&step);
+  return status < 0 ? status : to_end(&step);
 }
 
 const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
                                               .summary =
                                                   "Moreau's midpoint rule: first order, explicit",
-                                              .lay = lay,
+                                              .lay = nsdae_stepper_lay,
                                               .advance = advance,
                                               .closes = 1};
