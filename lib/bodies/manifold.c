@@ -153,8 +153,8 @@ static void add_corners(clip *c, int s)
 
 /* ---- edges across edges
  *
- * Lines and rims with the unit tangents e_s and the curvatures k_s towards N_s are nearest to each
- * other, or at a stationary distance, where d = x_1 - x_0 is at right angles to both:
+ * Lines and rims have the unit tangents e_s and the curvatures k_s towards N_s. They are nearest to
+ * each other, or at a stationary distance, where d = x_1 - x_0 is at right angles to both:
  *
  *   e_0 . d = 0,  e_1 . d = 0     derivatives by the arc length of each:
  *
@@ -378,13 +378,13 @@ static void add_ends(clip *c, int s)
   }
 }
 
-/* The same along the side of a cone, at a plane that is tangent to it. With the line at e_r about
- * the axis u and its normal n ~ h e_r + r u, x is the point of the end foremost along -n, of a rim
- * of the radius R, and
+/* The same along the side of a cone, at a plane that is tangent to it. Its line at e_r about the
+ * axis u has the normal n ~ h e_r + r u. The point x of the end, of a rim of the radius R, is
+ * foremost along -n:
  *
  *   F = (x - base) . t = 0,  t = u x e_r,     F' = - (x - base) . e_r - R up to the tilt
  *
- * by the angle of e_r: Newton's method, whose error each pass reduces by the tilt. */
+ * by the angle of e_r. Each pass of Newton's method reduces the error by the tilt. */
 enum { CONE_PASSES = 12 };
 
 static void add_ends_on_cone(clip *c, int s)

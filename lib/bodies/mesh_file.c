@@ -417,11 +417,11 @@ static int read_file(reader *r)
 int nsdae_solid_read(const char *path, double scale, nsdae_solid *solid, nsdae_error *error)
 {
   nsdae_error_clear(error);
+  if (solid) *solid = (nsdae_solid){.shape = NSDAE_SHAPE_MESH};
   int status = check_arguments(path, scale, solid, error);
   if (status < 0) return status;
   reader r = {.path = path, .scale = scale, .last = '\n', .error = error};
   status = read_file(&r);
-  *solid = (nsdae_solid){.shape = NSDAE_SHAPE_MESH};
   if (status < 0) {
     free(r.point);
     free(r.triangle);

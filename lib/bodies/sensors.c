@@ -230,8 +230,8 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
 }
 
 /* A contact of two solids: the point midway between its surfaces and the force on the body of the
- * larger number, along the directions of its feature or, if another one is nearer at the end of the
- * step, of that with the least gap. */
+ * larger number. The force is along the directions of its feature. If another one is nearer at the
+ * end of the step, it is along those of the nearest. */
 enum { ANY = -1 }; /* in place of a number */
 typedef struct pressed {
   int dimension;

@@ -413,6 +413,7 @@ contains
     character(kind=c_char) :: c_path(len_trim(path) + 1)
     call to_chars(path, c_path)
     status = c_solid_read(c_path, scale, read, why)
+    call error_from_c(why, error)
     solid%shape = NSDAE_SHAPE_MESH
     if (status >= 0) then
       call c_f_pointer(read%point, point, [3, read%points])
@@ -422,12 +423,11 @@ contains
         solid%point = point
         solid%triangle = triangle
       else
-        status = NSDAE_E_MEMORY
-        why%status = status
+        if (allocated(solid%point)) deallocate (solid%point)
+        status = no_memory('nsdae_solid_read', error)
       end if
       call c_solid_release(read)
     end if
-    call error_from_c(why, error)
   end function
 
   ! Mass and inertia of a solid of uniform density, in its frame.

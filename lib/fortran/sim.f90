@@ -509,9 +509,16 @@ contains
     type(nsdae_sim), intent(in) :: sim
     real(c_double), allocatable, intent(out) :: point(:, :), force(:, :)
     type(nsdae_record) :: record
+    integer :: lost
     status = nsdae_sim_get_record(sim, record)
-    allocate (point(3, record%contacts%count), force(3, record%contacts%count))
-    status = c_get_contact_forces(at(sim), point, force)
+    if (status < 0) return
+    allocate (point(3, record%contacts%count), force(3, record%contacts%count), stat=lost)
+    if (lost == 0) then
+      status = c_get_contact_forces(at(sim), point, force)
+    else
+      if (allocated(point)) deallocate (point)
+      status = NSDAE_E_MEMORY
+    end if
   end function
 
   ! Size in bytes of the state block, which depends on system and options. A block contains all data

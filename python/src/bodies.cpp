@@ -356,7 +356,7 @@ nb::tuple bodies::make_system(nb::object self)
   nsdae_system *made = nullptr;
   int status = b.demand(nsdae_bodies_system(b.handle, &made));
   nb::object of = nb::cast(new system(made, b.listed, self), nb::rv_policy::take_ownership);
-  return nb::make_tuple(of, status > 0 ? nsdae_bodies_error(b.handle)->text : "");
+  return nb::make_tuple(of, readable(status > 0 ? nsdae_bodies_error(b.handle)->text : ""));
 }
 
 nb::tuple bodies::start() const

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <thread>
 
@@ -27,11 +28,19 @@ nb::object make_callback_error(nb::object cause)
   return errors().attr("of_callback")(cause);
 }
 
+nb::str readable(const char *text)
+{
+  const Py_ssize_t length = static_cast<Py_ssize_t>(std::strlen(text));
+  PyObject *made = PyUnicode_DecodeUTF8(text, length, "replace");
+  if (!made) throw nb::python_error();
+  return nb::steal<nb::str>(made);
+}
+
 void raise(const nsdae_error &error)
 {
   nb::object made = errors().attr("of_record")(error.status, error.code, error.index, error.time,
-                                               nb::str(error.argument), nb::str(error.where),
-                                               nb::str(error.text));
+                                               readable(error.argument), readable(error.where),
+                                               readable(error.text));
   PyErr_SetObject(reinterpret_cast<PyObject *>(Py_TYPE(made.ptr())), made.ptr());
   throw nb::python_error();
 }

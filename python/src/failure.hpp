@@ -18,6 +18,10 @@ nb::object make_callback_error(nb::object cause);
 // Raises the exception of the record. With the GIL.
 [[noreturn]] void raise(const nsdae_error &error);
 
+// A text of an error or warning; U+FFFD instead of bytes that are no UTF-8: a file may hold them,
+// and the library cuts long texts within a character.
+nb::str readable(const char *text);
+
 // No-op if status >= 0 and no callback raised an exception. An exception counts also if the library
 // recovered from it (a smaller step, a start that failed elsewhere).
 void check(int status, const nsdae_error *error);

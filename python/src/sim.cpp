@@ -373,7 +373,7 @@ int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self
 
 // Keeps the start, each every-th record and the last one, also of a failed run. Returns the
 // warnings, or "".
-std::string sim::record_run(double t_end, int every, recorder &to, nb::object write, double pause)
+nb::str sim::record_run(double t_end, int every, recorder &to, nb::object write, double pause)
 {
   if (every < 1) throw std::invalid_argument("every must be at least 1");
   use held(*this);
@@ -397,7 +397,7 @@ std::string sim::record_run(double t_end, int every, recorder &to, nb::object wr
   nsdae_record now;
   if (!to.last_kept && nsdae_sim_get_record(handle, &now) == NSDAE_OK) to.add(now);
   check(status, &error);
-  return error.status > 0 ? error.text : "";
+  return readable(error.status > 0 ? error.text : "");
 }
 
 // Without the leading sizes.

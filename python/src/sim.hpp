@@ -99,7 +99,7 @@ public:
   nb::tuple project(double t0, vector q0, vector v0);
   int step();
   int run(double t_end, bool to_event);
-  std::string record_run(double t_end, int every, recorder &to, nb::object write, double pause);
+  nb::str record_run(double t_end, int every, recorder &to, nb::object write, double pause);
   nb::dict record() const;
   nb::dict stats() const;
   nb::dict options() const;

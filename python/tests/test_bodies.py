@@ -622,6 +622,12 @@ def test_mesh_files(tmp_path):
         nsdae.read_mesh(text, scale=0)
     with pytest.raises(nsdae.Error, match="none.obj"):
         nsdae.read_mesh(tmp_path / "none.obj")
+    obj.write_bytes(b"v \xff\xfe 0 0\n")
+    with pytest.raises(nsdae.ArgumentError, match="a.obj' line 1: '\ufffd\ufffd' instead of a coordinate"):
+        nsdae.read_mesh(obj)
+    for end in (".obj", "a.obj"):  # in one of both the text begins within a character
+        with pytest.raises(nsdae.Error, match="'\ufffd?é+a?.obj'"):
+            nsdae.read_mesh(tmp_path / ("é" * 100 + end))
 
 
 def test_mesh_files_of_trimesh(tmp_path):

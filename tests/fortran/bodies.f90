@@ -290,6 +290,8 @@ contains
     call is_true(abs(sum(force(2, :)) - 30) < 1d-9, 'the weight')
     call is_true(any(abs(point(1, :) - 0.5d0) < 1d-9), 'at a corner')
     call nsdae_sim_destroy(sim)
+    call is_int(nsdae_sim_get_contact_forces(sim, point, force), NSDAE_E_ARGUMENT, 'of no simulation')
+    call is_true(.not. allocated(point) .and. .not. allocated(force), 'no contact forces')
     call nsdae_system_destroy(system)
     call nsdae_bodies_destroy(bodies)
   end subroutine

@@ -239,8 +239,8 @@ static void test_spatial(void **state)
   compare_all(3, shapes, 4);
 }
 
-/* The normal of a point on the line of a capsule or rounded segment is across that line, in the
- * plane of a planar one, and as deep as both roundings. */
+/* The normal of a point on the line of a capsule or rounded segment is across that line, and in the
+ * plane of a planar one. The depth is that of both roundings. */
 static void test_on_line(void **state)
 {
   (void)state;
