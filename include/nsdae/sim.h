@@ -86,7 +86,7 @@ typedef struct nsdae_sim_options {
   int method;                             /* enum nsdae_method */
   double dt;                              /* time step [s] */
   double baumgarte_alpha, baumgarte_beta; /* Baumgarte stabilisation in smooth phases [1/s] */
-  double iteration_tol;                   /* relative change that ends an implicit iteration */
+  double iteration_tol;                   /* relative change of q, v that ends an iteration */
   int iteration_max;                      /* maximum number of iterations per step */
   int redundant;                          /* enum nsdae_redundant */
   double rank_tol;                        /* sine of the angle to the other rows below which a

@@ -32,8 +32,8 @@ static const nsdae_param entries[] = {
     {"baumgarte_beta", "1/s",
      "stabilisation of Phi in the smooth phases of implicit-printed and event", NSDAE_PARAM_REAL,
      AT(baumgarte_beta), 20, 0, INFINITY, 0, NULL},
-    {"iteration_tol", "1", "relative change of q and v that ends an implicit iteration",
-     NSDAE_PARAM_REAL, AT(iteration_tol), 1e-12, DBL_EPSILON, 1e-2, 0, NULL},
+    {"iteration_tol", "1", "relative change of q and v that ends an iteration", NSDAE_PARAM_REAL,
+     AT(iteration_tol), 1e-12, DBL_EPSILON, 1e-2, 0, NULL},
     {"iteration_max", "1", "maximum number of iterations of an implicit step", NSDAE_PARAM_INT,
      AT(iteration_max), 100, 1, 1000000, 0, NULL},
     {"redundant", "", "treatment of a rank-deficient Phi_q", NSDAE_PARAM_CHOICE, AT(redundant),
@@ -162,8 +162,8 @@ static const struct {
   const char *keys[6];
 } used[] = {
     {PRINTED | PENALTY | EVENT, {"baumgarte_alpha", "baumgarte_beta"}},
-    {IMPLICIT | PRINTED | EVENT, {"iteration_tol", "iteration_max"}},
-    {IMPLICIT | PRINTED | MOREAU | EVENT, {"contact_tol", "polygon"}},
+    {IMPLICIT | PRINTED | EVENT, {"iteration_max"}},
+    {IMPLICIT | PRINTED | MOREAU | EVENT, {"iteration_tol", "contact_tol", "polygon"}},
     {IMPLICIT | PRINTED | MOREAU, {"projection"}},
     {IMPLICIT | MOREAU, {"contact_work", "contact_give"}},
     {PENALTY | EVENT, {"rtol", "atol", "integrator", "step_max", "inner_steps_max"}},

@@ -246,9 +246,9 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   return status < 0 ? status : to_end(&step);
 }
 
-const nsdae_stepping nsdae_stepping_moreau = {.name = "moreau",
-                                              .summary =
-                                                  "Moreau's midpoint rule: first order, explicit",
-                                              .lay = nsdae_stepper_lay,
-                                              .advance = advance,
-                                              .closes = 1};
+const nsdae_stepping nsdae_stepping_moreau = {
+    .name = "moreau",
+    .summary = "Moreau's midpoint rule: first order, one contact problem a step",
+    .lay = nsdae_stepper_lay,
+    .advance = advance,
+    .closes = 1};

@@ -112,9 +112,6 @@ static void test_backlash(void **state)
   }
 }
 
-/* Falls on stairs of all kinds: no joint is off by more than 1e-3 of its link, of which the
- * shortest is 0.2 m, and the energy grows by no more than the record of the projection explains, up
- * to the 1e-3 of explicit gyroscopic terms. */
 /* The lift of random cams: what it is off by is that of chords and penetration; by event it is that
  * of the chords. With less than the least preload the follower leaves the cam. */
 static void test_cam(void **state)
@@ -145,6 +142,9 @@ static void test_cam(void **state)
   }
 }
 
+/* Falls on stairs of all kinds: no joint is off by more than 1e-3 of its link, of which the
+ * shortest is 0.2 m, and the energy grows by no more than the record of the projection explains, up
+ * to the 1e-3 of explicit gyroscopic terms. */
 static void test_ragdoll(void **state)
 {
   static const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT};
