@@ -5,8 +5,7 @@
  *   M (v_1 - v_0) + Phi_q^T Lambda - W Lambda_c = h F,  Phi_q v_1 + Phi_t = 0,  contact laws
  *   q_1 = q_m + h/2 v_1
  *
- * u_m is v_0 in blocks that constraints join. In the others it is the midpoint of a step without
- * contacts:
+ * With constraints u_m = v_0. Without, it is the midpoint of a step without contacts:
  *
  *   M (u - v_0) = h F(t_m, q_m, u_m),   u_m = (v_0 + u) / 2
  *
@@ -73,10 +72,11 @@ static int close_contacts(const nsdae_step *step)
 /* Of blocks; last: of each the change before, or a state. */
 typedef struct substitution {
   double *v, *u_m, *F, *last; /* nv: at the start of a part, its midpoint, mean F of the parts */
+  const double *now;          /* F at v_0, then at u_m */
   double tol;
 } substitution;
 
-static const double FOUND = -1, JOINED = -2, FAILED = -3; /* u_m is v_0 where joined or failed */
+static const double FOUND = -1, FAILED = -2; /* failed: u_m is v_0 */
 
 /* x^T M x */
 static double square_of(int n, const double *M, int diagonal, const double *x)
@@ -106,7 +106,7 @@ static double substitute(const nsdae_step *step, const substitution *u, int b, d
   const nsdae_block_factor factor = {n, nsdae_la_is_diagonal(n, M, n),
                                      s->mean.M + blocks->square[b]};
   double *x = s->r + first, *u_m = u->u_m + first, last = u->last[b];
-  memcpy(x, s->middle.F + first, (size_t)n * sizeof *x);
+  memcpy(x, u->now + first, (size_t)n * sizeof *x);
   nsdae_blocks_solve(&factor, x);
   for (int i = 0; i < n; i++) {
     x[i] = v[i] + h / 2 * x[i];
@@ -123,23 +123,24 @@ static double substitute(const nsdae_step *step, const substitution *u, int b, d
   return INFINITY; /* the others go on with F at this u_m */
 }
 
-static int evaluate(const nsdae_step *step, const double *v)
+/* F at u_m, by the terms of the end: those of the middle remain at v_0. */
+static int evaluate(const nsdae_step *step, substitution *u)
 {
-  nsdae_terms_set_velocity(&step->tools->middle, v);
-  return nsdae_terms_need(&step->tools->middle, NSDAE_TERM_FORCE);
+  nsdae_terms_set_velocity(step->end, u->u_m);
+  u->now = step->end->F;
+  return nsdae_terms_need(step->end, NSDAE_TERM_FORCE);
 }
 
-/* One part: u_m, then F and v of its end. F is at u_m before. */
-static int find_midpoint(const nsdae_step *step, const substitution *u, int parts)
+/* One part: u_m, then F and v of its end. */
+static int find_midpoint(const nsdae_step *step, substitution *u, int parts)
 {
-  nsdae_stepper *s = step->tools;
-  const nsdae_blocks *blocks = &s->system->blocks;
+  const nsdae_blocks *blocks = &step->tools->system->blocks;
   double most = INFINITY;
   for (int k = 0; k < SUBSTITUTIONS && most > u->tol; k++) {
     most = 0;
     for (int b = 0; b < blocks->count; b++)
       if (u->last[b] >= 0) most = fmax(most, substitute(step, u, b, step->h / parts));
-    int status = most == 0 ? NSDAE_OK : evaluate(step, u->u_m);
+    int status = most == 0 ? NSDAE_OK : evaluate(step, u);
     if (status < 0) return status;
   }
   for (int b = 0; b < blocks->count; b++) {
@@ -150,7 +151,7 @@ static int find_midpoint(const nsdae_step *step, const substitution *u, int part
       continue;
     }
     for (int i = blocks->first[b]; i < blocks->first[b + 1]; i++) {
-      u->F[i] += s->middle.F[i] / parts;
+      u->F[i] += u->now[i] / parts;
       u->v[i] = 2 * u->u_m[i] - u->v[i];
     }
   }
@@ -158,7 +159,7 @@ static int find_midpoint(const nsdae_step *step, const substitution *u, int part
 }
 
 /* The step in parts, of the blocks that failed before. Returns how many fail again, or a status. */
-static int try_parts(const nsdae_step *step, const substitution *u, int parts)
+static int try_parts(const nsdae_step *step, substitution *u, int parts)
 {
   const nsdae_blocks *blocks = &step->tools->system->blocks;
   int status = NSDAE_OK, failed = 0;
@@ -174,7 +175,7 @@ static int try_parts(const nsdae_step *step, const substitution *u, int parts)
       u->last[b] = INFINITY;
       copy_block(blocks, b, u->v, u->u_m);
     }
-    if (parts > 1) status = evaluate(step, u->u_m);
+    if (parts > 1) status = evaluate(step, u);
     if (status == NSDAE_OK) status = find_midpoint(step, u, parts);
   }
   for (int b = 0; b < blocks->count; b++) {
@@ -184,40 +185,36 @@ static int try_parts(const nsdae_step *step, const substitution *u, int parts)
   return status < 0 ? status : failed;
 }
 
-/* last of the blocks: JOINED by constraints, or FAILED so far. Returns the number of these. A block
- * whose M is not positive definite is refused later. */
+/* Returns 0, or 1 if a block of M is not positive definite, which is refused later. */
 static int begin_substitution(const nsdae_step *step, const substitution *u)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_blocks *blocks = &s->system->blocks;
-  const nsdae_rows *J = &s->middle.by.jacobian;
-  int parts = J->count > 0 ? J->first[J->count] : 0, count = 0;
-  for (int b = 0; b < blocks->count; b++) u->last[b] = FAILED;
-  for (int p = 0; p < parts; p++) u->last[J->block[p]] = JOINED;
-  for (int b = 0; b < blocks->count; b++) {
+  int singular = 0;
+  for (int b = 0; b < blocks->count && !singular; b++) {
     nsdae_block_factor factor = {.L = s->mean.M + blocks->square[b]};
-    if (u->last[b] == FAILED && nsdae_blocks_factor(blocks, b, s->middle.M, &factor) != 0)
-      u->last[b] = JOINED;
-    count += u->last[b] == FAILED;
+    singular = nsdae_blocks_factor(blocks, b, s->middle.M, &factor) != 0;
+    u->last[b] = FAILED;
   }
-  return count;
+  return singular;
 }
 
 /* F of the middle := that at u_m; it is at v_0 before. */
 static int midpoint_force(const nsdae_step *step)
 {
   nsdae_stepper *s = step->tools;
+  nsdae_terms *T = &s->middle;
   const nsdae_blocks *blocks = &s->system->blocks;
-  const substitution u = {s->size, s->v, s->mean.F, s->v_other, s->options->iteration_tol};
-  int failed = begin_substitution(step, &u), status = NSDAE_OK;
-  if (failed == 0) return NSDAE_OK;
+  substitution u = {s->size, s->v, s->mean.F, s->v_other, T->F, s->options->iteration_tol};
+  int failed = 1;
+  if (s->system->dims.m > 0 || begin_substitution(step, &u) != 0) return NSDAE_OK;
   memcpy(u.u_m, step->start->v, (size_t)s->system->dims.nv * sizeof *u.u_m);
+  nsdae_terms_at(step->end, nsdae_terms_time(T), T->q, u.u_m);
   for (int parts = 1; failed > 0 && parts <= PARTS; parts *= 2) failed = try_parts(step, &u, parts);
   if (failed < 0) return failed;
-  if (failed > 0) status = evaluate(step, u.u_m);
-  for (int b = 0; b < blocks->count && status == NSDAE_OK; b++)
-    if (u.last[b] == FOUND) copy_block(blocks, b, u.F, s->middle.F);
-  return status;
+  for (int b = 0; b < blocks->count; b++)
+    if (u.last[b] == FOUND) copy_block(blocks, b, u.F, T->F);
+  return NSDAE_OK;
 }
 
 static int to_end(const nsdae_step *step)
