@@ -69,14 +69,16 @@ static int close_contacts(const nsdae_step *step)
   return nsdae_problem_position(&step->tools->problem, middle, step->h, 0);
 }
 
-/* Of blocks; last: of each the change before, or a state. */
 typedef struct substitution {
-  double *v, *u_m, *F, *last; /* nv: at the start of a part, its midpoint, mean F of the parts */
-  const double *now;          /* F at v_0, then at u_m */
+  double *v, *u_m;   /* nv: at the start of a part and in its middle */
+  double *F;         /* nv: mean of the parts */
+  double *last;      /* of each block the change before, or FOUND or FAILED */
+  const double *now; /* F at v_0, then at u_m */
   double tol;
 } substitution;
 
-static const double FOUND = -1, FAILED = -2; /* failed: u_m is v_0 */
+/* A block has converged in this step, or not yet: then its u_m is v_0. */
+static const double FOUND = -1, FAILED = -2;
 
 /* x^T M x */
 static double square_of(int n, const double *M, int diagonal, const double *x)
@@ -185,7 +187,7 @@ static int try_parts(const nsdae_step *step, substitution *u, int parts)
   return status < 0 ? status : failed;
 }
 
-/* Returns 0, or 1 if a block of M is not positive definite, which is refused later. */
+/* Factors M. Returns 0, or 1 if a block is not positive definite, which is refused later. */
 static int begin_substitution(const nsdae_step *step, const substitution *u)
 {
   nsdae_stepper *s = step->tools;
