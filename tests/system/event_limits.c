@@ -632,6 +632,38 @@ static void test_mass_ratio(void **state)
     }
 }
 
+/* v+ of the heavy ball after all impacts, one by one: a limit of zero (inelastic collapse) within
+ * 1e-12 counts as reached. */
+static double after_impacts(const squeezed *p, double e)
+{
+  double u = 0, w = -1;
+  while (fabs(u) + fabs(w) > 1e-12 && (u < 0 || w < u)) {
+    if (u < 0) u = -e * u;
+    double P = (1 + e) * fmax(0, u - w) / (1 / p->light + 1 / p->heavy);
+    u -= P / p->light;
+    w += P / p->heavy;
+  }
+  return w;
+}
+
+/* The heavy ball comes with 1 m/s to the light one at rest. With (1 - e)^2 < 4 e m / M the impacts
+ * end and it rebounds; else they have no end, and both balls come to rest, whatever e_N is. The
+ * impacts of a collapse are too many to be made one by one. */
+static void test_collapse(void **state)
+{
+  (void)state;
+  const double e[] = {0, 0.3, 0.5, 0.9, 0.95, 0.99};
+  for (int i = 0; i < 6; i++)
+    for (double ratio = 10; ratio < 2e5; ratio *= 10) {
+      squeezed p = {1, ratio, 0};
+      double q0[2] = {1e-3, 2e-3}, v0[2] = {0, -1};
+      squeeze(&p, e[i], q0, v0, 0.1);
+      /* what counts as no velocity: 10 rtol of the light ball's 2 m/s */
+      assert_near(r.v[1], after_impacts(&p, e[i]), 2e-7);
+      assert_true(r.q[0] > -1e-9 && r.q[1] - r.q[0] > -1e-9);
+    }
+}
+
 /* ---- two beads on wires of their own, each between two walls ---- */
 
 enum { BEAD_GAPS = 4 };
@@ -713,7 +745,7 @@ int main(void)
       cmocka_unit_test(test_starts),       cmocka_unit_test(test_stabilisation),
       cmocka_unit_test(test_slot),         cmocka_unit_test(test_no_room),
       cmocka_unit_test(test_pool_with_pi), cmocka_unit_test(test_mass_ratio),
-      cmocka_unit_test(test_beads),
+      cmocka_unit_test(test_collapse),     cmocka_unit_test(test_beads),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,9 +6,6 @@
 #include "errors.h"
 #include "acceleration.h"
 
-/* One after the other in an instant. */
-enum { IMPACTS_MAX = 2000 };
-
 /* Much slower than another. */
 static const double SLOWER = 0.1;
 
@@ -29,6 +26,7 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   nsdae_arena_doubles(arena, d->k, (double **[]){&p->velocity, &p->blur, &p->coming, NULL});
   nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
   p->bound = NSDAE_ARENA_DOUBLES(arena, d->f);
+  p->sequence.hit = NSDAE_ARENA_INTS(arena, d->k);
 }
 
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
@@ -104,14 +102,16 @@ static int solve(nsdae_event_impacts *p)
   return status;
 }
 
-/* The contacts' velocities before, zero where the integrator's errors could be all of it; and where
- * they part, in an impact that drives none together. */
+/* The contacts' velocities before, zero where the integrator's errors could be all of it; in the
+ * limit of a sequence, those of elastic contacts that approach alone. */
 static void approach(nsdae_event_impacts *p)
 {
   double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++) {
     double v = p->velocity[i], slow = p->blur[i] * size;
-    p->coming[i] = v < -slow || (v > slow && !p->together) ? v : 0;
+    int counts =
+        p->sequence.together ? v < -slow && p->problem.system->contact[i].e_n == 1 : fabs(v) > slow;
+    p->coming[i] = counts ? v : 0;
   }
   nsdae_contacts_come(&p->problem, p->coming);
 }
@@ -156,14 +156,6 @@ static void take_share(nsdae_event_impacts *p, double gained, double lost)
   nsdae_impulses_blend(&p->solution, d, 1 - share, &p->plastic);
 }
 
-static int loses_nothing(const nsdae_event_impacts *p)
-{
-  int all = 1;
-  for (int i = 0; i < p->problem.system->dims.k; i++)
-    all &= !p->acceleration->is.touching[i] || p->problem.system->contact[i].e_n == 1;
-  return all;
-}
-
 static int is_unsolved(int status)
 {
   return status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE;
@@ -177,7 +169,6 @@ static int restitute(nsdae_event_impacts *p, const double *before)
   if (is_unsolved(status)) {
     memset(p->coming, 0, (size_t)s->system->dims.k * sizeof *p->coming);
     nsdae_contacts_come(&p->problem, p->coming);
-    p->endless |= p->together && loses_nothing(p);
     nsdae_error_clear(s->error);
     return solve(p);
   }
@@ -300,36 +291,50 @@ static int approaching(const nsdae_event_impacts *p)
   return 0;
 }
 
-/* What touches: all that was closed and all that does not part; with `together` what parts, too. */
+/* What touches: all that was closed, and all that does not part; for a limit all of the sequence.
+ */
 static void find_touching(nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const int *mode = p->acceleration->phase->modes.contact;
   for (int i = 0; i < s->system->dims.k; i++)
-    p->acceleration->is.touching[i] =
-        mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i) ||
-        (p->together && s->here->gap[i] <= nsdae_event_position_size(s));
+    p->acceleration->is.touching[i] = mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i) ||
+                                      (p->sequence.together && p->sequence.hit[i]);
+}
+
+/* Accounts for the impact that was. A plastic one takes a dimension: its velocity counts as rtol.
+ */
+static void shrink(nsdae_event_sequence *q, const nsdae_contacts *c, const double *coming,
+                   double rtol)
+{
+  for (int n = 0; n < c->system->dims.k; n++) {
+    int i = nsdae_system_contact(c->system, n);
+    if (!(coming[i] < 0)) continue;
+    q->hits += !q->hit[i];
+    q->hit[i] = 1;
+    q->decay += log(fmax(c->system->contact[i].e_n, rtol));
+  }
+  q->together = q->hits > 0 && q->decay < q->hits * log(rtol);
 }
 
 /* An impact may drive another contact that touches, and parted or rested before it, together: then
  * that is the next, at the same time. A light body between heavy ones goes to and fro so for as
- * long as it takes to turn them: past IMPACTS_MAX all that touch have one impact together, with its
- * e_N, that drives none of these together. Another that it brings to touch joins the next: there
- * are k. A body that just fits between two others, and loses nothing, has none: the step is not the
- * method's any more. */
+ * long as it takes to turn them. */
 int nsdae_event_collide(nsdae_event_impacts *p, double *y)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
-  int count = 0, most = s->options->events_max < IMPACTS_MAX ? s->options->events_max : IMPACTS_MAX;
-  while (approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
-    p->together = count >= most;
-    if (p->together) find_touching(p);
+  nsdae_event_sequence *q = &p->sequence;
+  int count = 0;
+  memset(q->hit, 0, (size_t)s->system->dims.k * sizeof *q->hit);
+  q->hits = q->together = 0;
+  q->decay = 0;
+  for (; approaching(p) && count <= s->options->events_max; count++) {
     int status = impact(p, y);
     if (status < 0) return status;
-    p->together = 0;
+    shrink(q, &p->problem, p->coming, s->options->rtol);
     find_touching(p);
-    count++;
   }
-  p->endless |= approaching(p);
+  q->endless |= approaching(p);
+  q->together = 0;
   return count;
 }
