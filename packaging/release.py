@@ -17,6 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # file: where its version is. pyproject.toml may read that of CMakeLists.txt.
 VERSIONS = {
     "CITATION.cff": r"^version: (.+)",
+    "include/nsdae/version.h": r'NSDAE_VERSION +"(.+)"',
     "packaging/conda/meta.yaml": r'set version = "(.+)"',
     "packaging/debian/changelog": r"\Ansdae \((.+)-",
     "pyproject.toml": r'^version = "(.+)"',

@@ -4,9 +4,9 @@
 
 /* Version of these headers; nsdae_version() is that of the library. */
 #define NSDAE_VERSION_MAJOR 0
-#define NSDAE_VERSION_MINOR 2
+#define NSDAE_VERSION_MINOR 3
 #define NSDAE_VERSION_PATCH 0
-#define NSDAE_VERSION       "0.2.0"
+#define NSDAE_VERSION       "0.3.0"
 
 /* Symbols that a shared library exports. */
 #if defined(__GNUC__)

@@ -10,7 +10,7 @@ module nsdae_f_status
   private
 
   integer(c_int), parameter, public :: &
-      NSDAE_VERSION_MAJOR = 0, NSDAE_VERSION_MINOR = 2, NSDAE_VERSION_PATCH = 0
+      NSDAE_VERSION_MAJOR = 0, NSDAE_VERSION_MINOR = 3, NSDAE_VERSION_PATCH = 0
 
   ! headers: constants NSDAE_OK NSDAE_EVENT NSDAE_ZENO NSDAE_STOPPED NSDAE_E_ NSDAE_WARN_
 

@@ -53,7 +53,7 @@ contains
     call is_text(nsdae_status_name(NSDAE_E_RANK), 'NSDAE_E_RANK', 'name')
     call is_text(nsdae_status_message(NSDAE_OK), 'done', 'message')
     call is_text(nsdae_status_message(12345), 'unknown status', 'message of no status')
-    call is_text(nsdae_version(), '0.2.0', 'version')
+    call is_text(nsdae_version(), '0.3.0', 'version')
     call is_true(len(nsdae_build_info()) > 10, 'build info')
   end subroutine
 

@@ -66,7 +66,7 @@ for language in "$@"; do
 done
 
 # what is not there is refused, in words
-for wrong in "nsdae 0.3" "nsdae 0.2 COMPONENTS Cobol"; do
+for wrong in "nsdae 0.4" "nsdae 0.3 COMPONENTS Cobol"; do
   printf 'cmake_minimum_required(VERSION 3.21)\nproject(x C)\nfind_package(%s CONFIG REQUIRED)\n' \
     "$wrong" >"$work/CMakeLists.txt"
   if cmake -S "$work" -B "$work/wrong" -DCMAKE_PREFIX_PATH="$work/moved" >"$work/log" 2>&1; then
