@@ -1,8 +1,8 @@
 """The contacts of a record, and their forces.
 
-With /contacts/point and /contacts/force a force is an arrow at its point. Without, a line joins the places of the two blocks
-that touch, or of one and the place of the nearest fixed plane that is next to it: a chain of forces. A block is where the
-first shape is that its coordinates place."""
+With /contacts/point and /contacts/force a force is an arrow at its point. Without them a line joins the places of the two
+blocks that touch: a chain of forces. The place of the ground is that of the nearest fixed plane which is next to the block. A
+block is where the first shape is that its coordinates place."""
 
 from collections import namedtuple
 

@@ -4,9 +4,9 @@ The file is one VTKHDF 2.0 PolyData with one part. It has the polygons once and 
 group Steps has the times and the first point of each step
 (https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format).
 
-Contacts are written to a second file of this kind, with force and mode as data: points, if the trajectory has them, or else of
-a contact list a line per contact between two bodies. Every step has the largest number of contacts; unused ones have no force,
-lines no length, and the id -1.
+Contacts are written to a second file of this kind, with force and mode as data. They are points, if the trajectory has them;
+those of a contact list without points are lines between two bodies. Every step has the largest number of contacts. Unused ones
+have no force, lines no length, and the id -1.
 """
 
 import io

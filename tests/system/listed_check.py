@@ -190,7 +190,7 @@ def check_forces(program, *arguments):
     """Fixed contacts and a list with points and forces: points in the file of contacts, lines from there on the page."""
     tools.runs(f"nsdae-{program}", "--quiet", "--t-end", "0.5", "--every", "25", "--set", "contact_forces=1", *arguments, "--output", "f.h5")
     tools.runs("nsdae-vtk", "f.h5")
-    tools.runs("nsdae-animate", "--forces", "-o", "f.html", "-o", "f.gif", "f.h5")
+    tools.runs("nsdae-animate", "--forces", "-o", "f.html", "f.h5")
     with tools.judged(program), h5py.File("f.h5") as f, h5py.File("f.contacts.vtkhdf") as g, open("f.html", encoding="utf-8") as page:
         root = g["VTKHDF"]
         scene = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read()).group(1))
