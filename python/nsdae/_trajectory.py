@@ -341,7 +341,8 @@ class Trajectory(ContactColumns):
             File with the ending .gif, .mp4 or .html. Without it an object for notebooks is returned.
         **options
             speed (0.1: a tenth of real time), fps, start, end [s], width [pixels], title.
-            point=(0, 1, None) draws a point at (q0, q1, 0). forces=True draws the forces of a contact list.
+            point=(0, 1, None) draws a point at (q0, q1, 0). forces=True draws contact forces at their points (``contact_forces=True`` of `solve`), or
+            those of a contact list as lines between bodies.
 
         Returns
         -------
