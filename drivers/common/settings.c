@@ -20,7 +20,7 @@ static const nsdae_param run_entries[] = {
     {"compress", "1", "compression of the trajectory: 1 (fast) to 9 (small)", NSDAE_PARAM_INT,
      offsetof(settings, compress), 0, 0, 9, 0, NULL},
     {"contact_forces", "1",
-     "1: points and forces of contacts in the trajectory (bodies of a scene)", NSDAE_PARAM_INT,
+     "1: points and forces of contacts in the trajectory (models of the kit)", NSDAE_PARAM_INT,
      offsetof(settings, contact_forces), 0, 0, 1, 0, NULL},
     {"lcp_dump", "", "file for the LCP of a failed step, for nsdae-lcp", NSDAE_PARAM_TEXT,
      offsetof(settings, lcp_dump), 0, 0, 0, 0, NULL},

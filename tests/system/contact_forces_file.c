@@ -343,6 +343,56 @@ static void test_rest(void **state)
   release(&a);
 }
 
+/* A prism stands on its base of CORNERS corners, more than one pass over the features of a pair
+ * takes: each contact acts at a corner of its own, and together they carry weight and no moment. */
+static void test_many_corners(void **state)
+{
+  enum { CORNERS = 40 };
+  (void)state;
+  for (int list = 0; list <= 1; list++) {
+    double corner[6 * CORNERS], sum[3] = {0};
+    int acting = 0, last = 10;
+    for (int i = 0; i < 2 * CORNERS; i++) {
+      double angle = 2 * acos(-1) * i / CORNERS;
+      const double at[3] = {cos(angle), sin(angle), i < CORNERS ? -0.5 : 0.5};
+      memcpy(corner + 3 * i, at, sizeof at);
+    }
+    const nsdae_solid prism = {
+        .shape = NSDAE_SHAPE_POLYHEDRON, .points = 2 * CORNERS, .point = corner};
+    nsdae_bodies *b = create(3, 0, 0, -10);
+    nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+    nsdae_bodies_add(b,
+                     &(nsdae_rigid_body){.mass = 2, .inertia = {1, 1, 1}, .position = {0, 0, 0.5}});
+    nsdae_bodies_add_solid(b, 0, &prism);
+    if (list)
+      nsdae_bodies_set_pair(b, 0, 0, 0.5, 0, 0);
+    else
+      nsdae_bodies_add_contact(b, 0, 1, 0.5, 0, 0);
+    fixture f = prepare(b, NSDAE_METHOD_IMPLICIT, h);
+    create_file(&f, path);
+    finish(&f, last * h);
+    arrays a = read_file(path);
+    assert_in_range(count_of(&a, last), CORNERS, 3 * CORNERS);
+    for (int i = 0; i < count_of(&a, last); i++) {
+      const double *p = a.point + 3 * row_of(&a, last, i),
+                   *force = a.force + 3 * row_of(&a, last, i);
+      if (!acts(&a, row_of(&a, last, i))) continue;
+      acting++;
+      assert_near(hypot(p[0], p[1]), 1, 1e-9);
+      for (int j = 0; j < i; j++) {
+        const double *other = a.point + 3 * row_of(&a, last, j);
+        assert_true(isnan(other[0]) || hypot(p[0] - other[0], p[1] - other[1]) > 0.1);
+      }
+      sum[0] += p[1] * force[2];
+      sum[1] += p[0] * force[2];
+      sum[2] += force[2];
+    }
+    assert_true(acting > CORNERS / 2);
+    for (int j = 0; j < 3; j++) assert_near(sum[j], j == 2 ? 20 : 0, 1e-6);
+    release(&a);
+  }
+}
+
 /* ---- resumed files, other files */
 
 static void expect_same(const char *dataset)
@@ -451,9 +501,10 @@ static void test_refused(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_pile),
-                                     cmocka_unit_test(test_rest), cmocka_unit_test(test_parts),
-                                     cmocka_unit_test(test_refused)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_balls), cmocka_unit_test(test_pile),
+      cmocka_unit_test(test_rest),  cmocka_unit_test(test_many_corners),
+      cmocka_unit_test(test_parts), cmocka_unit_test(test_refused)};
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);
   remove(path);

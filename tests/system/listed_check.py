@@ -234,6 +234,12 @@ def check_refused():
     tools.refuses(1, "its /shapes do not fit together", "nsdae-vtk", spoilt("shapes/position", 71))
     for shape in (9, 99):  # a polyhedron without points; none
         tools.refuses(1, "its /shapes do not fit together", "nsdae-animate", spoilt("shapes/shape", shape))
+    with h5py.File("f.h5", "a") as file:
+        values = file["contacts/force"][..., :2]
+        del file["contacts/force"]
+        file["contacts/force"] = values
+    for program in (["nsdae-vtk"], ["nsdae-animate", "--forces"]):
+        tools.refuses(1, "the columns of the contacts of record 0 do not fit together", *program, "f.h5")
     tools.runs("nsdae-bouncing-ball", "--quiet", "--t-end", "0.1", "--output", "ball.h5")
     tools.refuses(1, "has no contact forces and no contact list for --forces", "nsdae-animate", "--forces", "ball.h5")
 
