@@ -101,6 +101,7 @@ public:
   int run(double t_end, bool to_event);
   nb::str record_run(double t_end, int every, recorder &to, nb::object write, double pause);
   nb::dict record() const;
+  nsdae_record shown() const;
   nb::dict stats() const;
   nb::dict options() const;
   void set_options(nb::dict changes);
