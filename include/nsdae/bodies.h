@@ -330,7 +330,8 @@ typedef struct nsdae_spring {
  * There turns are not counted: see nsdae_joint_spring. */
 typedef struct nsdae_torsion {
   int body[2];               /* NSDAE_GROUND or a body's number; two different ones */
-  double axis[3];            /* spatial: in space at the start, of any length > 0 */
+  double axis[3];            /* spatial: in space at the start, of any length > 0;
+                                planar: along z, or zero */
   double stiffness, damping; /* >= 0 [N m/rad, N m s/rad] */
   double rest;               /* phi of zero torque [rad]; in space -pi .. pi */
 } nsdae_torsion;

@@ -223,7 +223,7 @@ void *nsdae_list_add(nsdae_bodies *bodies, nsdae_list *list, size_t size);
 
 /* Whether something may be added: NSDAE_OK, or the first failure, or NSDAE_E_STATE. */
 int nsdae_bodies_open(nsdae_bodies *bodies, const void *given, const char *what);
-/* The record, the status as return value; keeps the first. */
+/* The record, the status as return value; keeps the first. index < 0: there is but one. */
 int nsdae_bodies_refuse(nsdae_bodies *bodies, int status, const char *what, const char *argument,
                         int index, const char *format, ...);
 /* Two bodies that there are, and not the same (ground with ground neither). */

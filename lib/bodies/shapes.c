@@ -211,6 +211,18 @@ static int check_material(nsdae_bodies *b, const char *what, int index, int mate
                              NSDAE_MATERIALS - 1);
 }
 
+/* Bits 0 .. 30 of groups are numbers of at least 0. */
+static int check_groups(nsdae_bodies *b, int index, const nsdae_solid *s)
+{
+  int group = s->group < 0;
+  if (!group && s->exclude >= -1) return NSDAE_OK;
+  return nsdae_bodies_refuse(
+      b, NSDAE_E_ARGUMENT, "solid", group ? "group" : "exclude", index,
+      group ? "group = %d is outside its range: it must be 0 .. 2^31 - 1 (bits 0 .. 30)"
+            : "exclude = %d is outside its range: it must be -1 .. 2^31 - 1 (-1, or bits 0 .. 30)",
+      group ? s->group : s->exclude);
+}
+
 static int is_surface(const nsdae_solid *s)
 {
   return s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD;
@@ -253,6 +265,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                                "body = %d is not a body: there are %d, from 0, and the ground (%d)",
                                body, b->body.count, NSDAE_GROUND);
   status = check_material(b, "solid", index, s->material);
+  if (status == NSDAE_OK) status = check_groups(b, index, s);
   if (status == NSDAE_OK && s->hollow && s->shape == NSDAE_SHAPE_DISC && b->dimension == 3)
     status = nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "solid", "hollow", index,
                                  "hollow = %d: a disc in space has no hole", s->hollow);
