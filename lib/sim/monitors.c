@@ -244,18 +244,14 @@ static int judge_tunnelling(const nsdae_sim *sim, const nsdae_point *before, nsd
   int status = s->maker.tunnelling(from->q, from->v, h, 1 / (2 * steps), &found, s->user);
   if (status < 0) return nsdae_error_memory(end->error, "nsdae_sim");
   if (found.contact < 0) return NSDAE_OK;
-  if (s->by_list)
-    nsdae_system_called_id(s, found.contact, called);
-  else
-    nsdae_system_called(s, NSDAE_NAME_CONTACT, (int)found.contact, called);
+  s->maker.words(s->maker.of, NSDAE_NAME_CONTACT, found.contact, called, sizeof called);
   point->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
   nsdae_error_set(
       end->error, NSDAE_WARN_PENETRATION, "nsdae_sim", "dt",
-      "at t = %.12g %s closes by %.3g in a step: the bodies may pass through each other "
+      "at t = %.12g the gap of %s closes by %.3g in a step: they may pass through each other "
       "(tunnelling); make dt smaller than %.2g, or use method = event",
       nsdae_terms_time(from), called, found.way, h * found.least / found.way);
-  return nsdae_error_at(end->error, NSDAE_WARN_PENETRATION, s->by_list ? -1 : (int)found.contact,
-                        nsdae_terms_time(from));
+  return nsdae_error_at(end->error, NSDAE_WARN_PENETRATION, -1, nsdae_terms_time(from));
 }
 
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
