@@ -356,6 +356,12 @@ void nsdae_bodies_limit_value(const nsdae_bodies_limit *limit, const nsdae_pose 
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
+/* The smallest distance of two parallel planes that enclose the solid; 0 of a point, a line or a
+ * mesh, INFINITY of a plane or a hole. */
+double nsdae_solid_width(const nsdae_solid_of *solid);
+/* nsdae_maker.tunnelling */
+int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, double share,
+                                 nsdae_tunnelling *worst, const void *user);
 /* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* Blocks of bodies, and M. */

@@ -349,6 +349,7 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .controls = b->force.target.count,
                        .control = b->force.target.at,
                        .fixed = nsdae_motor_fixed,
+                       .tunnelling = nsdae_bodies_find_tunnelling,
                        .position = nsdae_motor_position,
                        .errors = nsdae_motor_errors};
   for (int i = 0; i < b->limit.count; i++)

@@ -314,6 +314,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
   place_solid(b, s, made);
   if (b->dimension == 2 && points > 1) measure_edges(made);
   if (hull) measure_faces(made);
+  made->width = nsdae_solid_width(made);
   return index;
 }
 
