@@ -12,7 +12,6 @@
 #ifndef NSDAE_PENALTY_EQUATIONS_H
 #define NSDAE_PENALTY_EQUATIONS_H
 
-#include <nsdae/contact.h>
 
 #include "newton_kkt.h"
 #include "power.h"
