@@ -147,46 +147,22 @@ static inline const double *nsdae_control_of(const void *user)
   return ((const nsdae_maker_user *)user)->control;
 }
 
-static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_rigid_body *)b->body.at + i;
-}
+/* The i-th entry of a list. */
+#define NSDAE_ENTRIES(name, type, list)                                     \
+  static inline const type *nsdae_##name##_at(const nsdae_bodies *b, int i) \
+  {                                                                         \
+    return (const type *)b->list.at + i;                                    \
+  }
 
-static inline const nsdae_bodies_constraint *nsdae_constraint_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_constraint *)b->constraint.at + i;
-}
-
-static inline const nsdae_bodies_joint *nsdae_joint_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_joint *)b->joint.at + i;
-}
-
-static inline const nsdae_bodies_limit *nsdae_limit_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_limit *)b->limit.at + i;
-}
-
-static inline const nsdae_bodies_frictional_joint *nsdae_frictional_joint_at(const nsdae_bodies *b,
-                                                                             int i)
-{
-  return (const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i;
-}
-
-static inline const nsdae_solid_of *nsdae_solid_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_solid_of *)b->solid.at + i;
-}
-
-static inline const nsdae_feature *nsdae_feature_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_feature *)b->feature.at + i;
-}
-
-static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_spring *)b->force.spring.at + i;
-}
+NSDAE_ENTRIES(body, nsdae_rigid_body, body)
+NSDAE_ENTRIES(constraint, nsdae_bodies_constraint, constraint)
+NSDAE_ENTRIES(joint, nsdae_bodies_joint, joint)
+NSDAE_ENTRIES(limit, nsdae_bodies_limit, limit)
+NSDAE_ENTRIES(frictional_joint, nsdae_bodies_frictional_joint, frictional_joint)
+NSDAE_ENTRIES(solid, nsdae_solid_of, solid)
+NSDAE_ENTRIES(feature, nsdae_feature, feature)
+NSDAE_ENTRIES(spring, nsdae_bodies_spring, force.spring)
+NSDAE_ENTRIES(sensor, nsdae_bodies_sensor, sensor)
 
 /* Whether the system has a contact list, which then has all contacts; else they are fixed. */
 static inline int nsdae_bodies_has_list(const nsdae_bodies *b)
