@@ -14,11 +14,10 @@ add_test(NAME install/consumers
   COMMAND ${install_dir}/consumers.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${languages})
 add_test(NAME install/first_program
   COMMAND ${install_dir}/first_program.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-add_test(NAME install/variants
-  COMMAND ${install_dir}/variants.sh ${PROJECT_SOURCE_DIR}
-    -DSUNDIALS_DIR=${SUNDIALS_DIR} -DHDF5_DIR=${HDF5_DIR} "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}")
+add_test(NAME install/subproject
+  COMMAND ${install_dir}/subproject.sh ${PROJECT_SOURCE_DIR} "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}")
 add_test(NAME install/run COMMAND ${install_dir}/run.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-set_tests_properties(install/consumers install/first_program install/run install/variants PROPERTIES
+set_tests_properties(install/consumers install/first_program install/run install/subproject PROPERTIES
   ENVIRONMENT "OPENBLAS_NUM_THREADS=1;CMAKE_GENERATOR=${CMAKE_GENERATOR}" TIMEOUT 600)
 if(NSDAE_HDF5 AND NSDAE_SUNDIALS AND NOT NSDAE_SANITIZE AND NOT NSDAE_COVERAGE)
   set(stood_on ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE} ${NSDAE_AMD_INCLUDE} ${HDF5_C_INCLUDE_DIRS})

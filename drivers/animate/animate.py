@@ -17,7 +17,7 @@ import numpy as np
 from bodies import WHOLE, columns_of, count_of, read_motion, times_of
 from contacts import force_lines
 from scene import scene
-from trajectory import Parser, Problem, has_list, heading, open_trajectory, replace, tell
+from trajectory import Parser, Problem, has_forces, has_list, heading, open_trajectory, replace, tell
 
 FORMATS = (".gif", ".mp4", ".html")
 LONGEST = 8.0  # of a GIF by default [s]
@@ -167,7 +167,7 @@ def parse(argv):
                         help="width of the picture, 160 to 3840 pixels (default 480)")
     parser.add_argument("--title", help="title, by default model and method")
     parser.add_argument("--forces", action="store_true",
-                        help="draw the forces of a contact list as lines from body to body")
+                        help="draw contact forces at their points, or those of a contact list as lines from body to body")
     parser.add_argument("--point", metavar="X,Y,Z", action="append", type=columns_of,
                         help="a point at these coordinates of q, numbered from 0, in place of the bodies, "
                         "- for none; repeatable")
@@ -211,8 +211,8 @@ def main(argv):
     arguments = parse(argv)
     try:
         with open_trajectory(arguments.file) as file:
-            if arguments.forces and not has_list(file):
-                raise Problem(f"'{arguments.file}' has no contact list for --forces")
+            if arguments.forces and not (has_forces(file) or has_list(file)):
+                raise Problem(f"'{arguments.file}' has no contact forces and no contact list for --forces")
             time = times_of(file)
             first, last = shown(time, arguments.start, arguments.end, arguments.file)
             for output in arguments.output:

@@ -12,7 +12,7 @@ the less they face the light.
 - A fixed body has one pose. Positions are those of the records, without interpolation.
 - Bodies cast shadows on the planes of `shadows`, each [normal, point], along the light.
 - With a camera, what is seen of frame i is low + camera[i] to high + camera[i], else low to high.
-- Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their strength.
+- Forces are lines [x0, y0, z0, x1, y1, z1, w] of each frame, w their width.
 """
 
 import json

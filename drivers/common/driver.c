@@ -93,7 +93,8 @@ static int open_trajectory(job *j)
                                       .live = j->settings.live,
                                       .every = j->settings.every,
                                       .compress = j->settings.compress,
-                                      .t_end = j->settings.t_end};
+                                      .t_end = j->settings.t_end,
+                                      .contact_forces = j->settings.contact_forces};
   if (!j->settings.output[0]) return NSDAE_OK;
   if (j->settings.restart[0]) return resume(j, &info);
   int status =

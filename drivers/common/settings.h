@@ -12,7 +12,7 @@ typedef struct settings {
   char output[NSDAE_PARAM_TEXT_SIZE];                       /* "": none */
   int output_named, projection_named, dt_named, file_named; /* by the user, not by default */
   char restart[NSDAE_PARAM_TEXT_SIZE];  /* "": a new run; else the file that it goes on in */
-  int every, compress;                  /* of the trajectory */
+  int every, compress, contact_forces;  /* of the trajectory */
   char lcp_dump[NSDAE_PARAM_TEXT_SIZE]; /* "": none */
   char friction_dump[NSDAE_PARAM_TEXT_SIZE];
   int friction_step;

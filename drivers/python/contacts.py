@@ -1,43 +1,57 @@
-"""Contact lists: the contacts of a record, and the lines of their forces.
+"""The contacts of a record, and their forces.
 
-A line joins the places of the two blocks that touch, or of one and the place of the nearest fixed plane
-that is next to it: a chain of forces. A block is where the first shape is that its coordinates place."""
+With /contacts/point and /contacts/force a force is an arrow at its point. Without them a line joins the places of the two
+blocks that touch: a chain of forces. The place of the ground is that of the nearest fixed plane which is next to the block. A
+block is where the first shape is that its coordinates place."""
 
 from collections import namedtuple
 
 import numpy as np
 
-from bodies import WHOLE, is_fixed, normal_of
-from trajectory import Problem
+from bodies import WHOLE, extent, is_fixed, normal_of
+from trajectory import Problem, has_forces, has_list
 
-# Of one record: id [c], block [c, 2] with -1 for the ground, gap [c], normal and tangential impulse [c],
-# [c, nt], mode [c].
-Contacts = namedtuple("Contacts", "id block gap normal tangential mode")
+# Of one record: id [c], gap [c], normal and tangential impulse [c], [c, nt], mode [c]; of a list block [c, 2] with -1 for the
+# ground; point and force [c, 3], if the file has them.
+Contacts = namedtuple("Contacts", "id gap normal tangential mode block point force")
 
-# Lines of one record: contact numbers [c], ends [c, 2, 3].
-Lines = namedtuple("Lines", "number ends")
+# Places of contacts of one record: contact numbers [c], and their points [c, 1, 3] or ends of lines [c, 2, 3].
+Places = namedtuple("Places", "number points")
 
 
 def rows_of(file, record):
-    """Where a record's contacts are in the list."""
+    """Where a record's contacts are in the list; of fixed contacts the record."""
+    if not has_list(file):
+        return record
     first, count = int(file["contacts/first"][record]), int(file["contacts/count"][record])
     if first < 0 or count < 0 or first + count > len(file["contacts/id"]):
         raise Problem(f"record {record} has contacts that are not in its list")
     return slice(first, first + count)
 
 
+COLUMNS = ("id", "gap", "normal_impulse", "tangential_impulse", "mode", "block", "point", "force")
+
+
 def in_memory(file):
     """The contact list of a file, if it is not too long."""
-    names = [f"contacts/{name}" for name in ("first", "count", "id", "block", "gap", "normal_impulse", "tangential_impulse", "mode")]
-    return {name: file[name][...] for name in names if name in file} if file["contacts/id"].size <= WHOLE else file
+    names = [f"contacts/{name}" for name in ("first", "count", *COLUMNS)]
+    return {name: file[name][...] for name in names if name in file} if has_list(file) and file["contacts/id"].size <= WHOLE else file
 
 
 def contacts_of(file, record):
     rows = rows_of(file, record)
-    path = "contacts/tangential_impulse"
-    tangential = file[path][rows] if path in file else np.zeros((rows.stop - rows.start, 0))
-    columns = ("id", "block", "gap", "normal_impulse")
-    return Contacts(*(file[f"contacts/{name}"][rows] for name in columns), tangential, file["contacts/mode"][rows])
+    columns = {name: file[f"contacts/{name}"][rows] for name in COLUMNS[1:] if f"contacts/{name}" in file}
+    number = file["contacts/id"][rows if has_list(file) else ...]
+    if any(len(column) != len(number) for column in columns.values()) or any(
+            columns[name].shape[1:] != (3,) for name in ("point", "force") if name in columns):
+        raise Problem(f"the columns of the contacts of record {record} do not fit together")
+    return Contacts(number, columns["gap"], columns["normal_impulse"], columns.get("tangential_impulse", np.zeros((len(number), 0))),
+                    columns["mode"], columns.get("block"), columns.get("point"), columns.get("force"))
+
+
+def acting(contacts):
+    """Numbers of the contacts that have a point."""
+    return np.flatnonzero(np.isfinite(contacts.point).all(axis=1))
 
 
 class Origins:
@@ -80,7 +94,7 @@ class Origins:
             ground = block[:, side] < 0
             ends[ground, side] = self.feet(ends[ground, 1 - side])
         shown = np.flatnonzero(np.isfinite(ends).all(axis=(1, 2)))
-        return Lines(shown, ends[shown])
+        return Places(shown, ends[shown])
 
 
 def step_length(file):
@@ -98,13 +112,16 @@ def by_pair(contacts, lines):
     _, first, which = np.unique(pair, axis=0, return_index=True, return_inverse=True)
     impulse = np.bincount(which.reshape(-1), contacts.normal[lines.number], len(first))
     strongest = np.argsort(-impulse, kind="stable")[:FORCES_MAX]
-    return lines.ends[first[strongest]], impulse[strongest]
+    return lines.points[first[strongest]], impulse[strongest]
 
 
 def force_lines(file, bodies, rows, records):
     """Lines [[x0, y0, z0, x1, y1, z1, w], ...] of each record. Rows are the records among those of the bodies.
 
-    w is 1 for the force that one in twenty of all is larger than."""
+    w is 1 for the force that one in twenty of all is larger than, and for arrows."""
+    if has_forces(file):
+        low, high = extent(bodies)
+        return [np.column_stack([a.reshape(-1, 6), np.ones(len(a))]) for a in force_arrows(file, records, np.linalg.norm(high - low) / 10)]
     origins, listed, found = Origins(file, bodies), in_memory(file), []
     for row, record in zip(rows, records):
         contacts = contacts_of(listed, int(record))
@@ -123,10 +140,17 @@ def arrows(points, forces, length):
     return np.stack([points[seen], points[seen] + along], axis=1)
 
 
-def line_arrows(lines):
-    """Of lines [f, 7] two arrows each from the middle, along the force on either body."""
-    ends = np.asarray(lines)[:, :6].reshape(-1, 2, 3)
-    half, middle = (ends[:, 1] - ends[:, 0]) / 2, ends.mean(axis=1)
-    size = np.linalg.norm(half, axis=1)
-    forces = half * (np.asarray(lines)[:, 6] / np.maximum(size, 1e-9 * size.max(initial=1)))[:, None]
-    return np.concatenate([arrows(middle, side * forces, 1.2 * np.median(size) if len(size) else 1.0) for side in (-1, 1)])
+def force_arrows(file, records, length):
+    """Arrows of each record. This length is that of the force that one in twenty of all is larger than."""
+    listed, found = in_memory(file), []
+    for record in records:
+        contacts = contacts_of(listed, int(record))
+        of = acting(contacts)
+        found.append((contacts.point[of], contacts.force[of]))
+    unit = unit_of(np.concatenate([force for _, force in found]))
+    return [arrows(point, force / unit, length) for point, force in found]
+
+
+def unit_of(forces):
+    """The force that one in twenty is larger than; 1 without forces."""
+    return (np.quantile(np.linalg.norm(forces, axis=1), 0.95) if len(forces) else 0) or 1.0

@@ -17,7 +17,7 @@ RANKS = {
     "blocks/v": 1, "bodies/size": 2, "bodies/points": 1, "bodies/point": 2, "shapes/size": 2, "shapes/points": 1,
     "shapes/point": 2,
 }
-LIST_RANKS = {"gap": 1, "mode": 1, "normal_impulse": 1, "tangential_impulse": 2}  # fixed contacts: one more
+LIST_RANKS = {"gap": 1, "mode": 1, "normal_impulse": 1, "tangential_impulse": 2, "point": 2, "force": 2}  # fixed contacts: one more
 
 
 class Problem(Exception):
@@ -41,6 +41,11 @@ def reason(error):
 def has_list(file):
     """Whether the contacts are of a contact list, not fixed."""
     return "contacts/first" in file
+
+
+def has_forces(file):
+    """Whether contacts have points and forces."""
+    return "contacts/point" in file and "contacts/force" in file
 
 
 class Older:

@@ -9,9 +9,9 @@ import webbrowser
 import numpy as np
 
 from bodies import bodies_of, columns_of, count_of, is_spatial, read_motion, times_of
-from contacts import arrows, force_lines, line_arrows
+from contacts import arrows, force_arrows, unit_of
 from scene import camera
-from trajectory import Parser, Problem, has_list, heading, open_trajectory, tell
+from trajectory import Parser, Problem, has_forces, heading, open_trajectory, tell
 
 PORT = 8080
 POSES_MAX = 1000000  # bodies by records that are kept: 100 MB
@@ -95,10 +95,10 @@ class Viewer:
 class Playback(Viewer):
     """A motion of which all records are there."""
 
-    def __init__(self, stage, title, times, lines, way):
-        self.times, self.lines, self.way = times, lines, way
+    def __init__(self, stage, title, times, pressed, way):
+        self.times, self.pressed, self.way = times, pressed, way
         self.record, self.now = 0, times[0]
-        super().__init__(stage, title, lines is not None)
+        super().__init__(stage, title, pressed is not None)
         self.show(0)
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
@@ -130,7 +130,7 @@ class Playback(Viewer):
     def redraw(self):
         with self.lock:
             self.stage.label(self.names.value)
-            self.stage.show(self.record, line_arrows(self.lines[self.record]) if self.forces.value else None,
+            self.stage.show(self.record, self.pressed[self.record] if self.forces.value else None,
                             self.way[self.record] if self.way is not None else None)
 
     def run(self):
@@ -163,10 +163,11 @@ def playback(file, path, *, title=None, point=None, port=PORT):
     most = int(np.clip(POSES_MAX // max(count_of(file, point), 1), 2, len(times))) if len(times) > 1 else 1
     records = np.unique(np.linspace(0, len(times) - 1, most).round().astype(int))
     bodies = read_motion(file, path, point, records)
-    lines = force_lines(file, bodies, range(len(records)), records) if has_list(file) and not point else None
     title = heading(file, path) if title is None else title
     follow = camera(bodies, len(records)) if is_spatial(bodies) else None
-    return Playback(stage_of(bodies, title, port), title, times[records], lines, follow[1] if follow else None)
+    stage = stage_of(bodies, title, port)
+    pressed = force_arrows(file, records, stage.size / 10) if has_forces(file) and not point else None
+    return Playback(stage, title, times[records], pressed, follow[1] if follow else None)
 
 
 class Live(Viewer):
@@ -198,7 +199,7 @@ class Live(Viewer):
         points, forces = self.pressed()
         points, forces = points[np.isfinite(points[:, 0])], forces[np.isfinite(points[:, 0])]
         if len(forces):
-            self.strongest = max(self.strongest, np.quantile(np.linalg.norm(forces, axis=1), 0.95))
+            self.strongest = max(self.strongest, unit_of(forces))
         return arrows(points, forces / (self.strongest or 1.0), self.stage.size / 10)
 
     def draw(self):

@@ -4,8 +4,9 @@ The file is one VTKHDF 2.0 PolyData with one part. It has the polygons once and 
 group Steps has the times and the first point of each step
 (https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format).
 
-Contacts of a contact list are written to a second file of this kind: a line per contact along its force, with force and mode
-as data. Every step has the largest number of lines; unused lines have no length and the id -1.
+Contacts are written to a second file of this kind, with force and mode as data. They are points, if the trajectory has them;
+those of a contact list without points are lines between two bodies. Every step has the largest number of contacts. Unused ones
+have no force, lines no length, and the id -1.
 """
 
 import io
@@ -16,9 +17,9 @@ import h5py
 import numpy as np
 
 from bodies import colours_of, columns_of, read_motion, times_of
-from contacts import Origins, contacts_of, step_length
+from contacts import Origins, Places, acting, contacts_of, in_memory, step_length
 from shapes import placed, solids_of
-from trajectory import Parser, Problem, has_list, open_trajectory, replace, tell
+from trajectory import Parser, Problem, has_forces, has_list, open_trajectory, replace, tell
 
 BLOCK = 1 << 20  # points in memory at a time
 MOST = 1 << 31  # bytes of a file's points
@@ -44,11 +45,11 @@ def write_cells(root, filled, connectivity, offsets):
         group["Offsets"] = np.array(mine[1], "i8")
 
 
-def write_steps(root, time, size, **data):
+def write_steps(root, time, size, of, **data):
     """Offsets of the steps.
 
     Every step has the same part and cells; its points begin after those of the step before. data: number of values per step of each
-    dataset, 0 if they are constant.
+    dataset of `of`, "Cell" or "Point", 0 if they are constant.
     """
     n = len(time)
     steps = root.create_group("Steps")
@@ -60,7 +61,7 @@ def write_steps(root, time, size, **data):
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         steps[name] = np.zeros((n, 4), "i8")
     for name, values in data.items():
-        steps[f"CellDataOffsets/{name}"] = values * np.arange(n, dtype="i8")
+        steps[f"{of}DataOffsets/{name}"] = values * np.arange(n, dtype="i8")
 
 
 def write_points(root, bodies, steps, size):
@@ -110,7 +111,7 @@ def image(time, bodies, colours=()):
         data["dark"] = np.concatenate([np.array(b.shape.dark or [0] * len(b.shape.polygons), "i4") for b in bodies])
         if len(colours):
             data["colour"] = rgb(colours)[number]
-        write_steps(root, time, size, body=0, dark=0, **({"colour": 0} if len(colours) else {}))
+        write_steps(root, time, size, "Cell", body=0, dark=0, **({"colour": 0} if len(colours) else {}))
     return whole.getbuffer()
 
 
@@ -124,36 +125,41 @@ def points_of(bodies):
     return sum(len(b.shape.points) for b in bodies)
 
 
-def contact_lines(file, bodies, records):
-    """Of each record its contacts and their lines."""
-    origins = Origins(file, bodies)
+def contact_places(file, bodies, records):
+    """Of each record its contacts and their places."""
+    origins, listed = None if has_forces(file) else Origins(file, bodies), in_memory(file)
     for row, record in enumerate(records):
-        contacts = contacts_of(file, int(record))
-        yield contacts, origins.lines(row, contacts)
+        contacts = contacts_of(listed, int(record))
+        of = acting(contacts) if origins is None else None
+        yield contacts, origins.lines(row, contacts) if of is None else Places(of, contacts.point[of, None])
 
 
-def contact_image(file, time, records, found):
+def contact_image(file, time, found):
     """The bytes of the file of contacts."""
-    most, n, dt = max((len(lines.number) for _, lines in found), default=0), len(records), step_length(file)
-    points, data = np.zeros((n, most, 2, 3)), {"normal_force": np.zeros((n, most)), "friction_force": np.zeros((n, most)),
-                                               "gap": np.zeros((n, most)), "mode": np.zeros((n, most), "i4"),
-                                               "id": np.full((n, most), -1, "i8")}
-    for i, (contacts, lines) in enumerate(found):
-        used, of = slice(0, len(lines.number)), lines.number
-        points[i, used] = lines.ends
-        points[i, len(of) :] = lines.ends[0, 0] if len(of) else 0
-        data["normal_force"][i, used] = contacts.normal[of] / dt
-        data["friction_force"][i, used] = np.linalg.norm(contacts.tangential[of], axis=1) / dt
-        for name in ("gap", "mode", "id"):
+    most, n = max((len(places.number) for _, places in found), default=0), len(time)
+    ends = 1 if has_forces(file) else 2
+    points, data = np.zeros((n, most, ends, 3)), {"normal_force": np.zeros((n, most)), "friction_force": np.zeros((n, most)),
+                                                  "gap": np.zeros((n, most)), "mode": np.zeros((n, most), "i4"),
+                                                  "id": np.full((n, most), -1, "i8")}
+    if ends == 1:
+        data["force"] = np.zeros((n, most, 3))
+    for i, (contacts, places) in enumerate(found):
+        used, of = slice(0, len(places.number)), places.number
+        points[i, used] = places.points
+        points[i, len(of) :] = places.points[0, 0] if len(of) else 0
+        normal, friction = contacts.normal[of], np.linalg.norm(contacts.tangential[of], axis=1)
+        dt = step_length(file) if ends == 2 else np.hypot(normal, friction) / np.linalg.norm(contacts.force[of], axis=1)
+        data["normal_force"][i, used], data["friction_force"][i, used] = normal / dt, friction / dt
+        for name in set(data) - {"normal_force", "friction_force"}:
             data[name][i, used] = getattr(contacts, name)[of]
-    whole = io.BytesIO()
+    whole, (kind, of) = io.BytesIO(), ("Vertices", "Point") if ends == 1 else ("Lines", "Cell")
     with h5py.File(whole, "w") as target:
-        root = begin(target, 2 * most)
+        root = begin(target, ends * most)
         root["Points"] = points.reshape(-1, 3)
-        write_cells(root, "Lines", np.arange(2 * most), 2 * np.arange(most + 1))
+        write_cells(root, kind, np.arange(ends * most), ends * np.arange(most + 1))
         for name, values in data.items():
-            root[f"CellData/{name}"] = values.reshape(-1)
-        write_steps(root, time, 2 * most, **dict.fromkeys(data, most))
+            root[f"{of}Data/{name}"] = values.reshape(n * most, *values.shape[2:])
+        write_steps(root, time, ends * most, of, **dict.fromkeys(data, most))
     return whole.getbuffer()
 
 
@@ -183,10 +189,10 @@ def convert(file, arguments):
     check_size(arguments.file, arguments.every, len(records), points_of(solids))
     replace(arguments.output, image(time[records], solids, colours_of(bodies) if any(b.colour for b in bodies) else ()))
     tell(f"{len(records)} steps of {len(bodies)} bodies in {arguments.output}")
-    if has_list(file) and not arguments.point:
-        found = list(contact_lines(file, bodies, records))
+    if (has_list(file) or has_forces(file)) and not arguments.point:
+        found = list(contact_places(file, bodies, records))
         path = os.path.splitext(arguments.output)[0] + ".contacts.vtkhdf"
-        replace(path, contact_image(file, time[records], records, found))
+        replace(path, contact_image(file, time[records], found))
         tell(f"their contacts in {path}")
 
 

@@ -27,6 +27,8 @@ typedef struct nsdae_trajectory_info {
   int compress; /* 1 (fast) .. 9 (small): compression of records in chunks of 1024; a killed run
                    loses more of them. 0: none. Not with live */
   double t_end; /* end time of the run [s], for a resumed run; 0: unknown */
+  int contact_forces; /* 1: writes points and forces of the contacts, as
+                         nsdae_sim_get_contact_forces has them. 0: none */
 } nsdae_trajectory_info;
 
 /* Creates the file (replaces an existing one) and adds an observer to sim. sim must live until the
@@ -34,7 +36,8 @@ typedef struct nsdae_trajectory_info {
  *
  * - NSDAE_E_IO: the file cannot be created; the text has the cause
  * - NSDAE_E_UNSUPPORTED: built without HDF5
- * - NSDAE_E_MEMORY, NSDAE_E_ARGUMENT */
+ * - NSDAE_E_ARGUMENT; contact_forces = 1, but the system was not made by nsdae_bodies_system
+ * - NSDAE_E_MEMORY */
 NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
                                       const nsdae_trajectory_info *info,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
@@ -42,8 +45,8 @@ NSDAE_API int nsdae_trajectory_create(nsdae_sim *sim, const char *path,
 /* Resumes the file of an earlier run, which may have been killed at any time. Sets sim to the
  * newest state in the file (nsdae_sim_set_state) and adds an observer to sim. Records written a
  * second time are identical byte for byte. sim and info must be those of the run that created the
- * file, except t_end. every and compress are those of the file (0: unchanged). A file created with
- * live has no state. On an error the file is unchanged:
+ * file, except t_end. every, compress and contact_forces are those of the file (0: unchanged). A
+ * file created with live has no state. On an error the file is unchanged:
  *
  * - NSDAE_E_ARGUMENT: the text names the model, size, option or parameter that differs
  * - NSDAE_E_IO: the file cannot be read, has no complete state, or was made by version 0.2 */
@@ -52,7 +55,8 @@ NSDAE_API int nsdae_trajectory_resume(nsdae_sim *sim, const char *path,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
 
 /* Reads the settings of the run that created a file into the struct at base. group is "options",
- * "parameters" or "run" (t_end, every, compress). Only keys of the table are read. NSDAE_E_IO: no
+ * "parameters" or "run" (t_end, every, compress,
+ * contact_forces). Only keys of the table are read. NSDAE_E_IO: no
  * such file, or it has no such settings; NSDAE_E_ARGUMENT: a value is out of the table's range. */
 NSDAE_API int nsdae_trajectory_read_params(const char *path, const char *group,
                                            const nsdae_params *table, void *base,

@@ -334,8 +334,10 @@ void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_name_sensors(const nsdae_bodies *bodies, nsdae_system *system);
 void nsdae_bodies_sense(const nsdae_bodies *bodies, nsdae_maker *maker);
 
-/* The two solids of a contact, and its number among those of the pair. 0: it has none. */
-int nsdae_bodies_pair_of(const nsdae_bodies *bodies, long id, int solid[2], long *number);
+/* The two solids of a contact, and its number among those of the pair. 0: it has none. features:
+ * nsdae_broad_features. */
+int nsdae_bodies_pair_of(const nsdae_bodies *bodies, long features, long id, int solid[2],
+                         long *number);
 
 /* Adds to the system what files of its trajectories show. */
 int nsdae_bodies_show(const nsdae_bodies *bodies, nsdae_system *system);

@@ -96,7 +96,8 @@ static int words(const void *of, int kind, long i, char *text, size_t size)
   const nsdae_bodies *b = of;
   int solid[2];
   long number, limit = i - (nsdae_bodies_has_list(b) ? nsdae_bodies_limit_id(b) : b->feature.count);
-  if (kind == NSDAE_NAME_CONTACT && nsdae_bodies_pair_of(b, i, solid, &number)) {
+  if (kind == NSDAE_NAME_CONTACT &&
+      nsdae_bodies_pair_of(b, nsdae_broad_features(b), i, solid, &number)) {
     contact_words(b, solid, text, size);
     return 1;
   }

@@ -212,7 +212,7 @@ static void reaction(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const 
 
 /* ---- contacts */
 
-int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *number)
+int nsdae_bodies_pair_of(const nsdae_bodies *b, long features, long id, int solid[2], long *number)
 {
   if (id < 0 || (id >= b->feature.count && !nsdae_bodies_has_list(b))) return 0;
   if (id < b->feature.count) {
@@ -220,8 +220,7 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
     memcpy(solid, nsdae_feature_at(b, (int)(id - *number))->solid, 2 * sizeof *solid);
     return 1;
   }
-  long features = nsdae_broad_features(b), pair = (id - b->feature.count) / features;
-  long solids = b->solid.count;
+  long solids = b->solid.count, pair = (id - b->feature.count) / features;
   if (pair >= solids * solids) return 0; /* a limit */
   solid[0] = (int)(pair / solids);
   solid[1] = (int)(pair % solids);
@@ -229,55 +228,98 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long id, int solid[2], long *num
   return 1;
 }
 
-/* A contact of two solids: the point midway between its surfaces and the force on the body of the
- * larger number. The force is along the directions of its feature. If another one is nearer at the
- * end of the step, it is along those of the nearest. */
-enum { ANY = -1 }; /* in place of a number */
+/* Contacts of a record one after another that are of the same two solids, in one pass over the
+ * features of these: for a contact the point midway between its surfaces and the force on the body
+ * of the larger number. The force is along the directions of its feature. If this is no longer one
+ * of the pair at the end of the step, it is along those of the nearest.
+ *
+ * Two boxes have at most 8 contacts; more of a pair, as on a mesh, take further passes. */
+enum { TOGETHER = 16, NONE = -1 /* in place of a number: no impulse */ };
 typedef struct pressed {
-  int dimension;
-  long number;
-  double impulse[3], gap, point[3], force[3];
+  int dimension, count, solid[2], left; /* left: contacts with an impulse that are not found */
+  long number[TOGETHER];
+  int found[TOGETHER];
+  double impulse[TOGETHER][3], gap, point[TOGETHER][3], force[TOGETHER][3];
 } pressed;
 
-static int find_force(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
+/* Contact k is at this feature. */
+static void act(pressed *p, int k, const nsdae_still *still, const nsdae_couple *two)
 {
-  pressed *p = to;
   nsdae_contact c;
-  int d = p->dimension, go_on = p->number == ANY ? 0 : -1;
-  if (p->number != ANY && number != p->number) return 0;
-  const nsdae_still still = nsdae_closest_still(closest, two);
-  if (still.gap >= p->gap) return go_on;
-  p->gap = still.gap;
-  nsdae_bodies_contact_rows(d, two, &still, d, &c);
-  int side = two->solid[1]->body > two->solid[0]->body; /* not the ground */
+  int d = p->dimension, side = two->solid[1]->body > two->solid[0]->body; /* not the ground */
+  nsdae_bodies_contact_rows(d, two, still, d, &c);
   for (int i = 0; i < d; i++) {
-    p->point[i] = (still.at[0][i] + still.at[1][i]) / 2;
-    p->force[i] = 0;
-    for (int j = 0; j < d; j++) p->force[i] += p->impulse[j] * c.direction[side][j][i];
+    p->point[k][i] = (still->at[0][i] + still->at[1][i]) / 2;
+    p->force[k][i] = 0;
+    for (int j = 0; j < d; j++) p->force[k][i] += p->impulse[k][j] * c.direction[side][j][i];
   }
-  return go_on;
 }
 
-/* Contact i of a record, between the solids of its pair. 0: they are apart. */
-static int press(const nsdae_bodies *b, const nsdae_record *r, int i, const int solid[2],
-                 long number, pressed *p)
+static int find_own(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
+{
+  pressed *p = to;
+  for (int k = 0; k < p->count; k++) {
+    if (p->number[k] != number || p->found[k]) continue;
+    const nsdae_still still = nsdae_closest_still(closest, two);
+    act(p, k, &still, two);
+    p->found[k] = 1;
+    p->left--;
+  }
+  return p->left > 0 ? 0 : -1;
+}
+
+static int find_nearest(void *to, long number, const nsdae_closest *closest,
+                        const nsdae_couple *two)
+{
+  pressed *p = to;
+  const nsdae_still still = nsdae_closest_still(closest, two);
+  (void)number;
+  if (still.gap >= p->gap) return 0;
+  p->gap = still.gap;
+  for (int k = 0; k < p->count; k++)
+    if (p->number[k] != NONE && p->found[k] != 1) {
+      act(p, k, &still, two);
+      p->found[k] = 2; /* by a nearer one again */
+    }
+  return 0;
+}
+
+/* The contacts of the record from `first` on that are of the same two solids; at least that one. */
+static void gather(const nsdae_bodies *b, const nsdae_record *r, long features, int first,
+                   pressed *p)
+{
+  int nt = nsdae_bodies_nt(b), solid[2];
+  long number;
+  *p = (pressed){.dimension = b->dimension, .gap = INFINITY};
+  for (int i = first; i < r->contacts.count && p->count < TOGETHER; i++) {
+    int known = nsdae_bodies_pair_of(b, features, r->contacts.id[i], solid, &number), k = p->count;
+    int same = known && (k == 0 || (solid[0] == p->solid[0] && solid[1] == p->solid[1]));
+    if (!same && k > 0) return;
+    p->number[p->count++] = NONE;
+    if (!known) return;
+    memcpy(p->solid, solid, sizeof solid);
+    if (r->duration <= 0 || r->contacts.normal_impulse[i] == 0) continue;
+    p->left++;
+    p->number[k] = number;
+    p->impulse[k][0] = r->contacts.normal_impulse[i] / r->duration;
+    for (int j = 0; j < nt; j++)
+      p->impulse[k][1 + j] = r->contacts.tangential_impulse[i * nt + j] / r->duration;
+  }
+}
+
+/* Finds them, unless the solids are apart. */
+static void press(const nsdae_bodies *b, const nsdae_record *r, pressed *p)
 {
   const nsdae_solid_of *solids = b->solid.at;
-  int turned = nsdae_pair_is_turned(&solids[solid[0]], &solids[solid[1]]), nt = nsdae_bodies_nt(b);
-  const nsdae_solid_of *s[2] = {&solids[solid[turned]], &solids[solid[!turned]]};
+  int one = p->solid[0], other = p->solid[1];
+  int turned = nsdae_pair_is_turned(&solids[one], &solids[other]);
+  const nsdae_solid_of *s[2] = {&solids[turned ? other : one], &solids[turned ? one : other]};
   const nsdae_pose pose[2] = {nsdae_bodies_pose(b, s[0]->body, r->q, NULL),
                               nsdae_bodies_pose(b, s[1]->body, r->q, NULL)};
   const nsdae_couple two = {{s[0], s[1]}, {&pose[0], &pose[1]}};
   double reach = s[0]->mesh ? s[0]->mesh->thickness + s[1]->size : INFINITY;
-  *p = (pressed){.dimension = b->dimension, .number = number, .gap = INFINITY};
-  p->impulse[0] = r->contacts.normal_impulse[i] / r->duration;
-  for (int j = 0; j < nt; j++)
-    p->impulse[1 + j] = r->contacts.tangential_impulse[i * nt + j] / r->duration;
-  nsdae_pair_contacts(solids, solid[0], solid[1], &two, reach, find_force, p);
-  p->number = ANY;
-  if (!(p->gap < INFINITY))
-    nsdae_pair_contacts(solids, solid[0], solid[1], &two, reach, find_force, p);
-  return p->gap < INFINITY;
+  nsdae_pair_contacts(solids, one, other, &two, reach, find_own, p);
+  if (p->left > 0) nsdae_pair_contacts(solids, one, other, &two, reach, find_nearest, p);
 }
 
 /* The sign of that force for a sensor: of its body, or of solid 1 of its pair. 0: of neither. */
@@ -295,24 +337,18 @@ static double sign_of(const nsdae_bodies *b, const nsdae_sensor *s, const int so
   return on == (body[0] > body[1] ? body[0] : body[1]) ? 1 : -1;
 }
 
-/* Whether contact i has an impulse and is of two solids. */
-static int is_pressed(const nsdae_bodies *b, const nsdae_record *r, int i, int solid[2],
-                      long *number)
-{
-  return r->duration > 0 && r->contacts.normal_impulse[i] != 0 &&
-         nsdae_bodies_pair_of(b, r->contacts.id[i], solid, number);
-}
-
 static void contact_force(const nsdae_bodies *b, const nsdae_sensor *s, const nsdae_record *r,
                           double *value)
 {
   pressed p;
-  int solid[2];
-  long number;
-  for (int i = 0; i < r->contacts.count; i++) {
-    double sign = is_pressed(b, r, i, solid, &number) ? sign_of(b, s, solid) : 0;
-    if (sign == 0 || !press(b, r, i, solid, number, &p)) continue;
-    for (int j = 0; j < b->dimension; j++) value[j] += sign * p.force[j];
+  long features = nsdae_broad_features(b);
+  for (int first = 0; first < r->contacts.count; first += p.count) {
+    gather(b, r, features, first, &p);
+    double sign = p.left > 0 ? sign_of(b, s, p.solid) : 0;
+    if (sign == 0) continue;
+    press(b, r, &p);
+    for (int k = 0; k < p.count; k++)
+      for (int j = 0; j < b->dimension && p.found[k]; j++) value[j] += sign * p.force[k][j];
   }
 }
 
@@ -320,14 +356,15 @@ static void contact_forces(const void *of, const nsdae_record *r, double *point,
 {
   const nsdae_bodies *b = of;
   pressed p;
-  int solid[2];
-  long number;
-  for (int i = 0; i < r->contacts.count; i++) {
-    int is = is_pressed(b, r, i, solid, &number) && press(b, r, i, solid, number, &p);
-    for (int j = 0; j < 3; j++) {
-      point[3 * i + j] = is ? p.point[j] : NAN;
-      force[3 * i + j] = is ? p.force[j] : 0;
-    }
+  long features = nsdae_broad_features(b);
+  for (int first = 0; first < r->contacts.count; first += p.count) {
+    gather(b, r, features, first, &p);
+    if (p.left > 0) press(b, r, &p);
+    for (int k = 0; k < p.count; k++)
+      for (int j = 0; j < 3; j++) {
+        point[3 * (first + k) + j] = p.found[k] ? p.point[k][j] : NAN;
+        force[3 * (first + k) + j] = p.found[k] ? p.force[k][j] : 0;
+      }
   }
 }
 

@@ -278,7 +278,7 @@ static int has_short_steps(const nsdae_event *e)
  * Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const nsdae_event *e)
 {
-  return e->instant.impacts.endless || *e->base.instants > e->setting.options->events_max ||
+  return e->instant.impacts.sequence.endless || *e->base.instants > e->setting.options->events_max ||
          *e->base.idle > IDLE_MAX || has_short_steps(e);
 }
 
@@ -455,7 +455,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
 {
   nsdae_event *e = own;
   e->reached = state->terms->t;
-  e->instant.impacts.endless = e->instant.impacts.together = 0;
+  e->instant.impacts.sequence.endless = 0;
   open_memory(e, result);
   int status = arrive(e, state);
   e->stamp = 0;

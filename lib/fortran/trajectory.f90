@@ -17,6 +17,7 @@ module nsdae_f_trajectory
     integer(c_int) :: every = 1       ! every n-th record; all impacts and mode transitions
     integer(c_int) :: compress = 0    ! 1 (fast) .. 9 (small), 0: none; not with live
     real(c_double) :: t_end = 0       ! end time of the run [s]; 0: unknown
+    logical :: contact_forces = .false. ! points and forces of contacts, of a system of the kit
   end type
 
   ! The struct of the C header.
@@ -53,8 +54,8 @@ contains
 
   ! Resumes the file of an earlier run, which may have been killed at any time: sets sim to its
   ! newest state and adds an observer. sim and info must be those of the run that created the file,
-  ! except t_end; every and compress are those of the file. NSDAE_E_ARGUMENT: the text names the
-  ! difference; NSDAE_E_IO: the file cannot be read, has no complete state, or was made by version 0.2.
+  ! except t_end; every, compress and contact_forces are those of the file. NSDAE_E_ARGUMENT: the
+  ! text names the difference; NSDAE_E_IO: the file cannot be read, has no complete state, or was made by version 0.2.
   integer(c_int) function nsdae_trajectory_resume(sim, path, info, trajectory, error) &
       result(status)
     type(nsdae_sim), intent(in) :: sim
@@ -89,6 +90,7 @@ contains
     to%every = info%every
     to%compress = info%compress
     to%t_end = info%t_end
+    if (info%contact_forces) to%contact_forces = 1
     if (again) then
       status = c_resume(nsdae_sim_handle(sim), c_path, to, trajectory%handle, why)
     else
@@ -98,7 +100,8 @@ contains
   end function
 
   ! Reads the settings of the run that created a file into the fields of the table. group is
-  ! "options", "parameters" or "run" (t_end, every, compress). Only keys of the table are read.
+  ! "options", "parameters" or "run" (t_end, every, compress,
+  ! contact_forces). Only keys of the table are read.
   integer(c_int) function nsdae_trajectory_read_params(path, group, table, error) result(status)
     character(len=*), intent(in) :: path, group
     type(nsdae_params), intent(in) :: table

@@ -144,16 +144,25 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
 }
 
 /* The relative change below which the iteration ends: not less than the rounding of the terms of v,
- * as in contacts.c; those of stiff motors are larger than v. With frozen contacts that still
- * stagnate it is never less than the error that contact_tol leaves in velocities, 1e2 contact_tol
- * as in worker.c: the problem of an iterate may have several solutions. */
+ * as in contacts.c; those of stiff motors are larger than v.
+ *
+ * Far from the origin M, F, J and W have the error eps |q| of gaps and arms, and v_1 changes with
+ * each rounding of q_1. An iteration that stagnates ends if the changes of v_1 move q_1 by less
+ * than twice its rounding:  h/2 |dv| <= 2 eps |q|.
+ *
+ * With frozen contacts that still stagnate it is never less than the error that contact_tol leaves
+ * in velocities, 1e2 contact_tol as in worker.c: the problem of an iterate may have several
+ * solutions. */
 static double settled(const nsdae_step *step, const progress *p)
 {
   const nsdae_stepper *s = step->tools;
-  const int n = s->system->dims.nv;
-  double rounding = 32 * DBL_EPSILON * nsdae_largest(n, s->size) / (1 + nsdae_largest(n, s->v)),
+  const nsdae_dims *dims = &s->system->dims;
+  double speed = 1 + nsdae_largest(dims->nv, s->v),
+         rounding = 32 * DBL_EPSILON * nsdae_largest(dims->nv, s->size) / speed,
          noise = fmax(rounding, nsdae_larger(s->iteration_tol, s->problem.dispatch.solved->noise));
-  return fmax(noise, p->frozen && p->since >= STAGNATION ? 1e2 * s->options->contact_tol : 0);
+  if (p->since < STAGNATION) return noise;
+  double moved = 4 * DBL_EPSILON * nsdae_largest(dims->nq, s->q) / (step->h * speed);
+  return fmax(noise, fmax(moved, p->frozen ? 1e2 * s->options->contact_tol : 0));
 }
 
 /* The constraint with the largest |Phi| at the end of the step; -1: none. */
@@ -185,6 +194,13 @@ static int no_convergence(const nsdae_step *step, const progress *p)
                     "by about rank_tol = %g: make it larger than the drift, or dt smaller",
                     nsdae_terms_time(step->start), p->count, p->moved, rank[0], rank[1],
                     s->options->rank_tol);
+  else if (p->since >= STAGNATION && p->moved <= TRUNCATION)
+    nsdae_error_set(
+        s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "iteration_tol",
+        "the step from t = %.17g did not converge in %d iterations, and stagnates at the change "
+        "%.3g, wanted %.3g: make iteration_tol larger, if callbacks have noise of this size, or dt "
+        "smaller%s",
+        nsdae_terms_time(step->start), p->count, p->moved, settled(step, p), text);
   else
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",

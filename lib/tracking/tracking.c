@@ -227,6 +227,14 @@ static void count_slots(nsdae_tracking *t)
   for (int i = 0; i < t->model->dims.k; i++) t->table->wanted += t->table->used[i];
 }
 
+/* The largest overlap in the list. */
+static double deepest(const nsdae_contact_list *list)
+{
+  double deep = 0;
+  for (int i = 0; i < list->count; i++) deep = fmax(deep, -list->gap[i]);
+  return deep;
+}
+
 int nsdae_tracking_begin(nsdae_tracking *t, nsdae_terms *T, double h)
 {
   double speed;
@@ -236,6 +244,11 @@ int nsdae_tracking_begin(nsdae_tracking *t, nsdae_terms *T, double h)
   count_slots(t);
   t->table->reach = t->near + h * speed;
   status = ask(t, T, t->table->reach, speed, &added);
+  double deep = deepest(&T->by.list);
+  if (status == NSDAE_OK && deep > t->near) { /* its projection brings others nearer */
+    t->table->reach += deep;
+    status = ask(t, T, t->table->reach, speed, &added);
+  }
   for (int i = 0; i < k; i++) t->fresh[i] = t->fresh[i] != 0;
   return status;
 }

@@ -80,6 +80,8 @@ CONTACTS = (
     ("normal_impulse", "N s|N m s", "normal impulse of the step that ends here", ()),
     ("tangential_impulse", "N s", "tangential impulse of the step that ends here", ("tangent",)),
     ("mode", "1", "0 open, 1 slip, 2 stick", ()),
+    ("point", "m", "midway between the surfaces; NaN of a contact without an impulse or of no solids", ("component3",)),
+    ("force", "N", "on the body of the larger number, mean over the step that ends here", ("component3",)),
 )
 NAMES = {"coordinate": "coordinate", "velocity": "velocity", "constraint": "constraint", "contact": "contacts/contact",
          "frictional_joint": JOINT}
@@ -342,7 +344,11 @@ def _put_contacts(file: Any, trajectory: Trajectory, listed: bool) -> None:
     else:
         return
     file["contacts"].attrs["fixed"] = np.int32(0 if listed else rows.shape[1])
+    if "point" in (rows.dtype.names or ()):
+        _put_components(file, 3)
     for name, unit, description, last in CONTACTS:
+        if name not in (rows.dtype.names or ()):
+            continue
         scales = (("contacts/id",) if listed else ("time", "contacts/contact")) + last
         if all(rows[name].shape[1:]) and (listed or name != "block"):
             _put(file, f"contacts/{name}", np.ascontiguousarray(rows[name]), unit, description, scales)
@@ -429,12 +435,18 @@ def _put_values(file: Any, group: str, values: dict[str, Any]) -> None:
         file[group].create_dataset(name, data=value)
 
 
+def _put_components(file: Any, count: int) -> str:
+    """The scale of vectors with `count` components."""
+    axis = f"component{count}"
+    if axis not in file:
+        _put(file, axis, _text(f"component{i}" for i in range(count)), "", "components of a vector", (axis,))
+    return axis
+
+
 def _put_sensors(file: Any, trajectory: Trajectory) -> None:
     units = dict(trajectory.names.get("sensor", []))
     for name, values in trajectory.sensors.items():
-        axis = f"component{values.shape[1]}" if values.ndim > 1 else ""
-        if axis and axis not in file:
-            _put(file, axis, _text(f"component{i}" for i in range(values.shape[1])), "", "components of a sensor", (axis,))
+        axis = _put_components(file, values.shape[1]) if values.ndim > 1 else ""
         _put(file, f"sensor/{name}", values, units.get(name, ""), "sensor of the model", ("time", axis) if axis else ("time",))
 
 
@@ -611,7 +623,7 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     n = len(file["time"])
     columns = {"time": file["time"][:n]}
     nt = file["tangent"].shape[0] if "tangent" in file else 0
-    contacts = _read_contacts(file, n, contact_row(nt))
+    contacts = _read_contacts(file, n, contact_row(nt, "contacts/point" in file and "contacts/force" in file))
     for path, name, _, _, _ in RECORDS:
         kind = "i4" if name.endswith("mode") else "f8"
         columns[name] = _rows(file, path, n) if path in file else np.zeros((n, 0), dtype=kind)

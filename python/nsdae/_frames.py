@@ -73,9 +73,10 @@ def _variables(run: Trajectory) -> dict[str, tuple[tuple[str, ...], np.ndarray, 
         axes = ("time",) if values.ndim == 1 else ("time", f"component{values.shape[1]}")
         made[f"sensor_{name}"] = axes, values, {"units": units.get(name, ""), "description": "sensor of the model"}
     if run.contacts.ndim == 2 and run.contacts.shape[1]:
-        for name in ("gap", "normal_impulse", "tangential_impulse", "mode"):
-            axes = ("time", "contact", "tangent")[: run.contacts[name].ndim]
-            made[name] = axes, run.contacts[name], {"units": {"gap": "m", "mode": "1"}.get(name, "N s")}
+        for name in (run.contacts.dtype.names or ())[2:]:
+            last = "component3" if name in ("point", "force") else "tangent"
+            made[name] = (("time", "contact", last)[: run.contacts[name].ndim], run.contacts[name],
+                          {"units": {"gap": "m", "mode": "1", "point": "m", "force": "N"}.get(name, "N s")})
     for group, rows, fields in (("impact", run.impacts, IMPACTS), ("change", run.changes, CHANGES)):
         for name, unit, said in (("time", "s", "its time"), *fields):
             values = rows[name]

@@ -16,11 +16,12 @@ CHANGE = np.dtype([("time", "f8"), ("contact", "i4"), ("frictional_joint", "i4")
                    ("mode_after", "i4"), ("id", "i8"), ("block", "i4", 2)])
 
 
-def contact_row(nt: int) -> np.dtype:
-    """A contact of a record with nt tangential directions."""
-    return np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode"],
-                     "formats": ["i8", ("i4", (2,)), "f8", "f8", ("f8", (nt,)), "i4"], "offsets": [0, 8, 16, 24, 32, 48],
-                     "itemsize": 56})
+def contact_row(nt: int, forces: bool = False) -> np.dtype:
+    """A contact of a record with nt tangential directions, possibly with its point and force."""
+    n = 8 if forces else 6
+    return np.dtype({"names": ["id", "block", "gap", "normal_impulse", "tangential_impulse", "mode", "point", "force"][:n],
+                     "formats": ["i8", ("i4", (2,)), "f8", "f8", ("f8", (nt,)), "i4", ("f8", (3,)), ("f8", (3,))][:n],
+                     "offsets": [0, 8, 16, 24, 32, 48, 56, 80][:n], "itemsize": 104 if forces else 56})
 
 
 # nsdae_certificate
@@ -32,6 +33,7 @@ CERTIFICATE = np.dtype([(name, "f8") for name in (
 assert CERTIFICATE.itemsize == _core.CERTIFICATE_SIZE
 assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
 assert contact_row(2).itemsize == _core.CONTACT_ROW_SIZE
+assert contact_row(2, True).itemsize == _core.CONTACT_FORCE_ROW_SIZE
 
 OPEN, SLIP, STICK = 0, 1, 2  # modes of contacts and frictional joints
 
@@ -168,7 +170,8 @@ def events(arrays: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     def rows(name: str, of: np.dtype) -> np.ndarray:
         return arrays[name].view(of)[..., 0]
 
-    return rows("impacts", IMPACT), rows("changes", CHANGE), rows("contacts", contact_row(arrays["nt"]))
+    contact = contact_row(arrays["nt"], arrays["contacts"].shape[-1] == _core.CONTACT_FORCE_ROW_SIZE)
+    return rows("impacts", IMPACT), rows("changes", CHANGE), rows("contacts", contact)
 
 
 def joined(parts: list[dict[str, Any]]) -> dict[str, Any]:

@@ -400,7 +400,7 @@ class Sim:
 
     def record_run(self, t_end: float, every: int = 1, *, model: str = "", parameters: dict[str, Any] | None = None,
                    shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None,
-                   stacklevel: int = 2) -> Trajectory:
+                   contact_forces: bool = False, stacklevel: int = 2) -> Trajectory:
         """Takes steps until t_end and returns the records.
 
         Parameters
@@ -409,7 +409,7 @@ class Sim:
             End time [s].
         every : int
             Keep the start, every N-th step and the last.
-        model, parameters, shapes, output
+        model, parameters, shapes, output, contact_forces
             As for `solve`.
         stacklevel : int
             As for ``warnings.warn``.
@@ -425,6 +425,8 @@ class Sim:
         """
         if shapes is None and self._bodies is not None:
             shapes = self._bodies.shapes()
+        if contact_forces:
+            self.contact_forces()  # of a system without solids it is an error
         recorder = _core.Recorder()
         known = dict(has_potential=self._core.has_potential(), options=self.options, model=model,
                      parameters=parameters or {}, shapes=shapes or [],
@@ -452,7 +454,8 @@ class Sim:
             return run
 
         try:
-            if said := self._core.record_run(float(t_end), every, recorder, write if growing else None, _PAUSE):
+            if said := self._core.record_run(float(t_end), every, recorder, write if growing else None, _PAUSE,
+                                                    contact_forces):
                 warnings.warn(in_python(said), RunWarning, stacklevel=stacklevel + 1)  # that of the decorator
         except Error as error:
             self._complete(error)
@@ -543,7 +546,7 @@ def _copy(model: System | Bodies, options: dict[str, Any], coefficients: dict[tu
 @named
 def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None, *, t0: float = 0, every: int = 1,
           project: bool = False, model: str = "", parameters: dict[str, Any] | None = None,
-          shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None,
+          shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None, contact_forces: bool = False,
           **options: Unpack[Options]) -> Trajectory:
     """Integrates a system and returns its trajectory.
 
@@ -572,6 +575,9 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     output : path-like, optional
         An HDF5 file, as of `Trajectory.save`. It is written at the first record and then every second: a killed run
         leaves the records up to its last second, and the work file ``output.part``.
+    contact_forces : bool
+        Keep points [m] and forces [N] of the contacts, fields ``point`` and ``force`` of `Trajectory.contacts`, for arrows in
+        the viewer; only of `Bodies`.
     **options
         Options of the library: method ("implicit", "moreau", "event", "penalty"), dt, rtol, ...
 
@@ -604,4 +610,5 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
     if project:
         q0, v0 = sim.project(q0, v0, t0)
     sim.init(q0, v0, t0)
-    return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes, output=output, stacklevel=4)
+    return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes, output=output,
+                          contact_forces=contact_forces, stacklevel=4)

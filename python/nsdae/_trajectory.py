@@ -140,7 +140,8 @@ class Trajectory(ContactColumns):
     - impacts: time, contact, normal_impulse, tangential_impulse [2], velocity_before, velocity_after, peak_force, accumulation
       (1: Zeno accumulation that ends at its time), id, block [2].
     - changes: time, contact, frictional_joint, mode_before, mode_after, id, block [2] (method "event").
-    - contacts: id, block [2], gap, normal_impulse, tangential_impulse [nt], mode.
+    - contacts: id, block [2], gap, normal_impulse, tangential_impulse [nt], mode; with ``contact_forces=True`` also point [3] [m]
+      and force [3] [N], as of `Sim.contact_forces`.
 
     id is the number of a fixed contact, from 0, or the identifier in the contact list. block has the blocks of a listed contact;
     -1 is the ground, and both are -1 for fixed contacts. contact is the number of a fixed contact, or -1.
@@ -340,7 +341,8 @@ class Trajectory(ContactColumns):
             File with the ending .gif, .mp4 or .html. Without it an object for notebooks is returned.
         **options
             speed (0.1: a tenth of real time), fps, start, end [s], width [pixels], title.
-            point=(0, 1, None) draws a point at (q0, q1, 0). forces=True draws the forces of a contact list.
+            point=(0, 1, None) draws a point at (q0, q1, 0). forces=True draws contact forces at their points (``contact_forces=True`` of `solve`), or
+            those of a contact list as lines between bodies.
 
         Returns
         -------

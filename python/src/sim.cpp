@@ -321,6 +321,15 @@ bool recorder::written()
   return result != nullptr;
 }
 
+// Of the contacts of the present record.
+int recorder::add_forces(int contacts)
+{
+  const std::size_t before = point.size(), more = 3 * static_cast<std::size_t>(contacts);
+  point.resize(before + more);
+  force.resize(before + more);
+  return nsdae_sim_get_contact_forces(from, point.data() + before, force.data() + before);
+}
+
 // A record with its sensors.
 int recorder::add(const nsdae_record &record)
 {
@@ -334,13 +343,30 @@ int recorder::add(const nsdae_record &record)
     sensors[static_cast<std::size_t>(i)].insert(sensors[static_cast<std::size_t>(i)].end(), value,
                                                 value + size);
   }
+  if (contact_forces && status == NSDAE_OK) status = add_forces(record.contacts.count);
   return status;
+}
+
+nb::object recorder::contacts()
+{
+  std::vector<contact_force_row> rows(kept.contacts.size());
+  for (std::size_t i = 0; i < rows.size(); i++) {
+    rows[i].contact = kept.contacts[i];
+    std::copy_n(point.data() + 3 * i, 3, rows[i].point);
+    std::copy_n(force.data() + 3 * i, 3, rows[i].force);
+  }
+  point.clear();
+  force.clear();
+  if (kept.listed) return bytes_of(rows);
+  return bytes_of(rows, {kept.time.size(), static_cast<std::size_t>(dims.k)});
 }
 
 nb::dict recorder::arrays()
 {
   const std::size_t n = kept.time.size();
+  const nb::object pressed = contact_forces ? contacts() : nb::none();
   nb::dict a = kept.arrays(dims);
+  if (contact_forces) a["contacts"] = pressed;
   nb::list all;
   for (std::size_t i = 0; i < sensors.size(); i++) {
     std::vector<double> &values = sensors[i];
@@ -373,7 +399,8 @@ int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self
 
 // Keeps the start, each every-th record and the last one, also of a failed run. Returns the
 // warnings, or "".
-nb::str sim::record_run(double t_end, int every, recorder &to, nb::object write, double pause)
+nb::str sim::record_run(double t_end, int every, recorder &to, nb::object write, double pause,
+                        bool contact_forces)
 {
   if (every < 1)
     refuse(NSDAE_E_ARGUMENT, "every", "every = " + std::to_string(every) + ": must be at least 1");
@@ -382,6 +409,7 @@ nb::str sim::record_run(double t_end, int every, recorder &to, nb::object write,
   to.every = every;
   to.write = write.is_none() ? nullptr : write.ptr();
   to.pause = pause;
+  to.contact_forces = contact_forces;
   to.from = handle;
   checked(nsdae_sim_observe(handle, recorder::observe, &to));
   int status;
@@ -688,6 +716,7 @@ void bind_sim(nb::module_ &m)
   m.attr("CHANGE_SIZE") = sizeof(change_row);
   m.attr("CERTIFICATE_SIZE") = sizeof(nsdae_certificate);
   m.attr("CONTACT_ROW_SIZE") = sizeof(contact_row);
+  m.attr("CONTACT_FORCE_ROW_SIZE") = sizeof(contact_force_row);
   nb::class_<recorder>(m, "Recorder").def(nb::init<>()).def("arrays", &recorder::arrays);
   nb::class_<sim>(m, "Sim", nb::type_slots(slots))
       .def(nb::init<nb::object, nb::dict>())
@@ -696,7 +725,7 @@ void bind_sim(nb::module_ &m)
       .def("step", &sim::step)
       .def("run", &sim::run)
       .def("record_run", &sim::record_run, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
-           nb::arg())
+           nb::arg(), nb::arg())
       .def("record", &sim::record)
       .def("stats", &sim::stats)
       .def("options", &sim::options)

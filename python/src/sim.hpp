@@ -45,6 +45,12 @@ struct contact_row {
   int mode, nothing;
 };
 
+// The same with its point and force.
+struct contact_force_row {
+  contact_row contact;
+  double point[3], force[3];
+};
+
 struct change_row {
   double time;
   int contact, frictional_joint, mode_before, mode_after;
@@ -73,6 +79,8 @@ struct recorder {
   columns kept;
   nsdae_sim *from = nullptr;
   std::vector<std::vector<double>> sensors; // of each sensor the values of all records
+  bool contact_forces = false;
+  std::vector<double> point, force; // [3] of each contact of all records, if contact_forces
   nsdae_dims dims = {};
   int every = 1;
   bool last_kept = true;
@@ -81,6 +89,8 @@ struct recorder {
   double pause = 0; // between two writes [s]
   bool written();
   int add(const nsdae_record &record);
+  int add_forces(int contacts);
+  nb::object contacts(); // with points and forces
   static int observe(const nsdae_record *record, nsdae_error *error, void *self);
   nb::dict arrays(); // of the records since the last call
 };
@@ -99,7 +109,8 @@ public:
   nb::tuple project(double t0, vector q0, vector v0);
   int step();
   int run(double t_end, bool to_event);
-  nb::str record_run(double t_end, int every, recorder &to, nb::object write, double pause);
+  nb::str record_run(double t_end, int every, recorder &to, nb::object write, double pause,
+                     bool contact_forces);
   nb::dict record() const;
   nsdae_record shown() const;
   nb::dict stats() const;

@@ -107,7 +107,7 @@ def pile():
 
 @pytest.fixture(scope="module")
 def run():
-    return nsdae.solve(pile(), 0.6, method="moreau", dt=2e-3)
+    return nsdae.solve(pile(), 0.6, method="moreau", dt=2e-3, contact_forces=True)
 
 
 def test_a_falling_pile_differs_between_two_times(run, browser):
@@ -125,7 +125,17 @@ def test_a_falling_pile_differs_between_two_times(run, browser):
         browser.press(button)
         until(lambda record=record: viewer.record == record)
         browser.picture_that(holds)  # bodies cover a twentieth of the picture
+    # the five arrows are a thousandth of the picture; nothing is red without them
+    assert red(end) == 0
+    viewer.forces.value = True
+    viewer.redraw()
+    browser.picture_that(lambda now: red(now) > 5e-4)
     viewer.close()
+
+
+def red(picture):
+    """The part of a picture that is red as forces are, (176, 22, 28), seen through bodies of glass; bodies are paler."""
+    return (picture[..., 0] - picture[..., 1:].max(axis=2) > 60).mean()
 
 
 def test_play_pause_and_step(run):
@@ -190,8 +200,8 @@ def test_a_simulation_is_paused_and_stepped(browser):
     assert ended.wait(10) and not viewer.update()
 
 
-def test_forces_of_a_simulation_are_at_its_contacts():
-    """Balls and a box at rest: below the centre of each ball is an arrow up of its weight, those of the box are at its corners."""
+def at_rest():
+    """Balls of 1 kg and a box of 4 kg on a floor."""
     world = Bodies(3, gravity=(0, 0, -10))
     world.add_solid(GROUND, Solid("plane"))
     balls = [world.add(1, (0.01, 0.01, 0.01), position=(0.5 * i, 0.1 * i, 0.1)) for i in range(3)]
@@ -199,15 +209,24 @@ def test_forces_of_a_simulation_are_at_its_contacts():
         world.add_solid(ball, Solid("sphere", radius=0.1))
     world.add_solid(world.add(4, (0.1, 0.1, 0.1), position=(0, 1, 0.2)), Solid("box", length=(0.6, 0.6, 0.4)))
     world.set_pair(0, 0, mu=0)
-    sim = nsdae.Sim(world, method="implicit", dt=2e-3)
+    return world
+
+
+@pytest.mark.parametrize("whole", [True, False], ids=["run", "simulation"])
+def test_forces_are_at_the_contacts(whole):
+    """Below the centre of each ball is an arrow up of its weight, those of the box are at its corners."""
+    sim = nsdae.Sim(at_rest(), method="implicit", dt=2e-3)
     sim.init()
-    sim.run(0.1)
+    run = sim.record_run(0.1, contact_forces=True)
     point, force = sim.contact_forces()
     assert point.shape == force.shape == (len(sim.record.contacts), 3)
     assert force.sum(axis=0) == pytest.approx([0, 0, 70], abs=1e-6)
-    viewer = sim.show(block=False)
+    viewer = run.show(block=False) if whole else sim.show(block=False)
     viewer.forces.value = True
-    viewer.draw()
+    if whole:
+        viewer.jump(len(run) - 1)
+    else:
+        viewer.draw()
     arrows = viewer.stage.arrows.points * viewer.stage.unit
     tails = {tuple(tail) for tail in (arrows[:, 0].round(3) + 0.0).tolist()}
     corners = {(x, y, 0.0) for x in (-0.3, 0.3) for y in (0.7, 1.3)}
@@ -215,6 +234,12 @@ def test_forces_of_a_simulation_are_at_its_contacts():
     assert below < tails <= below | corners  # two corners may bear the box
     along = arrows[:, 1] - arrows[:, 0]
     assert np.abs(along[:, :2]).max() < 1e-3 * along[:, 2].min()
+    viewer.close()
+
+
+def test_a_run_without_forces_has_no_arrows():
+    viewer = nsdae.solve(at_rest(), 0.01, dt=2e-3).show(block=False)
+    assert viewer.pressed is None and not viewer.forces.visible
     viewer.close()
 
 

@@ -27,14 +27,20 @@ typedef struct fixture {
   nsdae_sim *sim;
 } fixture;
 
-static int sensed; /* a wheel with sensors of 1, 3 and 4 values in place of the bead */
+static int sensed; /* a wheel with sensors of 1, 3 and 4 values, and a ball on a floor, in place of
+                      the bead */
 
 static void open_wheel(fixture *f)
 {
-  double q0[7], v0[6];
+  double q0[14], v0[12];
   assert_int_equal(nsdae_bodies_create(3, &f->bodies, NULL), NSDAE_OK);
   nsdae_bodies_add(f->bodies,
                    &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}, .spin = {0, 0, 9}});
+  nsdae_bodies_add(f->bodies,
+                   &(nsdae_rigid_body){.mass = 1, .inertia = {1, 1, 1}, .position = {0, 0, 1}});
+  nsdae_bodies_add_solid(f->bodies, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  nsdae_bodies_add_solid(f->bodies, 1, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 1});
+  nsdae_bodies_add_contact(f->bodies, 0, 1, 0, 0, 0);
   nsdae_bodies_add_joint(f->bodies, &(nsdae_joint){.body = {NSDAE_GROUND}, .axis = {0, 0, 1}});
   nsdae_bodies_add_sensor(f->bodies,
                           &(nsdae_sensor){.name = "turned", .kind = NSDAE_SENSOR_COORDINATE});
@@ -92,7 +98,7 @@ static int run(open_fn open, long at)
   fixture f;
   nsdae_trajectory *t;
   nsdae_error error;
-  const nsdae_trajectory_info info = {.model = "bead", .compress = 2};
+  const nsdae_trajectory_info info = {.model = "bead", .compress = 2, .contact_forces = sensed};
   open_fixture(&f);
   allocator_reset(at);
   int status = open(f.sim, path, &info, &t, &error);

@@ -482,6 +482,9 @@ void test_trajectory(const char *path)
     again.run(0.2);
     resumed.flush();
     resumed.close();
+    info.contact_forces = 1; /* the file has none */
+    EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::trajectory::resume(again, path, info); }));
+    info.contact_forces = 0;
     info.model = "bat";
     EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::trajectory::resume(again, path, info); }));
     EXPECT(throws_status(NSDAE_E_IO, [] {

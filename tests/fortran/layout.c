@@ -191,6 +191,7 @@ static const entry entries[] = {
     AT(nsdae_trajectory_info, parameters) AT(nsdae_trajectory_info, parameters_base)
     AT(nsdae_trajectory_info, live) AT(nsdae_trajectory_info, every)
     AT(nsdae_trajectory_info, compress) AT(nsdae_trajectory_info, t_end)
+    AT(nsdae_trajectory_info, contact_forces)
     SIZE(nsdae_body)
     AT(nsdae_body, shape) AT(nsdae_body, size) AT(nsdae_body, points) AT(nsdae_body, point)
     AT(nsdae_body, position) AT(nsdae_body, angle) AT(nsdae_body, quaternion) AT(nsdae_body, end)

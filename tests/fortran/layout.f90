@@ -625,6 +625,7 @@ contains
     call same_place('nsdae_trajectory_info%every', c_loc(x), c_loc(x%every))
     call same_place('nsdae_trajectory_info%compress', c_loc(x), c_loc(x%compress))
     call same_place('nsdae_trajectory_info%t_end', c_loc(x), c_loc(x%t_end))
+    call same_place('nsdae_trajectory_info%contact_forces', c_loc(x), c_loc(x%contact_forces))
   end subroutine
 
   subroutine body_fields()

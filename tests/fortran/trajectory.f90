@@ -71,6 +71,9 @@ contains
     call contains_text(error%text, 'no/such/folder/x.h5', 'error%text')
     call is_int(nsdae_trajectory_create(none, 'x.h5', nsdae_trajectory_info('bead'), t), &
                 NSDAE_E_ARGUMENT, 'no simulation')
+    call is_int(nsdae_trajectory_create(sim, 'x.h5', nsdae_trajectory_info('bead', contact_forces=.true.), t, &
+                                        error), NSDAE_E_ARGUMENT, 'no solids')
+    call is_text(error%argument, 'contact_forces', 'error%argument')
     call is_int(nsdae_trajectory_put(t, '/x', [1d0], 'm', 'nothing'), NSDAE_E_ARGUMENT, 'no file')
     call is_int(nsdae_trajectory_close(t, NSDAE_OK), NSDAE_OK, 'close nothing')
   end subroutine

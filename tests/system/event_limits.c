@@ -153,6 +153,29 @@ static void test_restitution(void **state)
     }
 }
 
+/* A ball that falls 1 mm beside a rotor, which it does not touch: it bounces as if it was alone.
+ * The sum rtol spin is 5e-3 m/s, its last impact here comes with 0.03 m/s. */
+static void test_rotor(void **state)
+{
+  (void)state;
+  const double spin[] = {0, 500, 5e3, 5e5}, rtol[] = {1e-5, 1e-5, 1e-6, 1e-8}, e = 0.8;
+  for (int i = 0; i < 4; i++) {
+    balls p = {.count = 1, .g = 9.81};
+    double q0[2] = {1e-3}, v0[2] = {0, spin[i]};
+    nsdae_system *system = balls_system(&p, 0, &e);
+    expected_flight exact = {q0[0], p.g, e, 0};
+    event_run_default(&r);
+    r.options.rtol = rtol[i];
+    r.options.dt = 1e-4;
+    r.t_end = 0.1; /* it rests at 0.13 s */
+    r.look = compare_flight, r.user = &exact;
+    event_run_do(&r, system, q0, v0);
+    assert_int_equal(r.status, NSDAE_OK);
+    assert_at_most(exact.worst, 1e-9); /* polynomials of degree 2: atol alone */
+    nsdae_system_destroy(&system);
+  }
+}
+
 /* Three balls come to rest at times of their own, one of them while another bounces on. */
 static void test_accumulations(void **state)
 {
@@ -632,6 +655,38 @@ static void test_mass_ratio(void **state)
     }
 }
 
+/* v+ of the heavy ball after all impacts, one by one: a limit of zero (inelastic collapse) within
+ * 1e-12 counts as reached. */
+static double after_impacts(const squeezed *p, double e)
+{
+  double u = 0, w = -1;
+  while (fabs(u) + fabs(w) > 1e-12 && (u < 0 || w < u)) {
+    if (u < 0) u = -e * u;
+    double P = (1 + e) * fmax(0, u - w) / (1 / p->light + 1 / p->heavy);
+    u -= P / p->light;
+    w += P / p->heavy;
+  }
+  return w;
+}
+
+/* The heavy ball comes with 1 m/s to the light one at rest. With (1 - e)^2 < 4 e m / M the impacts
+ * end and it rebounds; else they have no end, and both balls come to rest, whatever e_N is. The
+ * impacts of a collapse are too many to be made one by one. */
+static void test_collapse(void **state)
+{
+  (void)state;
+  const double e[] = {0, 0.3, 0.5, 0.9, 0.95, 0.99};
+  for (int i = 0; i < 6; i++)
+    for (double ratio = 10; ratio < 2e5; ratio *= 10) {
+      squeezed p = {1, ratio, 0};
+      double q0[2] = {1e-3, 2e-3}, v0[2] = {0, -1};
+      squeeze(&p, e[i], q0, v0, 0.1);
+      /* what counts as no velocity: 10 rtol of the light ball's 2 m/s */
+      assert_near(r.v[1], after_impacts(&p, e[i]), 2e-7);
+      assert_true(r.q[0] > -1e-9 && r.q[1] - r.q[0] > -1e-9);
+    }
+}
+
 /* ---- two beads on wires of their own, each between two walls ---- */
 
 enum { BEAD_GAPS = 4 };
@@ -713,6 +768,7 @@ int main(void)
       cmocka_unit_test(test_starts),       cmocka_unit_test(test_stabilisation),
       cmocka_unit_test(test_slot),         cmocka_unit_test(test_no_room),
       cmocka_unit_test(test_pool_with_pi), cmocka_unit_test(test_mass_ratio),
+      cmocka_unit_test(test_collapse),     cmocka_unit_test(test_rotor),
       cmocka_unit_test(test_beads),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

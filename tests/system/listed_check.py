@@ -186,6 +186,38 @@ def check_space():
         listed_space.check("balls.h5", "balls.vtkhdf", "balls.html")
 
 
+def check_forces(program, *arguments):
+    """Fixed contacts and a list with points and forces: points in the file of contacts, lines from there on the page."""
+    tools.runs(f"nsdae-{program}", "--quiet", "--t-end", "0.5", "--every", "25", "--set", "contact_forces=1", *arguments, "--output", "f.h5")
+    tools.runs("nsdae-vtk", "f.h5")
+    tools.runs("nsdae-animate", "--forces", "-o", "f.html", "f.h5")
+    with tools.judged(program), h5py.File("f.h5") as f, h5py.File("f.contacts.vtkhdf") as g, open("f.html", encoding="utf-8") as page:
+        root = g["VTKHDF"]
+        scene = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read()).group(1))
+        n, most = len(f["time"]), int(root["Vertices/NumberOfCells"][0])
+        points, force = root["Points"][...].reshape(n, most, 3), root["PointData/force"][...].reshape(n, most, 3)
+        data = {name: root[f"PointData/{name}"][...].reshape(n, most) for name in ("id", "normal_force", "friction_force")}
+        expect("offsets", all(np.array_equal(root[f"Steps/{name}"], most * np.arange(n)) for name in ("PointOffsets", "PointDataOffsets/force")))
+        seen = 0
+        for record in range(n):
+            first, count = (f[f"contacts/{name}"][record] for name in ("first", "count")) if "contacts/first" in f else (0, 0)
+            rows = slice(first, first + count) if count or "contacts/first" in f else record
+            at, own = f["contacts/point"][rows], f["contacts/force"][rows]
+            has = np.isfinite(at[:, 0])
+            used = np.count_nonzero(has)
+            expect("points and forces", np.array_equal(points[record, :used], at[has]) and np.array_equal(force[record, :used], own[has]))
+            expect("unused", not force[record, used:].any() and np.all(data["id"][record, used:] == -1))
+            size = np.hypot(data["normal_force"][record, :used], data["friction_force"][record, :used])
+            expect("size", np.abs(size - np.linalg.norm(own[has], axis=1)).max(initial=0) < 1e-9 * size.max(initial=1))
+            for *line, weight in scene["forces"][record]:
+                tail, along = np.array(line[:3]), np.subtract(line[3:], line[:3])
+                near = np.linalg.norm(at[has] - tail, axis=1) < 1e-4
+                cosine = own[has][near] @ along / (np.linalg.norm(own[has][near], axis=1) * np.linalg.norm(along))
+                expect("a line is that of a contact", weight == 1 and cosine.max() > 1 - 1e-3)
+                seen += 1
+        expect("forces", seen > 10)
+
+
 def spoilt(name, value):
     shutil.copy("disks0.h5", "bad.h5")
     with h5py.File("bad.h5", "a") as file:
@@ -202,11 +234,19 @@ def check_refused():
     tools.refuses(1, "its /shapes do not fit together", "nsdae-vtk", spoilt("shapes/position", 71))
     for shape in (9, 99):  # a polyhedron without points; none
         tools.refuses(1, "its /shapes do not fit together", "nsdae-animate", spoilt("shapes/shape", shape))
+    with h5py.File("f.h5", "a") as file:
+        values = file["contacts/force"][..., :2]
+        del file["contacts/force"]
+        file["contacts/force"] = values
+    for program in (["nsdae-vtk"], ["nsdae-animate", "--forces"]):
+        tools.refuses(1, "the columns of the contacts of record 0 do not fit together", *program, "f.h5")
     tools.runs("nsdae-bouncing-ball", "--quiet", "--t-end", "0.1", "--output", "ball.h5")
-    tools.refuses(1, "has no contact list for --forces", "nsdae-animate", "--forces", "ball.h5")
+    tools.refuses(1, "has no contact forces and no contact list for --forces", "nsdae-animate", "--forces", "ball.h5")
 
 
 check_disks(sys.argv[2])
 check_space()
+check_forces("gripper")
+check_forces("ragdoll")
 check_refused()
 tools.end()

@@ -6,9 +6,6 @@
 #include "errors.h"
 #include "acceleration.h"
 
-/* One after the other in an instant. */
-enum { IMPACTS_MAX = 2000 };
-
 /* Much slower than another. */
 static const double SLOWER = 0.1;
 
@@ -29,6 +26,8 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   nsdae_arena_doubles(arena, d->k, (double **[]){&p->velocity, &p->blur, &p->coming, NULL});
   nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
   p->bound = NSDAE_ARENA_DOUBLES(arena, d->f);
+  p->sequence.hit = NSDAE_ARENA_INTS(arena, d->k);
+  p->sequence.size = NSDAE_ARENA_DOUBLES(arena, d->k);
 }
 
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
@@ -48,8 +47,8 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
 int nsdae_event_touches(const nsdae_event_setting *s, int i)
 {
   const nsdae_terms *T = s->here;
-  return T->gap[i] <= nsdae_event_position_size(s) &&
-         nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_velocity_size(s);
+  return T->gap[i] <= nsdae_event_gap_size(s, i) &&
+         nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_rate_size(s, i);
 }
 
 /* v and Lambda without contacts: M v + Phi_q^T Lambda = M v-, Phi_q v = -Phi_t. */
@@ -104,14 +103,23 @@ static int solve(nsdae_event_impacts *p)
   return status;
 }
 
-/* The contacts' velocities before, zero where the integrator's errors could be all of it; and where
- * they part, in an impact that drives none together. */
+/* Up to this the velocity of contact i is none. Past many instants in a row it is a multiple of
+ * what the errors of all velocities may be: its own shrinks with the contact's velocity. */
+static double slow_approach(const nsdae_event_impacts *p, int i)
+{
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  return p->blur[i] > 1 ? p->blur[i] * nsdae_event_velocity_size(s) : p->sequence.size[i];
+}
+
+/* The contacts' velocities before, zero where the integrator's errors could be all of it; in the
+ * limit of a sequence, those of elastic contacts that approach alone. */
 static void approach(nsdae_event_impacts *p)
 {
-  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++) {
-    double v = p->velocity[i], slow = p->blur[i] * size;
-    p->coming[i] = v < -slow || (v > slow && !p->together) ? v : 0;
+    double v = p->velocity[i], slow = slow_approach(p, i);
+    int counts =
+        p->sequence.together ? v < -slow && p->problem.system->contact[i].e_n == 1 : fabs(v) > slow;
+    p->coming[i] = counts ? v : 0;
   }
   nsdae_contacts_come(&p->problem, p->coming);
 }
@@ -177,7 +185,7 @@ static int restitute(nsdae_event_impacts *p, const double *before)
   if (is_unsolved(status)) {
     memset(p->coming, 0, (size_t)s->system->dims.k * sizeof *p->coming);
     nsdae_contacts_come(&p->problem, p->coming);
-    p->endless |= p->together && loses_nothing(p);
+    p->sequence.endless |= p->sequence.together && loses_nothing(p);
     nsdae_error_clear(s->error);
     return solve(p);
   }
@@ -233,15 +241,15 @@ static void keep(nsdae_event_impacts *p)
   const nsdae_impulses *c = &p->solution;
   const nsdae_event_accumulation *a = &p->accumulation;
   const nsdae_dims *d = &p->problem.system->dims;
-  nsdae_result *r = p->acceleration->phase->setting->result;
-  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
+  const nsdae_event_setting *s = p->acceleration->phase->setting;
+  nsdae_result *r = s->result;
   int ends = 0, rattled = 0;
   nsdae_contacts_come(&p->problem, p->velocity);
   r->work += nsdae_contacts_work(&p->problem) + a->work;
   for (int n = 0; n < d->k; n++) {
     int i = nsdae_system_contact(p->problem.system, n);
     if (c->normal[i] > 0 && c->normal[i] + a->normal[i] > 0) record(p, i);
-    rattled |= p->velocity[i] < -size && p->velocity[i] >= -p->blur[i] * size &&
+    rattled |= p->velocity[i] < -p->sequence.size[i] && p->velocity[i] >= -slow_approach(p, i) &&
                p->problem.system->contact[i].e_n > 0;
     ends |= a->settles[i];
   }
@@ -293,43 +301,63 @@ static int approaching(const nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
-  for (int i = 0; i < T->system->dims.k; i++)
-    if (p->acceleration->is.touching[i] &&
-        nsdae_terms_normal_rate(T, i, T->v) < -nsdae_event_velocity_size(s))
-      return 1;
-  return 0;
+  int any = 0;
+  for (int i = 0; i < T->system->dims.k; i++) {
+    p->sequence.size[i] = fmax(p->sequence.size[i], nsdae_event_rate_size(s, i));
+    any |= p->acceleration->is.touching[i] &&
+           nsdae_terms_normal_rate(T, i, T->v) < -p->sequence.size[i];
+  }
+  return any;
 }
 
-/* What touches: all that was closed and all that does not part; with `together` what parts, too. */
+/* What touches: all that was closed, and all that does not part; for a limit all of the sequence.
+ */
 static void find_touching(nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const int *mode = p->acceleration->phase->modes.contact;
   for (int i = 0; i < s->system->dims.k; i++)
-    p->acceleration->is.touching[i] =
-        mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i) ||
-        (p->together && s->here->gap[i] <= nsdae_event_position_size(s));
+    p->acceleration->is.touching[i] = mode[i] != NSDAE_MODE_OPEN || nsdae_event_touches(s, i) ||
+                                      (p->sequence.together && p->sequence.hit[i]);
+}
+
+/* Accounts for the impact that was. A plastic one takes a dimension: its velocity counts as rtol.
+ */
+static void shrink(nsdae_event_sequence *q, const nsdae_contacts *c, const double *coming,
+                   double rtol)
+{
+  for (int n = 0; n < c->system->dims.k; n++) {
+    int i = nsdae_system_contact(c->system, n);
+    if (!(coming[i] < 0)) continue;
+    q->hits += !q->hit[i];
+    q->hit[i] = 1;
+    q->decay += log(fmax(c->system->contact[i].e_n, rtol));
+  }
+  q->together = q->hits > 0 && q->decay < q->hits * log(rtol);
 }
 
 /* An impact may drive another contact that touches, and parted or rested before it, together: then
  * that is the next, at the same time. A light body between heavy ones goes to and fro so for as
- * long as it takes to turn them: past IMPACTS_MAX all that touch have one impact together, with its
- * e_N, that drives none of these together. Another that it brings to touch joins the next: there
- * are k. A body that just fits between two others, and loses nothing, has none: the step is not the
- * method's any more. */
+ * long as it takes to turn them. After events_max the sequence counts as endless: elastic contacts
+ * have one impact together. Another that it brings to touch joins the next: there are k. A body
+ * that just fits between two others, and loses nothing, has none: implicit takes the step. */
 int nsdae_event_collide(nsdae_event_impacts *p, double *y)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
-  int count = 0, most = s->options->events_max < IMPACTS_MAX ? s->options->events_max : IMPACTS_MAX;
+  nsdae_event_sequence *q = &p->sequence;
+  int count = 0, most = s->options->events_max;
+  memset(q->hit, 0, (size_t)s->system->dims.k * sizeof *q->hit);
+  memset(q->size, 0, (size_t)s->system->dims.k * sizeof *q->size);
+  q->hits = q->together = 0;
+  q->decay = 0;
   while (approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
-    p->together = count >= most;
-    if (p->together) find_touching(p);
     int status = impact(p, y);
     if (status < 0) return status;
-    p->together = 0;
+    shrink(q, &p->problem, p->coming, s->options->rtol);
+    q->together |= ++count >= most;
     find_touching(p);
-    count++;
   }
-  p->endless |= approaching(p);
+  q->endless |= approaching(p);
+  q->together = 0;
   return count;
 }

@@ -13,6 +13,20 @@
 #include "account.h"
 #include "accumulation.h"
 
+/* The impacts of one instant, one after the other. Each with e_N multiplies the determinant of the
+ * linear map from the first velocities to the present ones by -e_N. In a sequence that ends, the d
+ * velocities of its contacts shrink alike: they are (product of e_N)^(1/d) of the first. A sequence
+ * that still goes on if this is below rtol has no end. Its velocities of approach go to zero, as
+ * the sum of their energies is finite: its limit is the plastic impact of all its contacts. */
+typedef struct nsdae_event_sequence {
+  int *hit;     /* k: it had an impact */
+  int hits;     /* d */
+  double decay; /* ln of the product of e_N */
+  double *size; /* k: the most that the errors of the velocities in it may be of each rate */
+  int together; /* the next impact is the limit: no contact that parts is driven together */
+  int endless;  /* it has more than events_max impacts */
+} nsdae_event_sequence;
+
 typedef struct nsdae_event_impacts {
   nsdae_event_acceleration *acceleration;
   nsdae_event_account *account;
@@ -26,8 +40,7 @@ typedef struct nsdae_event_impacts {
   double *force, *xi;               /* columns: for cones */
   double *bound;                    /* f: of the friction circles */
   double *blur; /* k: multiple of the threshold below which an impact is plastic */
-  int together; /* what parts already is to go on parting */
-  int endless;  /* impacts of one instant that nothing ends */
+  nsdae_event_sequence sequence;
 } nsdae_event_impacts;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *impacts, nsdae_arena *arena);

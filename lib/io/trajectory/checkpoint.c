@@ -51,8 +51,7 @@ static int grow_place(nsdae_checkpoint *c, size_t bytes)
 int nsdae_checkpoint_init(nsdae_checkpoint *checkpoint, const nsdae_sim *sim)
 {
   size_t size;
-  nsdae_sizes sizes = nsdae_sizes_of(sim);
-  *checkpoint = (nsdae_checkpoint){.set = -1, .grows = sizes.varies};
+  *checkpoint = (nsdae_checkpoint){.set = -1, .grows = nsdae_sizes_of(sim, 0).varies};
   int status = nsdae_sim_state_size(sim, &size);
   if (status < 0) return status;
   checkpoint->width = sizeof(head) + size;

@@ -117,6 +117,10 @@ static const nsdae_column contact_columns[] = {
      "tangential impulse of the step that ends here"},
     {"/contacts/mode", INT_ROW(record.contacts.mode), NSDAE_WIDTH_ONE, "1",
      "0 open, 1 slip, 2 stick"},
+    {"/contacts/point", ROW(point), NSDAE_WIDTH_FORCE, "m",
+     "midway between the surfaces; NaN of a contact without an impulse or of no solids"},
+    {"/contacts/force", ROW(force), NSDAE_WIDTH_FORCE, "N",
+     "on the body of the larger number, mean over the step that ends here"},
 };
 
 #define COLUMNS(column) column, (int)(sizeof(column) / sizeof *(column))
@@ -136,18 +140,19 @@ static int named_sensor(const nsdae_system *system, int i)
   return *nsdae_system_get_name(system, NSDAE_NAME_SENSOR, i) ? size : 0;
 }
 
-nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim)
+nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim, int forces)
 {
   nsdae_dims d;
   int varies = nsdae_sim_get_system(sim)->call.contacts != NULL;
   nsdae_sim_get_dims(sim, &d);
-  int components[NSDAE_VALUES_MAX + 1] = {0};
+  int components[NSDAE_VALUES_MAX + 1] = {[3] = forces ? 3 : 0};
   for (int i = 0, size; (size = named_sensor(nsdae_sim_get_system(sim), i)) >= 0; i++)
     components[size] = size;
   return (nsdae_sizes){.axis = {d.nq, d.nv, d.m, d.k, d.k > 0 || varies ? d.nt : 0, d.f, 2 * varies,
                                 components[2], components[3], components[4]},
                        .potential = nsdae_sim_has_potential(sim),
-                       .varies = varies};
+                       .varies = varies,
+                       .forces = forces};
 }
 
 int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_sizes *sizes,
@@ -158,11 +163,13 @@ int nsdae_table_shape(const nsdae_table *table, nsdae_width width, const nsdae_s
                      [NSDAE_WIDTH_POTENTIAL] = sizes->potential,
                      [NSDAE_WIDTH_LIST] = varies,
                      [NSDAE_WIDTH_CONTACTS] = varies || length[NSDAE_WIDTH_K] > 0,
-                     [NSDAE_WIDTH_CONSTRAINTS] = length[NSDAE_WIDTH_M] > 0};
+                     [NSDAE_WIDTH_CONSTRAINTS] = length[NSDAE_WIDTH_M] > 0,
+                     [NSDAE_WIDTH_FORCE] = sizes->forces};
   int rank = 0;
   shape[0] = shape[1] = 1;
   if (table->by_contact && !varies) axis[rank++] = NSDAE_WIDTH_K;
   if (width < NSDAE_AXES) axis[rank++] = (int)width;
+  if (width == NSDAE_WIDTH_FORCE) axis[rank++] = NSDAE_WIDTH_THREE;
   for (int i = 0; i < rank; i++) shape[i] = length[axis[i]];
   if (width >= NSDAE_AXES) shape[1] *= one[width];
   return rank;

@@ -138,6 +138,7 @@ void nsdae_setting_make(nsdae_setting *setting, nsdae_h5 *h5, const nsdae_sim *s
   if (info->t_end > 0) add_setting(setting, h5, "run", "t_end", "%.17g", info->t_end);
   add_setting(setting, h5, "run", "every", "%d", info->every > 0 ? info->every : 1);
   add_setting(setting, h5, "run", "compress", "%d", info->compress);
+  add_setting(setting, h5, "run", "contact_forces", "%d", info->contact_forces);
 }
 
 void nsdae_setting_write(const nsdae_setting *setting, nsdae_h5 *h5)

@@ -241,7 +241,7 @@ static const struct axis {
                        "/frictional_joint/frictional_joint_unit"},
     [NSDAE_WIDTH_PAIR] = {"/side", "side", "sides of a contact", -1, NULL},
     [NSDAE_WIDTH_TWO] = {"/component2", "component", "x, y of a sensor in the plane", -1, NULL},
-    [NSDAE_WIDTH_THREE] = {"/component3", "component", "x, y, z of a sensor in space", -1, NULL},
+    [NSDAE_WIDTH_THREE] = {"/component3", "component", "x, y, z", -1, NULL},
     [NSDAE_WIDTH_FOUR] = {"/component4", "component", "w, x, y, z of a quaternion", -1, NULL},
 };
 
@@ -276,12 +276,11 @@ static void write_numbers(nsdae_h5 *h5, int i, int n)
   free(number);
 }
 
-void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim)
+void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_system *system,
+                       const nsdae_sizes *sizes)
 {
-  const nsdae_system *system = nsdae_sim_get_system(sim);
-  nsdae_sizes sizes = nsdae_sizes_of(sim);
   for (int i = 0; i < NSDAE_AXES; i++) {
-    int n = sizes.axis[i];
+    int n = sizes->axis[i];
     scale[i] = -1;
     if (n == 0) continue;
     if (n > NAMED_MOST)

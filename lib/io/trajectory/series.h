@@ -16,15 +16,16 @@ typedef enum nsdae_width {
   NSDAE_WIDTH_T, /* nt, if there are contacts of either kind */
   NSDAE_WIDTH_F,
   NSDAE_WIDTH_PAIR, /* 2, of a contact list */
-  NSDAE_WIDTH_TWO,  /* components of sensors, if there is one with as many */
+  NSDAE_WIDTH_TWO,  /* components of sensors and forces, if there is one with as many */
   NSDAE_WIDTH_THREE,
   NSDAE_WIDTH_FOUR,
   NSDAE_AXES,
   NSDAE_WIDTH_ONE = NSDAE_AXES, /* plain values */
   NSDAE_WIDTH_POTENTIAL,
-  NSDAE_WIDTH_LIST,       /* plain values of a contact list */
-  NSDAE_WIDTH_CONTACTS,   /* plain values, if there are contacts of either kind */
-  NSDAE_WIDTH_CONSTRAINTS /* plain values, if there are constraints */
+  NSDAE_WIDTH_LIST,        /* plain values of a contact list */
+  NSDAE_WIDTH_CONTACTS,    /* plain values, if there are contacts of either kind */
+  NSDAE_WIDTH_CONSTRAINTS, /* plain values, if there are constraints */
+  NSDAE_WIDTH_FORCE        /* vectors [3] of contacts, if their forces are recorded */
 } nsdae_width;
 
 /* What the widths of rows follow from. */
@@ -32,9 +33,10 @@ typedef struct nsdae_sizes {
   int axis[NSDAE_AXES]; /* their lengths */
   int potential;        /* 1: the model gives it */
   int varies;           /* 1: contacts vary from step to step, 0: fixed contacts */
+  int forces;           /* 1: points and forces of contacts are recorded */
 } nsdae_sizes;
 
-nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim);
+nsdae_sizes nsdae_sizes_of(const nsdae_sim *sim, int forces);
 
 /* Types of values, in memory and in the file. */
 typedef enum nsdae_value { NSDAE_VALUE_REAL, NSDAE_VALUE_INT, NSDAE_VALUE_LONG } nsdae_value;
@@ -61,7 +63,8 @@ typedef struct nsdae_table {
 /* What the columns are taken from. */
 typedef struct nsdae_row {
   nsdae_record record;
-  long first; /* where its contacts begin in the list of all */
+  long first;                  /* where its contacts begin in the list of all */
+  const double *point, *force; /* of its contacts, [3] each; NULL: not recorded */
   nsdae_impact impact;
   nsdae_change change;
 } nsdae_row;
@@ -157,6 +160,7 @@ long nsdae_series_held_bytes(const nsdae_series *series);
 
 /* Makes them in the file of a simulation, by their widths (dataset_table.c). < 0: the model has
  * none of it. */
-void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_sim *sim);
+void nsdae_axes_create(hid_t scale[NSDAE_AXES], nsdae_h5 *h5, const nsdae_system *system,
+                       const nsdae_sizes *sizes);
 
 #endif

@@ -21,7 +21,7 @@ static int observe(const nsdae_record *record, nsdae_error *error, void *user)
 
 static void release(nsdae_trajectory *t)
 {
-  for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_release(&t->rows.series[i]);
+  nsdae_trajectory_release_rows(t);
   nsdae_checkpoint_release(&t->checkpoint);
   nsdae_sensor_columns_release(&t->sensors);
   free(t->path);
@@ -40,7 +40,6 @@ static void abandon(nsdae_trajectory *t)
 static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
                                   const nsdae_trajectory_info *info)
 {
-  nsdae_sizes sizes = nsdae_sizes_of(sim);
   nsdae_trajectory *t = calloc(1, sizeof *t);
   if (!t) return NULL;
   t->sim = sim;
@@ -52,10 +51,6 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
   t->path = malloc(strlen(path) + 1);
   int status = nsdae_checkpoint_init(&t->checkpoint, sim);
   if (status == NSDAE_OK) status = nsdae_sensor_columns_init(&t->sensors, sim);
-  for (int i = 0; i < NSDAE_TABLES && status == NSDAE_OK; i++)
-    status = nsdae_series_init(&t->rows.series[i],
-                               i == NSDAE_RECORDS ? &t->sensors.table : &nsdae_tables[i], &sizes,
-                               info->compress);
   if (!t->path || status < 0) {
     release(t);
     return NULL;
@@ -68,14 +63,17 @@ static nsdae_trajectory *allocate(nsdae_sim *sim, const char *path,
 
 static int check_info(const nsdae_trajectory_info *info, const char *where, nsdae_error *error)
 {
+  int forces = info->contact_forces;
   const char *bad = info->every < 0                            ? "every"
                     : info->compress < 0 || info->compress > 9 ? "compress"
                     : info->compress > 0 && info->live         ? "live"
+                    : forces < 0 || forces > 1                 ? "contact_forces"
                                                                : NULL;
   if (!bad) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, bad,
-                         "every = %d must be at least 0, compress = %d 0 .. 9, and 0 with live",
-                         info->every, info->compress);
+                         "every = %d must be at least 0, compress = %d 0 .. 9, and 0 with live, "
+                         "contact_forces = %d 0 or 1",
+                         info->every, info->compress, forces);
 }
 
 /* The error of the simulation as that of the call; returns status. */

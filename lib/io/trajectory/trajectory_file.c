@@ -43,8 +43,7 @@ static void write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
 {
   nsdae_h5 *h5 = &t->h5;
   nsdae_formula_names names = {.parameters = &t->parameters};
-  nsdae_sizes sizes = nsdae_sizes_of(t->sim);
-  names.nq = sizes.axis[NSDAE_WIDTH_Q];
+  names.nq = t->sizes.axis[NSDAE_WIDTH_Q];
   nsdae_named *coordinate =
       sort_coordinates(h5, nsdae_sim_get_system(t->sim), names.nq, &names.named);
   names.coordinate = coordinate;
@@ -52,7 +51,7 @@ static void write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
   if (h5->status == NSDAE_OK) {
     H5Ldelete(h5->file, "/bodies", H5P_DEFAULT); /* fails if there is none */
     H5Ldelete(h5->file, "/shapes", H5P_DEFAULT);
-    nsdae_bodies_write(h5, n, body, &names, sizes.varies);
+    nsdae_bodies_write(h5, n, body, &names, t->sizes.varies);
   }
   free(coordinate);
 }
@@ -61,12 +60,9 @@ static void write_bodies(nsdae_trajectory *t, int n, const nsdae_body *body)
 static void write_own_bodies(nsdae_trajectory *t)
 {
   int n;
-  nsdae_error *error = t->h5.error;
   const nsdae_body *body = nsdae_system_get_bodies(nsdae_sim_get_system(t->sim), &n);
   if (t->h5.status < 0 || n == 0) return;
   write_bodies(t, n, body);
-  if (t->h5.status < 0 && error)
-    snprintf(error->where, sizeof error->where, "nsdae_trajectory_create");
 }
 
 /* The ids of fixed contacts, beside their names; which of the two kinds the group has. */
@@ -105,22 +101,25 @@ static void write_blocks(nsdae_h5 *h5, const nsdae_system *system)
 static void make_file(nsdae_trajectory *t, const nsdae_trajectory_info *info)
 {
   nsdae_h5 *h5 = &t->h5;
+  const nsdae_system *system = nsdae_sim_get_system(t->sim);
   hid_t axes[NSDAE_AXES];
-  if (nsdae_h5_create(h5, kind_of(t)) < 0) return;
+  h5->where = "nsdae_trajectory_create";
+  nsdae_trajectory_allocate_rows(t, info->contact_forces);
+  if (h5->status < 0 || nsdae_h5_create(h5, kind_of(t)) < 0) return;
   nsdae_description_write(h5, t->sim, info);
-  nsdae_axes_create(axes, h5, t->sim);
+  nsdae_axes_create(axes, h5, system, &t->sizes);
   if (!t->live) make_restart(t, info);
   write_own_bodies(t);
-  write_blocks(h5, nsdae_sim_get_system(t->sim));
-  const nsdae_sizes sizes = nsdae_sizes_of(t->sim);
+  write_blocks(h5, system);
   nsdae_series *series = t->rows.series;
   for (int i = 0; i < NSDAE_TABLES; i++) {
-    int of_records = nsdae_tables[i].by_contact && !sizes.varies;
-    nsdae_series_create(&series[i], h5, nsdae_sim_get_system(t->sim), axes,
+    int of_records = nsdae_tables[i].by_contact && !t->sizes.varies;
+    nsdae_series_create(&series[i], h5, system, axes,
                         of_records ? series[NSDAE_RECORDS].column[0].set : -1);
   }
-  write_contacts(h5, sizes.axis[NSDAE_WIDTH_K], sizes.varies, axes[NSDAE_WIDTH_K]);
+  write_contacts(h5, t->sizes.axis[NSDAE_WIDTH_K], t->sizes.varies, axes[NSDAE_WIDTH_K]);
   nsdae_h5_flush(h5);
+  h5->where = "nsdae_trajectory";
 }
 
 int nsdae_trajectory_create(nsdae_sim *sim, const char *path, const nsdae_trajectory_info *info,
@@ -154,8 +153,8 @@ static void compare_run(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   int every = adopt(h5, &file, "every", info->every > 1 ? info->every : 1, 1);
   t->compress = adopt(h5, &file, "compress", info->compress, 0);
   t->rows.every = every > 0 ? every : 1;
-  for (int i = 0; i < NSDAE_TABLES; i++)
-    t->rows.series[i].deflate = nsdae_tables[i].packed ? t->compress : 0;
+  nsdae_trajectory_allocate_rows(t,
+                                 adopt(h5, &file, "contact_forces", info->contact_forces, 0) != 0);
   nsdae_setting_release(&own);
   nsdae_setting_release(&file);
 }
@@ -174,6 +173,7 @@ static void open_again(nsdae_trajectory *t, const nsdae_trajectory_info *info)
   nsdae_h5_reopen(h5, 1);
   nsdae_description_check(h5);
   compare_run(t, info);
+  if (h5->status < 0) return;
   for (int i = 0; i < NSDAE_TABLES; i++) rows[i] = nsdae_series_open(&t->rows.series[i], h5);
   nsdae_checkpoint_take(&t->checkpoint, h5, t->sim, rows, &mark);
   for (int i = 0; i < NSDAE_TABLES; i++) {

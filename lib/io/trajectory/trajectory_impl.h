@@ -15,6 +15,12 @@ typedef struct nsdae_sensor_columns {
   nsdae_row *row; /* what the columns are taken from; values of sensors are behind it */
 } nsdae_sensor_columns;
 
+/* Points and forces of the contacts of a record, [3] each, if they are recorded. */
+typedef struct nsdae_contact_columns {
+  double *point, *force;
+  int room; /* contacts */
+} nsdae_contact_columns;
+
 /* The rows of a file. */
 typedef struct nsdae_trajectory_rows {
   nsdae_series series[NSDAE_TABLES];
@@ -36,8 +42,10 @@ struct nsdae_trajectory {
   int begun;  /* a record came: what is made in a file is made before */
   int bodies; /* were named in place of the system's */
   int resumed;
+  nsdae_sizes sizes;
   nsdae_trajectory_rows rows;
   nsdae_sensor_columns sensors;
+  nsdae_contact_columns contacts;
   nsdae_checkpoint checkpoint;
   int failed; /* status of a write that failed: nothing is written any more */
 };
@@ -51,6 +59,11 @@ int nsdae_trajectory_start(nsdae_sim *sim, const char *path, const nsdae_traject
                            void (*open)(nsdae_trajectory *, const nsdae_trajectory_info *));
 
 /* ---- trajectory_rows.c */
+
+/* Memory of the rows; forces: of contacts are recorded. NSDAE_E_MEMORY, NSDAE_E_ARGUMENT: the
+ * system has no solids. */
+void nsdae_trajectory_allocate_rows(nsdae_trajectory *t, int forces);
+void nsdae_trajectory_release_rows(nsdae_trajectory *t);
 
 /* A record as it comes. */
 void nsdae_trajectory_take(nsdae_trajectory *t, const nsdae_record *record);

@@ -1,12 +1,50 @@
 /* The rows of a trajectory: records, impacts, changes and contacts, as they come and as they go
  * into the file. */
 
+#include <stdlib.h>
+
 #include "clock.h"
+#include "system_impl.h"
 #include "trajectory_impl.h"
 
 /* A killed run loses at most what came after the last flush; flushing four times a second keeps
  * that below the second that is promised. */
 static const double flush_interval = 0.25;
+
+/* ---- memory */
+
+void nsdae_trajectory_allocate_rows(nsdae_trajectory *t, int forces)
+{
+  nsdae_h5 *h5 = &t->h5;
+  if (h5->status < 0) return;
+  if (forces && !nsdae_sim_get_system(t->sim)->maker.sensors.contact_forces)
+    h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, "contact_forces",
+                                 "contact_forces = 1, but the system of sim has no solids: "
+                                 "nsdae_bodies_system makes such a one");
+  t->sizes = nsdae_sizes_of(t->sim, forces);
+  for (int i = 0; i < NSDAE_TABLES && h5->status == NSDAE_OK; i++)
+    if (nsdae_series_init(&t->rows.series[i],
+                          i == NSDAE_RECORDS ? &t->sensors.table : &nsdae_tables[i], &t->sizes,
+                          t->compress) < 0)
+      nsdae_h5_no_memory(h5);
+}
+
+void nsdae_trajectory_release_rows(nsdae_trajectory *t)
+{
+  for (int i = 0; i < NSDAE_TABLES; i++) nsdae_series_release(&t->rows.series[i]);
+  free(t->contacts.point);
+}
+
+/* Room for twice the contacts of the record, if there is not enough. */
+static int make_room(nsdae_contact_columns *c, int contacts)
+{
+  if (contacts <= c->room) return NSDAE_OK;
+  size_t room = 2 * (size_t)contacts;
+  double *point = realloc(c->point, 6 * room * sizeof *point);
+  if (!point) return NSDAE_E_MEMORY;
+  *c = (nsdae_contact_columns){point, point + 3 * room, (int)room};
+  return NSDAE_OK;
+}
 
 /* Room for what is held and for what HDF5 keeps of it. */
 static void reserve_rows(nsdae_trajectory *t)
@@ -76,13 +114,26 @@ static void append_rows(nsdae_trajectory *t, int table, const nsdae_row *row, in
   }
 }
 
+/* Of the record that the simulation shows. */
+static void read_forces(nsdae_trajectory *t, int contacts)
+{
+  if (!t->sizes.forces || t->h5.status < 0) return;
+  if (make_room(&t->contacts, contacts) < 0)
+    nsdae_h5_no_memory(&t->h5);
+  else
+    t->h5.status = nsdae_sim_get_contact_forces(t->sim, t->contacts.point, t->contacts.force);
+}
+
 /* The contacts first: a record is never without them. */
 static void append_record(nsdae_trajectory *t, const nsdae_record *record)
 {
   nsdae_row *row = t->sensors.row;
-  *row = (nsdae_row){.record = *record,
-                     .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS])};
   if (t->h5.status == NSDAE_OK) t->h5.status = nsdae_sensor_columns_read(&t->sensors, t->sim);
+  read_forces(t, record->contacts.count);
+  *row = (nsdae_row){.record = *record,
+                     .first = (long)nsdae_series_rows(&t->rows.series[NSDAE_CONTACTS]),
+                     .point = t->contacts.point,
+                     .force = t->contacts.force};
   append_rows(t, NSDAE_CONTACTS, row, nsdae_contact_rows(record));
   append_rows(t, NSDAE_RECORDS, row, 1);
 }
