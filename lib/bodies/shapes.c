@@ -458,7 +458,7 @@ int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int s
   const nsdae_solid_of *s0 = nsdae_solid_at(b, solid0), *s1 = nsdae_solid_at(b, solid1);
   return nsdae_bodies_refuse(
       b, NSDAE_E_ARGUMENT, what, "solid", index,
-      "solids %d and %d: a %s and a %s have no inside and cannot touch: make one a cylinder or a "
+      "solids %d and %d: %s and %s have no inside and cannot touch: make one a cylinder or a "
       "sphere",
       solid0, solid1, nsdae_solid_name(s0->shape), nsdae_solid_name(s1->shape));
 }

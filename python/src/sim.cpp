@@ -688,16 +688,20 @@ nb::object kind_of(const nsdae_param &p)
   return nb::tuple(choices);
 }
 
-// Key, unit, help, range and kind of every option.
+// Key, unit, help, range with default, and kind of every option.
 nb::list option_table()
 {
   nb::list rows;
+  nsdae_sim_options defaults;
+  nsdae_sim_options_default(&defaults);
   const nsdae_params *table = nsdae_sim_options_table();
   for (int i = 0; i < table->n; i++) {
     const nsdae_param &p = table->entry[i];
-    char range[NSDAE_PARAM_TEXT_SIZE];
+    char range[NSDAE_PARAM_TEXT_SIZE], value[NSDAE_PARAM_TEXT_SIZE];
     nsdae_params_range(&p, range, sizeof range);
-    rows.append(nb::make_tuple(p.key, p.unit, p.help, range, kind_of(p)));
+    nsdae_params_format(&p, &defaults, value, sizeof value);
+    rows.append(nb::make_tuple(p.key, p.unit, p.help, std::string(range) + ", default " + value,
+                               kind_of(p)));
   }
   return rows;
 }

@@ -312,6 +312,23 @@ def test_a_callback_that_is_not_finite():
         assert caught.value.time is not None
 
 
+def test_a_sensor_with_the_name_of_a_coordinate():
+    world = rod()
+    world.add_sensor("kinetic_energy", "x0", body=0)
+    run = nsdae.solve(world, 0.01)
+    with pytest.raises(KeyError, match="'x0' is the name of a sensor and of a coordinate"):
+        run["x0"]
+    assert np.array_equal(run["y0"], run.q[:, 1]) and run.sensors["x0"].shape == run.time.shape
+
+
+def test_defaults_of_options():
+    sim = nsdae.Sim(hinged()[0])
+    for key, value in sim.options.items():
+        shown = re.search(rf"^    {key} .*, default (\S+)$", nsdae.__doc__, re.M)
+        assert shown, key
+        assert shown[1] == value if isinstance(value, str) else float(shown[1]) == value, key
+
+
 def test_a_simulation_without_a_state():
     sim = nsdae.Sim(hinged()[0])
     for call in (lambda: sim.record, sim.contact_forces, lambda: next(sim.steps(1)), lambda: sim.state, sim.step,
