@@ -11,7 +11,7 @@
 #include "maker.h"
 
 typedef struct search {
-  const nsdae_broad *broad;
+  const nsdae_bodies *b;
   const double *v;
   double h, share;
   double least; /* share (w_0 + w_1) of the pair */
@@ -54,17 +54,15 @@ static int compare(void *to, long number, const nsdae_closest *closest, const ns
   return 0;
 }
 
-static int look_at(search *s, int i, int j)
+static int look_at(search *s, int i, int j, const nsdae_pose *pose_i, const nsdae_pose *pose_j)
 {
-  const nsdae_broad *p = s->broad;
-  const nsdae_solid_of *solids = p->b->solid.at;
-  double way = way_of(p->b, &solids[i], s->v, s->h) + way_of(p->b, &solids[j], s->v, s->h);
+  const nsdae_solid_of *solids = s->b->solid.at;
+  double way = way_of(s->b, &solids[i], s->v, s->h) + way_of(s->b, &solids[j], s->v, s->h);
   s->least = s->share * (solids[i].width + solids[j].width);
-  if (!(way > s->least) || !nsdae_broad_near(p, i, j, way)) return 0;
+  if (!(way > s->least)) return 0;
   int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
-  const nsdae_solid_of *s0 = &solids[turned ? j : i], *s1 = &solids[turned ? i : j];
-  const nsdae_couple two = {{s0, s1},
-                            {nsdae_broad_pose(p, s0->body), nsdae_broad_pose(p, s1->body)}};
+  const nsdae_couple two = {{&solids[turned ? j : i], &solids[turned ? i : j]},
+                            {turned ? pose_j : pose_i, turned ? pose_i : pose_j}};
   return nsdae_pair_contacts(solids, i, j, &two, way, compare, s);
 }
 
@@ -73,7 +71,8 @@ static int look_at_pair(void *to, const nsdae_broad *p, int i, int j)
   search *s = to;
   if (p->excludes > 0 && nsdae_broad_is_excluded(p, i, j)) return 0;
   s->id = p->b->feature.count + nsdae_broad_pair(p->b, i, j) * p->features;
-  return look_at(s, i, j);
+  const nsdae_solid_of *solids = p->b->solid.at;
+  return look_at(s, i, j, nsdae_broad_pose(p, solids[i].body), nsdae_broad_pose(p, solids[j].body));
 }
 
 int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, double share,
@@ -90,16 +89,21 @@ int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, dou
     second = fmax(second, fmin(first, way));
     first = fmax(first, way);
   }
-  nsdae_broad *broad = fast ? nsdae_broad_take(b) : NULL;
-  if (!broad) return fast ? NSDAE_E_MEMORY : NSDAE_OK;
-  search s = {.broad = broad, .v = v, .h = h, .share = share, .worst = worst};
-  nsdae_broad_place(broad, q, v);
-  for (int i = 0; i < b->feature.count; i++) {
+  search s = {.b = b, .v = v, .h = h, .share = share, .worst = worst};
+  for (int i = 0; fast && i < b->feature.count; i++) {
     const nsdae_feature *f = nsdae_feature_at(b, i);
+    if (f->number > 0) continue;
+    nsdae_pose pose[2];
+    for (int j = 0; j < 2; j++)
+      pose[j] = nsdae_bodies_pose(b, nsdae_solid_at(b, f->solid[j])->body, q, v);
     s.id = i;
-    if (f->number == 0) look_at(&s, f->solid[0], f->solid[1]);
+    look_at(&s, f->solid[0], f->solid[1], &pose[0], &pose[1]);
   }
-  int passes = nsdae_bodies_has_list(b) ? nsdae_broad_sort(broad, first + second) : 0;
+  if (!fast || !nsdae_bodies_has_list(b)) return NSDAE_OK;
+  nsdae_broad *broad = nsdae_broad_take(b);
+  if (!broad) return NSDAE_E_MEMORY;
+  nsdae_broad_place(broad, q, v);
+  int passes = nsdae_broad_sort(broad, first + second);
   for (int i = 0; i < passes; i++) nsdae_broad_pairs(broad, i, first + second, look_at_pair, &s);
   nsdae_broad_give_back(b, broad);
   return NSDAE_OK;
