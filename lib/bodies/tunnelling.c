@@ -6,7 +6,7 @@
  *   -h u > share (w_0 + w_1),
  *
  * with 1/share twice the steps that the overlap may last. A plane has no opposite surface; lines
- * and meshes have no width. */
+ * and meshes have no width. Two solids without width are left out. */
 #include "broad_phase.h"
 #include "maker.h"
 
@@ -59,7 +59,7 @@ static int look_at(search *s, int i, int j, const nsdae_pose *pose_i, const nsda
   const nsdae_solid_of *solids = s->b->solid.at;
   double way = way_of(s->b, &solids[i], s->v, s->h) + way_of(s->b, &solids[j], s->v, s->h);
   s->least = s->share * (solids[i].width + solids[j].width);
-  if (!(way > s->least)) return 0;
+  if (!(s->least > 0 && way > s->least)) return 0;
   int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
   const nsdae_couple two = {{&solids[turned ? j : i], &solids[turned ? i : j]},
                             {turned ? pose_j : pose_i, turned ? pose_i : pose_j}};
