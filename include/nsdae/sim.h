@@ -470,7 +470,8 @@ typedef struct nsdae_step_friction {
  * - frictional joints: their friction depends on a bilateral force, which has no cone
  * - methods event and penalty */
 NSDAE_API int nsdae_sim_get_friction(nsdae_sim *sim, nsdae_step_friction *friction);
-/* Takes steps of dt from the start time to t_end; the last one is shortened. Returns:
+/* Takes steps of dt from the start time to t_end; the last one is shortened. A rest of less than
+ * dt / 1000 is part of the step before it. Returns:
  *
  * - NSDAE_OK
  * - the first NSDAE_WARN_... of its steps, which does not end the run

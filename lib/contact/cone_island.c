@@ -433,13 +433,16 @@ static direction row_of(const nsdae_cone_island *c, const nsdae_island_equations
                      a};
 }
 
-/* c->fastest: of v = M^-1 r. Not below what leaves 32 roundings of the terms within the tolerance:
- * where a motor has its speed, a rate is rounding. */
-static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
-                        const nsdae_cone_work *work)
+/* Of v = M^-1 r without impulses: the largest velocity of an item, and 32 roundings of its terms.
+ */
+static int find_speeds(nsdae_cone_island *c, const nsdae_island_equations *w,
+                       const nsdae_cone_work *work, double *fastest, double *rounding)
 {
   const nsdae_blocks *blocks = &w->system->blocks;
-  double most = 0, size = 0;
+  const nsdae_terms *T = w->terms;
+  int nt = w->system->dims.nt;
+  double size = 0;
+  *fastest = 0;
   nsdae_cone_begin_velocities(c, w);
   int status = nsdae_cone_solve_masses(c, w, work->L);
   for (int i = 0; i < c->problem.blocks; i++)
@@ -448,11 +451,38 @@ static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
   for (int i = 0; i < c->items && status == NSDAE_OK; i++) {
     double asked, scale;
     const direction d = row_of(c, w, i, &asked, &scale);
-    most = fmax(most, scale * fabs(nsdae_rows_add_dot(blocks, d.rows, d.i, w->v, asked)));
+    *fastest = fmax(*fastest, scale * fabs(nsdae_rows_add_dot(blocks, d.rows, d.i, w->v, asked)));
     size = fmax(size, scale * (fabs(asked) + nsdae_rows_dot_sizes(blocks, d.rows, d.i, w->size)));
+    for (int j = d.i * nt; i < c->contacts && j < d.i * nt + c->at.rows[i] - 1; j++)
+      size = fmax(size, fabs(T->w_T[j]) + nsdae_rows_dot_sizes(blocks, &T->by.tangent, j, w->size));
   }
-  c->fastest = fmax(most, 32 * DBL_EPSILON * size / work->tol);
+  *rounding = 32 * DBL_EPSILON * size;
   return status;
+}
+
+/* c->fastest. Not below what leaves the rounding within the tolerance: where a motor has its speed,
+ * a rate is rounding. */
+static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
+                        const nsdae_cone_work *work)
+{
+  double fastest, rounding;
+  int status = find_speeds(c, w, work, &fastest, &rounding);
+  c->fastest = fmax(fastest, rounding / work->tol);
+  return status;
+}
+
+/* The residual without the rounding of W^T v, as in dense_residual.c: in a step of length h, in
+ * which impulses are of the order h, velocities v have no more digits than eps v. Returns the
+ * status of the solution with what is left. */
+static int leave_rounding(nsdae_cone_island *c, const nsdae_island_equations *w,
+                          nsdae_cone_work *work, int status)
+{
+  double fastest, rounding;
+  if ((status < 0 && status != NSDAE_E_LCP) || work->info.residual <= work->tol) return status;
+  if (find_speeds(c, w, work, &fastest, &rounding) < 0) return status;
+  double left = fmax(0, work->info.residual - rounding / nsdae_fc_speed(work->solver));
+  if (left <= work->tol) work->info.residual = left;
+  return left <= work->tol ? NSDAE_OK : status;
 }
 
 /* Whether an impulse is at a limit that is less than its bound. */
@@ -553,7 +583,7 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
                             nsdae_cone_work *work)
 {
   nsdae_friction_options_default(&c->options);
-  int status = solve_motors(c, w, island, work);
+  int status = leave_rounding(c, w, work, solve_motors(c, w, island, work));
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);
   work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};

@@ -229,10 +229,10 @@ class Sim:
     def _steps(self, t_end: float) -> Iterator[Record]:
         now = self.record.time
         while now < t_end:
-            if now + 1.5 * self.options["dt"] < t_end:
+            if now + 1.001 * self.options["dt"] < t_end:
                 self.step()
-            else:  # the run has the grid of steps
-                self.run(min(now + self.options["dt"], t_end))
+            else:  # a rest of dt / 1000 is no step
+                self.run(t_end)
             record = self.record
             if record.time <= now:
                 return

@@ -79,6 +79,48 @@ static void test_incline(void **state)
   end(b, system, sim);
 }
 
+/* A cylinder that rolls with 1 m/s, x = t, by the time-stepping methods: ends of runs that are a
+ * sum of steps and leave the grid of steps by rounding, and runs of any shorter length. */
+static void test_ends(void **state)
+{
+  const double gravity[3] = {0, 0, -9.81}, r = 0.2;
+  const nsdae_solid solid = cylinder(r, 0.02);
+  nsdae_rigid_body body = {.position = {0, 0, r},
+                           .quaternion = {sqrt(0.5), -sqrt(0.5)},
+                           .velocity = {1},
+                           .spin = {0, 0, 1 / r}};
+  const int method[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU};
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_record record;
+  nsdae_sim_options o;
+  double q[7], v[6], t = 0;
+  (void)state;
+  nsdae_sim *sim = roll(&solid, &body, 0.6, gravity, &b, &system);
+  nsdae_bodies_get_start(b, q, v);
+  for (int m = 0; m < 2; m++) {
+    nsdae_sim_destroy(&sim);
+    nsdae_sim_options_default(&o);
+    o.method = method[m];
+    o.dt = 7e-4;
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+    t = 0;
+    for (int i = 0; i < 9000; i++)
+      if (nsdae_sim_run(sim, t += o.dt) != NSDAE_OK) fail_msg("%s", nsdae_sim_error(sim)->text);
+    nsdae_stats stats;
+    nsdae_sim_get_stats(sim, &stats);
+    assert_int_equal(stats.steps, 9000);
+    for (double h = 1e-3; h > 1e-14; h /= 10)
+      if (nsdae_sim_run(sim, t += h) != NSDAE_OK) fail_msg("%s", nsdae_sim_error(sim)->text);
+    nsdae_sim_get_record(sim, &record);
+    print_message("ends, method %d: off by %.1e m\n", m, record.q[0] - t);
+    assert_true(record.time == t);
+    assert_near(record.q[0], t, 1e-9);
+  }
+  end(b, system, sim);
+}
+
 /* A coin of thickness h whose axis a is at the angle theta to the vertical e_z, its centre on a
  * circle of radius rho with the rate Omega: with e_r from the middle of the circle,
  *
@@ -332,12 +374,10 @@ static void test_stands(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_incline),
-                                     cmocka_unit_test(test_coin),
-                                     cmocka_unit_test(test_nutation),
-                                     cmocka_unit_test(test_ellipsoid),
-                                     cmocka_unit_test(test_small_oscillation),
-                                     cmocka_unit_test(test_cone),
-                                     cmocka_unit_test(test_stands)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_incline),   cmocka_unit_test(test_ends),
+      cmocka_unit_test(test_coin),      cmocka_unit_test(test_nutation),
+      cmocka_unit_test(test_ellipsoid), cmocka_unit_test(test_small_oscillation),
+      cmocka_unit_test(test_cone),      cmocka_unit_test(test_stands)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
