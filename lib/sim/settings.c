@@ -41,6 +41,12 @@ static int check_change(nsdae_sim *sim)
   return NSDAE_OK;
 }
 
+/* Forces jump at the state: event finds its modes anew. */
+static void jump(nsdae_sim *sim)
+{
+  if (sim->method->jump) sim->method->jump(sim->own, &sim->now->result.memory);
+}
+
 static int prepare_method(nsdae_sim *sim)
 {
   nsdae_stepper_prepare(&sim->stepper);
@@ -131,7 +137,9 @@ NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_contact,
     return bad_coefficient(sim, where, "e_t", NSDAE_NAME_CONTACT, i, e_t, "0 to 1");
   const nsdae_coefficients to = {mu, e_n, e_t, 1};
   nsdae_coefficients before;
-  return change(sim, &sim->model.contact[i], &to, &before, sizeof to);
+  status = change(sim, &sim->model.contact[i], &to, &before, sizeof to);
+  if (status == NSDAE_OK) jump(sim);
+  return status;
 }
 
 NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_frictional_joint, (nsdae_sim * sim, int j, double mu), sim,
@@ -147,6 +155,7 @@ NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_frictional_joint, (nsdae_sim * sim, int
                              "above 0, as in the system of the simulation");
   if (status == NSDAE_OK) status = check_change(sim);
   if (status < 0) return status;
+  jump(sim);
   sim->model.frictional_joint[j].mu = mu;
   return prepare_method(sim);
 }
@@ -165,7 +174,9 @@ NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_friction_bound, (nsdae_sim * sim, int j
                            "set in the system first (nsdae_system_set_friction_bound)");
   int status = check_change(sim);
   if (status < 0) return status;
+  jump(sim);
   sim->model.frictional_joint[j].bound = bound;
+  sim->now->result.end.have &= ~(unsigned)NSDAE_TERM_BOUND | sim->now->result.end.absent;
   return prepare_method(sim);
 }
 
@@ -194,7 +205,7 @@ NSDAE_SIM_CALL(NSDAE_MOVE, nsdae_sim_set_control, (nsdae_sim * sim, int i, doubl
   if (status < 0 || value == sim->control.value[i]) return status;
   status = check_change(sim);
   if (status < 0) return status;
-  if (sim->method->jump) sim->method->jump(sim->own, &sim->now->result.memory);
+  jump(sim);
   nsdae_terms *here = &sim->now->result.end;
   sim->control.value[i] = value;
   here->have &= ~(unsigned)(NSDAE_TERM_FORCE | NSDAE_TERM_SLIDE) | here->absent;

@@ -304,6 +304,23 @@ static void test_clutch(void **state)
   }
 }
 
+/* A brake holds a force of 1; then its bound becomes 1/2, and it slips from there, v = t / 2. */
+static void test_brake_yields(void **state)
+{
+  (void)state;
+  const double q = 0, v = 0;
+  for (int i = 0; i < SCHEMES; i++) {
+    machine block = {.n = 1, .f = 1, .mass = {1}, .W = {1}, .bound = {5}, .force = {1}};
+    nsdae_sim *sim = begin(&block, schemes[i].method, 1.0 / 64, &q, &v);
+    assert_true(go(sim, 0.5).v[0] == 0);
+    assert_int_equal(nsdae_sim_set_friction_bound(sim, 0, 0.5), NSDAE_OK);
+    nsdae_record r = go(sim, 1);
+    assert_near(r.v[0], 0.25, rounding);
+    assert_true(r.certificate.cone_excess == 0);
+    nsdae_sim_destroy(&sim);
+  }
+}
+
 /* A bound that varies: the impulse of the time t is the integral of b. */
 static double ramp(double t, const double *q, const double *v)
 {
@@ -728,14 +745,14 @@ static void test_negative(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_belt),           cmocka_unit_test(test_hold),
-      cmocka_unit_test(test_motor),          cmocka_unit_test(test_pendulum),
-      cmocka_unit_test(test_clutch),         cmocka_unit_test(test_ramp),
-      cmocka_unit_test(test_set_bound),      cmocka_unit_test(test_impact),
-      cmocka_unit_test(test_spring_on_belt), cmocka_unit_test(test_penalty),
-      cmocka_unit_test(test_discs),          cmocka_unit_test(test_particles),
-      cmocka_unit_test(test_steady),         cmocka_unit_test(test_refusals),
-      cmocka_unit_test(test_negative),
+      cmocka_unit_test(test_belt),      cmocka_unit_test(test_hold),
+      cmocka_unit_test(test_motor),     cmocka_unit_test(test_pendulum),
+      cmocka_unit_test(test_clutch),    cmocka_unit_test(test_ramp),
+      cmocka_unit_test(test_set_bound), cmocka_unit_test(test_brake_yields),
+      cmocka_unit_test(test_impact),    cmocka_unit_test(test_spring_on_belt),
+      cmocka_unit_test(test_penalty),   cmocka_unit_test(test_discs),
+      cmocka_unit_test(test_particles), cmocka_unit_test(test_steady),
+      cmocka_unit_test(test_refusals),  cmocka_unit_test(test_negative),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -139,6 +139,33 @@ static void test_block_slides(void **state)
       }
 }
 
+/* At rest, then mu becomes mu_1: from there it slides with g (sin - mu_1 cos), or stays. */
+static void test_less_friction(void **state)
+{
+  (void)state;
+  const double mu[] = {0.7, 0.5, 0.1, 0.01, 0}, q0[3] = {0}, v0[3] = {0};
+  incline *p = defaults(&incline_model);
+  p->slope = 0.5;
+  p->mu = 0.8;
+  for (int i = 0; i < 5; i++) {
+    nsdae_sim_options options = options_of(1e-9);
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_record record;
+    assert_int_equal(incline_model.build(p, &system, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q0, v0), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 0.5), NSDAE_OK);
+    assert_int_equal(nsdae_sim_set_contact(sim, 0, mu[i], 0, 0), NSDAE_OK);
+    if (nsdae_sim_run(sim, 1) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+    nsdae_sim_get_record(sim, &record);
+    double a = p->g * fmax(0, sin(p->slope) - mu[i] * cos(p->slope));
+    assert_near(hypot(record.v[0], record.v[1]), 0.5 * a, 1e-12);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 /* The ball rolls from t = 2 |v_T| / (7 mu g) on, with the velocity (5 v + 2 r (w_y, -w_x)) / 7. */
 static void test_ball_rolls(void **state)
 {
@@ -194,6 +221,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_block_stops),
       cmocka_unit_test(test_block_slides),
+      cmocka_unit_test(test_less_friction),
       cmocka_unit_test(test_ball_rolls),
       cmocka_unit_test(test_ball_rolls_whatever_rtol),
   };
