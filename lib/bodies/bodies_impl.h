@@ -368,6 +368,8 @@ int nsdae_pair_contacts(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_couple *two, double reach, nsdae_contact_fn add, void *to);
 /* Whether two solids have no contacts: a disc and a point or disc. The error. */
 int nsdae_pair_has_none(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
+/* Whether the pair has no contact at any place: that, or both without corners, or two points. */
+int nsdae_pair_is_empty(const nsdae_solid_of *solid0, const nsdae_solid_of *solid1);
 int nsdae_bodies_refuse_pair(nsdae_bodies *bodies, const char *what, int index, int solid0,
                              int solid1);
 /* NSDAE_OK, or NSDAE_E_ARGUMENT: two solids that may touch have none. */

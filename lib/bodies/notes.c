@@ -75,6 +75,21 @@ static int note_mesh(nsdae_bodies *b, int i)
   return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
 }
 
+/* A segment without thickness is the surface of what is below it, a floor. */
+static int note_segment(nsdae_bodies *b, int i)
+{
+  const nsdae_solid_of *s = nsdae_solid_at(b, i);
+  if (s->shape != NSDAE_SHAPE_SEGMENT || s->radius > 0 || s->body == NSDAE_GROUND ||
+      s->filter.exclude == -1)
+    return NSDAE_OK;
+  nsdae_error_set(
+      &b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "radius",
+      "solid %d: a segment of radius 0 is a floor with material below it (y < 0 in its frame): "
+      "body %d passes through those below; give it a radius",
+      i, s->body);
+  return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
+}
+
 static int note_given(nsdae_bodies *b)
 {
   const double *g = b->force.gravity;
@@ -87,7 +102,10 @@ static int note_given(nsdae_bodies *b)
   for (int i = 0; i < b->solid.count && status == NSDAE_OK && b->dimension == 2; i++)
     if (in_degrees(nsdae_solid_at(b, i)->turn[0]))
       status = note_angle(b, "solid", i, "angle", nsdae_solid_at(b, i)->turn[0]);
-  for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) status = note_mesh(b, i);
+  for (int i = 0; i < b->solid.count && status == NSDAE_OK; i++) {
+    status = note_mesh(b, i);
+    if (status == NSDAE_OK) status = note_segment(b, i);
+  }
   for (int i = 0; i < b->limit.count && status == NSDAE_OK; i++) {
     const nsdae_bodies_limit *l = nsdae_limit_at(b, i);
     if (l->value.kind == NSDAE_PRIMITIVE_TURN && in_degrees(l->bound))
@@ -110,9 +128,10 @@ static int is_joined(const nsdae_bodies *b, int body0, int body1)
 }
 
 /* Whether any solid may touch this one. A solid that excludes all is for pictures alone. The search
- * begins at *last, the partner of a solid before: a floor is that of many. */
+ * begins at *last, the partner of a solid before: a floor is that of many. *empty: a solid that
+ * only its shape keeps from it. */
 static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS],
-                       int *last)
+                       int *last, int *empty)
 {
   const nsdae_solid_of *s = nsdae_solid_at(b, i);
   if (s->filter.exclude == -1) return 1;
@@ -122,6 +141,10 @@ static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS
     if (s->body != other->body && touches[s->filter.material][other->filter.material] &&
         !((s->filter.group & other->filter.exclude) | (other->filter.group & s->filter.exclude)) &&
         !is_joined(b, s->body, other->body)) {
+      if (nsdae_pair_is_empty(s, other)) {
+        *empty = j;
+        continue;
+      }
       *last = j;
       return 1;
     }
@@ -133,26 +156,36 @@ static int has_partner(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS
 
 /* Whether no solid of the body of solid i may touch anything. */
 static int is_alone(const nsdae_bodies *b, int i, int touches[NSDAE_MATERIALS][NSDAE_MATERIALS],
-                    int *last)
+                    int *last, int *empty)
 {
-  int body = nsdae_solid_at(b, i)->body;
-  if (body == NSDAE_GROUND || has_partner(b, i, touches, last)) return 0;
+  int body = nsdae_solid_at(b, i)->body, of_others;
+  *empty = -1;
+  if (body == NSDAE_GROUND || has_partner(b, i, touches, last, empty)) return 0;
   for (int j = 0; j < b->solid.count; j++)
-    if (nsdae_solid_at(b, j)->body == body && has_partner(b, j, touches, last)) return 0;
+    if (nsdae_solid_at(b, j)->body == body && has_partner(b, j, touches, last, &of_others))
+      return 0;
   return 1;
 }
 
 /* The first body of whose solids none may touch anything. */
 static int note_contacts(nsdae_bodies *b)
 {
-  int touches[NSDAE_MATERIALS][NSDAE_MATERIALS] = {{0}}, first = 0, last = 0;
+  int touches[NSDAE_MATERIALS][NSDAE_MATERIALS] = {{0}}, first = 0, last = 0, empty = -1;
   for (int i = 0; i < b->pair.count; i++) {
     const int *material = ((const nsdae_bodies_pair *)b->pair.at + i)->material;
     touches[material[0]][material[1]] = touches[material[1]][material[0]] = 1;
   }
-  while (first < b->solid.count && !is_alone(b, first, touches, &last)) first++;
+  while (first < b->solid.count && !is_alone(b, first, touches, &last, &empty)) first++;
   if (first == b->solid.count || b->own.contacts) return NSDAE_OK;
   int alone = nsdae_solid_at(b, first)->body;
+  if (empty >= 0) {
+    nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",
+                    "body %d has nothing to touch: a %s (solid %d) and a %s (solid %d) have no "
+                    "contacts, as both have no corners or are points: choose other shapes",
+                    alone, nsdae_solid_name(nsdae_solid_at(b, first)->shape), first,
+                    nsdae_solid_name(nsdae_solid_at(b, empty)->shape), empty);
+    return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, alone, NAN);
+  }
   nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",
                   "body %d has solids and nothing to touch: call nsdae_bodies_add_contact or "
                   "nsdae_bodies_set_pair, or set exclude = -1 if they are for pictures alone",

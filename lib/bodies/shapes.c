@@ -453,6 +453,12 @@ int nsdae_pair_has_none(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
          (is_flat(other) || other->shape == NSDAE_SHAPE_POINT);
 }
 
+int nsdae_pair_is_empty(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
+{
+  int points = is_round(s0) && is_round(s1) && s0->radius + s1->radius == 0;
+  return points || (is_base(s0) && is_base(s1)) || nsdae_pair_has_none(s0, s1);
+}
+
 int nsdae_bodies_refuse_pair(nsdae_bodies *b, const char *what, int index, int solid0, int solid1)
 {
   const nsdae_solid_of *s0 = nsdae_solid_at(b, solid0), *s1 = nsdae_solid_at(b, solid1);

@@ -72,7 +72,8 @@ class Solid(NamedTuple):
         Planar: "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder", "cone",
         "ellipsoid". Of the ground: "mesh", "height field". Both: "point", "disc", "plane".
     radius : float
-        Radius of a disc, sphere, capsule, cylinder or base of a cone; half the thickness of a segment [m].
+        Radius of a disc, sphere, capsule, cylinder or base of a cone; half the thickness of a segment
+        [m]. A segment of radius 0 is a floor: there is material below it (y < 0 in its frame).
     length : float or array_like
         Length of a segment or cylinder; height of a cone; distance of the centres of a capsule; three edges of a box,
         axes (diameters) of an ellipsoid [m]. Depth of the material beneath a mesh; edges along x and y of a height field,

@@ -28,6 +28,8 @@ enum {
   SOLID_OF_SPACE,
   POLYGON_CLOCKWISE,
   TRIANGLE_CLOCKWISE,
+  SEGMENT_OF_NO_RADIUS,
+  WITHOUT_CORNERS,
   NO_PAIR,
   SAME_BODY,
   RESTITUTION_ABOVE_ONE,
@@ -98,6 +100,11 @@ static void add_solids(nsdae_bodies *b, int w)
     floor.triangle = triangles;
     nsdae_bodies_set_pair(b, 0, 0, 0.3, 0.5, 0);
   }
+  if (w == SEGMENT_OF_NO_RADIUS) ball = (nsdae_solid){.shape = NSDAE_SHAPE_SEGMENT, .length = {1}};
+  if (w == WITHOUT_CORNERS) {
+    ball.hollow = 1;
+    nsdae_bodies_set_pair(b, 0, 0, 0.3, 0.5, 0);
+  }
   int ground = nsdae_bodies_add_solid(b, NSDAE_GROUND, &floor);
   int first = nsdae_bodies_add_solid(b, 0, &ball), second = first;
   if (w == SAME_CENTRE) {
@@ -106,7 +113,7 @@ static void add_solids(nsdae_bodies *b, int w)
   }
   if (w == SAME_BODY) ground = nsdae_bodies_add_solid(b, 0, &ball);
   if (w == SAME_CENTRE) ground = second;
-  if (w != NO_PAIR && w != TRIANGLE_CLOCKWISE)
+  if (w != NO_PAIR && w != TRIANGLE_CLOCKWISE && w != WITHOUT_CORNERS)
     nsdae_bodies_add_contact(b, ground, first, 0.3, w == RESTITUTION_ABOVE_ONE ? 1.5 : 0.5, 0);
 }
 
