@@ -473,7 +473,7 @@ static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
 
 /* The residual without the rounding of W^T v, as in dense_residual.c: in a step of length h, in
  * which impulses are of the order h, velocities v have no more digits than eps v. Returns the
- * status of the solution with what is left. */
+ * status of the solution by this residual. */
 static int leave_rounding(nsdae_cone_island *c, const nsdae_island_equations *w,
                           nsdae_cone_work *work, int status)
 {
