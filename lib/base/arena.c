@@ -1,6 +1,5 @@
 #include "arena.h"
 
-#include <nsdae/status.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

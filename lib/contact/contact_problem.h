@@ -11,7 +11,6 @@
 #include <nsdae/sim.h>
 
 #include "island_dispatch.h"
-#include "listed.h"
 
 /* Of the closed contacts of a list, by number. */
 typedef struct nsdae_picked {

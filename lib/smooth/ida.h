@@ -17,7 +17,6 @@
 #ifndef NSDAE_IDA_H
 #define NSDAE_IDA_H
 
-#include <nsdae/status.h>
 
 typedef struct nsdae_ida nsdae_ida;
 
