@@ -1,5 +1,6 @@
 #include "arena.h"
 
+#include <nsdae/status.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -11,6 +11,7 @@
 #include <nsdae/sim.h>
 
 #include "island_dispatch.h"
+#include "listed.h"
 
 /* Of the closed contacts of a list, by number. */
 typedef struct nsdae_picked {

@@ -5,6 +5,7 @@
 #include "impulses.h"
 #include "contact_islands.h"
 #include "contacts.h"
+#include "natural_residual.h"
 
 /* Velocities of an island at rest below this count as zero, relative to the fastest contact without
  * impulses, if contact_tol is larger. */

@@ -17,6 +17,7 @@
 #ifndef NSDAE_IDA_H
 #define NSDAE_IDA_H
 
+#include <nsdae/status.h>
 
 typedef struct nsdae_ida nsdae_ida;
 

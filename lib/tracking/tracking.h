@@ -26,6 +26,7 @@
 #define NSDAE_TRACKING_H
 
 #include "arena.h"
+#include "listed.h"
 #include "state.h"
 
 /* Moves terms to time t of the step and gives them; NSDAE_OK, or a status. */

@@ -10,6 +10,7 @@
 #include <nsdae/sim.h>
 
 #include "series.h"
+#include "hdf5_data.h"
 
 typedef struct nsdae_checkpoint {
   hid_t set;            /* < 0: none */

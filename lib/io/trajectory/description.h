@@ -4,6 +4,7 @@
 
 #include <nsdae/trajectory.h>
 
+#include "hdf5_data.h"
 #include "formula.h"
 
 /* Writes it into a new file. */
