@@ -223,6 +223,11 @@ static int check_groups(nsdae_bodies *b, int index, const nsdae_solid *s)
       group ? s->group : s->exclude);
 }
 
+static int is_surface(const nsdae_solid *s)
+{
+  return s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD;
+}
+
 /* The mesh of a mesh or height field in the frame of its body. */
 static int add_surface(nsdae_bodies *b, int body, const nsdae_solid *s, int index,
                        const nsdae_mesh **mesh)
