@@ -9,7 +9,8 @@
 /* Much slower than another. */
 static const double SLOWER = 0.1;
 
-/* Of the energy before an impact, a gain that is none. */
+/* Of the energy before an impact, a gain that is none; of the largest impulse, one that is none:
+ * closed contacts of other bodies have such impulses in the same problem. */
 static const double ROUNDING = 1e-12;
 
 void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
@@ -243,12 +244,13 @@ static void keep(nsdae_event_impacts *p)
   const nsdae_dims *d = &p->problem.system->dims;
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   nsdae_result *r = s->result;
+  double none = ROUNDING * nsdae_largest(d->k, c->normal);
   int ends = 0, rattled = 0;
   nsdae_contacts_come(&p->problem, p->velocity);
   r->work += nsdae_contacts_work(&p->problem) + a->work;
   for (int n = 0; n < d->k; n++) {
     int i = nsdae_system_contact(p->problem.system, n);
-    if (c->normal[i] > 0 && c->normal[i] + a->normal[i] > 0) record(p, i);
+    if (c->normal[i] > none && c->normal[i] + a->normal[i] > 0) record(p, i);
     rattled |= p->velocity[i] < -p->sequence.size[i] && p->velocity[i] >= -slow_approach(p, i) &&
                p->problem.system->contact[i].e_n > 0;
     ends |= a->settles[i];
