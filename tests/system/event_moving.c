@@ -2,6 +2,8 @@
  * closed forms and an independent solution of the equations between events. */
 #include "check.h"
 
+#include <nsdae/nsdae.h>
+
 #include "event_run.h"
 
 static event_run r; /* large */
@@ -316,12 +318,62 @@ static void test_stays(void **state)
   }
 }
 
+/* A ball falls into a drum of radius 1 that a motor turns with 3 rad/s, and comes to rolling by an
+ * accumulation of impacts. The motor balances the moment of the tangential impulses T: its work is
+ * -3 sum T, also where errors of the velocity are projected, to the square of their size. */
+static void test_motor(void **state)
+{
+  const double gravity[3] = {0, -9.81};
+  const nsdae_solid hole = {.shape = NSDAE_SHAPE_DISC, .radius = 1, .hollow = 1},
+                    disc = {.shape = NSDAE_SHAPE_DISC, .radius = 0.1};
+  const nsdae_joint hinge = {.kind = NSDAE_JOINT_REVOLUTE, .body = {NSDAE_GROUND, 0}};
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  nsdae_record record;
+  double q[6], v[6], sum = 0;
+  (void)state;
+  assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, gravity);
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 10, .inertia = {0, 0, 10}, .spin = {0, 0, 3}});
+  nsdae_bodies_add(
+      b, &(nsdae_rigid_body){.mass = 0.5, .inertia = {0, 0, 0.0025}, .position = {0.3, -0.5}});
+  nsdae_bodies_add_joint(b, &hinge);
+  nsdae_bodies_add_motor(b, &(nsdae_motor){.kind = NSDAE_MOTOR_SPEED, .target = 3, .limit = 1e3});
+  int first = nsdae_bodies_add_solid(b, 0, &hole), second = nsdae_bodies_add_solid(b, 1, &disc);
+  nsdae_bodies_add_contact(b, first, second, 0.3, 0.3, 0);
+  if (nsdae_bodies_system(b, &system) < 0) fail_msg("%s", nsdae_bodies_error(b)->text);
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_METHOD_EVENT;
+  o.dt = 1e-3;
+  o.rtol = 1e-6;
+  o.atol = 1e-8;
+  nsdae_bodies_get_start(b, q, v);
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  for (int i = 0; i < 600; i++) {
+    assert_true(nsdae_sim_step(sim) >= 0);
+    nsdae_sim_get_record(sim, &record);
+    sum += record.tangential_impulse[0];
+  }
+  const nsdae_certificate *c = &record.certificate;
+  print_message("motor: work %.6f J, off by %.1e, unexplained %.1e\n", c->work, c->work + 3 * sum,
+                c->unexplained);
+  assert_true(c->work > 2);
+  assert_near(c->work, -3 * sum, 1e-5);
+  assert_near(c->unexplained, 0, 1e-6);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_belt),         cmocka_unit_test(test_belt_starts),
       cmocka_unit_test(test_plate),        cmocka_unit_test(test_stays),
-      cmocka_unit_test(test_accumulation),
+      cmocka_unit_test(test_accumulation), cmocka_unit_test(test_motor),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

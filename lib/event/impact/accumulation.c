@@ -110,17 +110,23 @@ static void append_velocities(nsdae_event_projection *p, const int *moving)
       append_rate(p, &T->by.frictional_joint, T->frictional_joint.w, j, T->v);
 }
 
-/* Of the change, for the balance of energy: (v + change / 2)^T M change. Its impulses are an error
- * of the integration, not of the contacts: those of the record obey the laws of contact. */
-static double work_of(const nsdae_event_projection *p)
+/* The balance of energy of a change d that takes the rates A v + w of its rows to zero, with the
+ * impulses L, M d = A^T L. On the rates it does the work L^T (A v + w) / 2 = -d^T M d / 2; moving
+ * rows, as of drives and motors, give -L^T w = d^T M (v + d), which is zero if w is. Its impulses
+ * are an error of the integration, not of the contacts: those of the record obey the laws of
+ * contact. */
+static void account_change(const nsdae_event_projection *p)
 {
-  const nsdae_terms *T = p->phase->setting->here;
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_terms *T = s->here;
   const double *change = p->least.change;
   double *momentum = T->by.work;
   int n = T->system->dims.nv;
   memset(momentum, 0, (size_t)n * sizeof *momentum);
   nsdae_blocks_add_product(&T->system->blocks, T->M, change, momentum);
-  return nsdae_dot(n, momentum, T->v) + nsdae_dot(n, momentum, change) / 2;
+  double along = nsdae_dot(n, momentum, change);
+  s->result->work -= along / 2;
+  s->result->gain += nsdae_dot(n, momentum, T->v) + along;
 }
 
 int nsdae_event_project_velocities(nsdae_event_projection *p, const int *moving, double *y)
@@ -133,7 +139,7 @@ int nsdae_event_project_velocities(nsdae_event_projection *p, const int *moving,
   if (status < 0) return status;
   double size = FAR * (worst + nsdae_event_velocity_size(s));
   if (nsdae_largest(p->least.kkt.n, p->least.change) > size) return NSDAE_OK;
-  s->result->work += work_of(p);
+  account_change(p);
   nsdae_add(p->least.kkt.n, 1, p->least.change, y + s->at.v);
   nsdae_terms_set_velocity(s->here, y + s->at.v);
   return NSDAE_OK;
