@@ -153,29 +153,6 @@ static void test_restitution(void **state)
     }
 }
 
-/* A ball that falls 1 mm beside a rotor, which it does not touch: it bounces as if it was alone.
- * The sum rtol spin is 5e-3 m/s, its last impact here comes with 0.03 m/s. */
-static void test_rotor(void **state)
-{
-  (void)state;
-  const double spin[] = {0, 500, 5e3, 5e5}, rtol[] = {1e-5, 1e-5, 1e-6, 1e-8}, e = 0.8;
-  for (int i = 0; i < 4; i++) {
-    balls p = {.count = 1, .g = 9.81};
-    double q0[2] = {1e-3}, v0[2] = {0, spin[i]};
-    nsdae_system *system = balls_system(&p, 0, &e);
-    expected_flight exact = {q0[0], p.g, e, 0};
-    event_run_default(&r);
-    r.options.rtol = rtol[i];
-    r.options.dt = 1e-4;
-    r.t_end = 0.1; /* it rests at 0.13 s */
-    r.look = compare_flight, r.user = &exact;
-    event_run_do(&r, system, q0, v0);
-    assert_int_equal(r.status, NSDAE_OK);
-    assert_at_most(exact.worst, 1e-9); /* polynomials of degree 2: atol alone */
-    nsdae_system_destroy(&system);
-  }
-}
-
 /* Three balls come to rest at times of their own, one of them while another bounces on. */
 static void test_accumulations(void **state)
 {
@@ -768,8 +745,7 @@ int main(void)
       cmocka_unit_test(test_starts),       cmocka_unit_test(test_stabilisation),
       cmocka_unit_test(test_slot),         cmocka_unit_test(test_no_room),
       cmocka_unit_test(test_pool_with_pi), cmocka_unit_test(test_mass_ratio),
-      cmocka_unit_test(test_collapse),     cmocka_unit_test(test_rotor),
-      cmocka_unit_test(test_beads),
+      cmocka_unit_test(test_collapse),     cmocka_unit_test(test_beads),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

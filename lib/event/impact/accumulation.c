@@ -213,8 +213,8 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
   const nsdae_terms *T = s->here;
   double rate =
       fabs(T->omega.N[i]) + nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, p->lost);
-  double way = sqrt(2 * rate * nsdae_event_gap_size(s, i));
-  return fmax(way, fmax(SLOW * nsdae_event_rate_size(s, i), s->options->accumulation_time * rate));
+  double way = sqrt(2 * rate * nsdae_event_position_size(s));
+  return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
 }
 
 /* The candidates; how many of them part. M^-1 F is in `lost`. */
@@ -228,11 +228,11 @@ static int choose_slow(nsdae_event_accumulation *p, double most)
   memcpy(p->lost, T->F, (size_t)T->system->dims.nv * sizeof *p->lost);
   nsdae_kkt_solve_mass(s->kkt, p->lost);
   for (int i = 0; i < T->system->dims.k; i++) {
-    int near = is->touching[i] || T->gap[i] <= nsdae_event_gap_size(s, i);
+    int near = is->touching[i] || T->gap[i] <= nsdae_event_position_size(s);
     p->after[i] = nsdae_terms_normal_rate(T, i, T->v);
     is->candidate[i] = near && p->after[i] <= fmin(slow_for(p, i), most);
     if (is->candidate[i]) p->slow = fmax(p->slow, SLOW * p->after[i]);
-    part += is->candidate[i] && p->after[i] > nsdae_event_rate_size(s, i);
+    part += is->candidate[i] && p->after[i] > nsdae_event_velocity_size(s);
   }
   return part;
 }
@@ -413,7 +413,7 @@ static int leave_to_others(nsdae_event_accumulation *p, const double *impulse, d
     if (!p->settles[i] || !(impulse[i] + p->normal[i] < 0)) continue;
     p->settles[i] = 0;
     status = close_with_friction(p, v, multiplier);
-    if (status < 0 || rest_of(p, i, v) <= nsdae_event_rate_size(s, i)) continue;
+    if (status < 0 || rest_of(p, i, v) <= nsdae_event_velocity_size(s)) continue;
     p->settles[i] = 1;
     status = close_with_friction(p, v, multiplier);
   }
@@ -454,7 +454,7 @@ static double undecided_impulse(const nsdae_event_accumulation *p, int i)
   for (int a = 0; a < c->active_count; a++) {
     double G = c->delassus.G[(size_t)c->first_column[a] * (size_t)(c->columns + 1)];
     if (c->active[a] == i && G > 0)
-      return nsdae_event_rate_size(p->acceleration->phase->setting, i) / G;
+      return nsdae_event_velocity_size(p->acceleration->phase->setting) / G;
   }
   return 0;
 }
@@ -500,22 +500,21 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
   const double *F = p->acceleration->problem.results->normal;
   double power = 0;
   int undecided = most_rattles(p) > PATIENCE; /* or several */
-  int slow = 1;
   for (int n = 0, count = 0; n < T->system->dims.k; n++) {
     int i = nsdae_system_contact(T->system, n);
     if (!p->settles[i] && p->acceleration->is.touching[i] && /* a closing that drives it in */
-        nsdae_terms_normal_rate(T, i, closed) < -nsdae_event_rate_size(s, i))
+        nsdae_terms_normal_rate(T, i, closed) < -nsdae_event_velocity_size(s))
       return 0;
     if (!p->settles[i]) continue;
     power += F[i] * p->after[i];
-    slow &= p->after[i] <= SLOW * nsdae_event_rate_size(s, i);
     undecided |= ++count > 1;
   }
   double flight = power > 0 ? 4 * p->left / power : INFINITY;
   p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
   double told = undecided ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
-  int ends = !p->early || slow || p->fastest * flight / 4 <= told;
+  int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
+             p->fastest * flight / 4 <= told;
   ends = ends && closed_forces(p, closed) && is_admissible(p, impact);
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
   return ends;

@@ -28,7 +28,6 @@ void nsdae_event_impacts_layout(nsdae_event_impacts *p, nsdae_arena *arena)
   nsdae_arena_doubles(arena, columns, (double **[]){&p->force, &p->xi, NULL});
   p->bound = NSDAE_ARENA_DOUBLES(arena, d->f);
   p->sequence.hit = NSDAE_ARENA_INTS(arena, d->k);
-  p->sequence.size = NSDAE_ARENA_DOUBLES(arena, d->k);
 }
 
 void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
@@ -48,8 +47,8 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
 int nsdae_event_touches(const nsdae_event_setting *s, int i)
 {
   const nsdae_terms *T = s->here;
-  return T->gap[i] <= nsdae_event_gap_size(s, i) &&
-         nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_rate_size(s, i);
+  return T->gap[i] <= nsdae_event_position_size(s) &&
+         nsdae_terms_normal_rate(T, i, T->v) <= nsdae_event_velocity_size(s);
 }
 
 /* v and Lambda without contacts: M v + Phi_q^T Lambda = M v-, Phi_q v = -Phi_t. */
@@ -104,20 +103,13 @@ static int solve(nsdae_event_impacts *p)
   return status;
 }
 
-/* Up to this the velocity of contact i is none. Past many instants in a row it is a multiple of
- * what the errors of all velocities may be: its own shrinks with the contact's velocity. */
-static double slow_approach(const nsdae_event_impacts *p, int i)
-{
-  const nsdae_event_setting *s = p->acceleration->phase->setting;
-  return p->blur[i] > 1 ? p->blur[i] * nsdae_event_velocity_size(s) : p->sequence.size[i];
-}
-
 /* The contacts' velocities before, zero where the integrator's errors could be all of it; in the
  * limit of a sequence, those of elastic contacts that approach alone. */
 static void approach(nsdae_event_impacts *p)
 {
+  double size = nsdae_event_velocity_size(p->acceleration->phase->setting);
   for (int i = 0; i < p->problem.system->dims.k; i++) {
-    double v = p->velocity[i], slow = slow_approach(p, i);
+    double v = p->velocity[i], slow = p->blur[i] * size;
     int counts =
         p->sequence.together ? v < -slow && p->problem.system->contact[i].e_n == 1 : fabs(v) > slow;
     p->coming[i] = counts ? v : 0;
@@ -244,14 +236,14 @@ static void keep(nsdae_event_impacts *p)
   const nsdae_dims *d = &p->problem.system->dims;
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   nsdae_result *r = s->result;
-  double none = ROUNDING * nsdae_largest(d->k, c->normal);
+  double none = ROUNDING * nsdae_largest(d->k, c->normal), size = nsdae_event_velocity_size(s);
   int ends = 0, rattled = 0;
   nsdae_contacts_come(&p->problem, p->velocity);
   r->work += nsdae_contacts_work(&p->problem) + a->work;
   for (int n = 0; n < d->k; n++) {
     int i = nsdae_system_contact(p->problem.system, n);
     if (c->normal[i] > none && c->normal[i] + a->normal[i] > 0) record(p, i);
-    rattled |= p->velocity[i] < -p->sequence.size[i] && p->velocity[i] >= -slow_approach(p, i) &&
+    rattled |= p->velocity[i] < -size && p->velocity[i] >= -p->blur[i] * size &&
                p->problem.system->contact[i].e_n > 0;
     ends |= a->settles[i];
   }
@@ -303,13 +295,11 @@ static int approaching(const nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
-  int any = 0;
-  for (int i = 0; i < T->system->dims.k; i++) {
-    p->sequence.size[i] = fmax(p->sequence.size[i], nsdae_event_rate_size(s, i));
-    any |= p->acceleration->is.touching[i] &&
-           nsdae_terms_normal_rate(T, i, T->v) < -p->sequence.size[i];
-  }
-  return any;
+  for (int i = 0; i < T->system->dims.k; i++)
+    if (p->acceleration->is.touching[i] &&
+        nsdae_terms_normal_rate(T, i, T->v) < -nsdae_event_velocity_size(s))
+      return 1;
+  return 0;
 }
 
 /* What touches: all that was closed, and all that does not part; for a limit all of the sequence.
@@ -349,7 +339,6 @@ int nsdae_event_collide(nsdae_event_impacts *p, double *y)
   nsdae_event_sequence *q = &p->sequence;
   int count = 0, most = s->options->events_max;
   memset(q->hit, 0, (size_t)s->system->dims.k * sizeof *q->hit);
-  memset(q->size, 0, (size_t)s->system->dims.k * sizeof *q->size);
   q->hits = q->together = 0;
   q->decay = 0;
   while (approaching(p) && count <= most + nsdae_system_contacts(s->system)) {

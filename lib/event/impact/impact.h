@@ -22,7 +22,6 @@ typedef struct nsdae_event_sequence {
   int *hit;     /* k: it had an impact */
   int hits;     /* d */
   double decay; /* ln of the product of e_N */
-  double *size; /* k: the most that the errors of the velocities in it may be of each rate */
   int together; /* the next impact is the limit: no contact that parts is driven together */
   int endless;  /* it has more than events_max impacts */
 } nsdae_event_sequence;

@@ -90,8 +90,9 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   const nsdae_event_setting *s = p->roots->phase->setting;
   const nsdae_terms *T = s->here;
   const nsdae_event_findings *is = &p->acceleration.is;
+  double size = nsdae_event_velocity_size(s);
   for (int i = 0; i < T->system->dims.k; i++) {
-    int parts = nsdae_terms_normal_rate(T, i, T->v) > nsdae_event_rate_size(s, i);
+    int parts = nsdae_terms_normal_rate(T, i, T->v) > size;
     if (impacted || parts) is->released[i] = 0; /* no acceleration brings it back */
     is->candidate[i] = is->touching[i] && !is->released[i] && !parts;
   }
@@ -119,8 +120,8 @@ static int arrive(nsdae_event_instant *p, double t, double *y)
   int status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status < 0) return status;
   const nsdae_terms *T = s->here;
+  double size = nsdae_event_position_size(s), fast = nsdae_event_velocity_size(s);
   for (int i = 0; i < s->system->dims.k; i++) {
-    double size = nsdae_event_gap_size(s, i), fast = nsdae_event_rate_size(s, i);
     double gap = T->gap[i], rate = nsdae_terms_normal_rate(T, i, T->v);
     double rounding = 1e3 * DBL_EPSILON * fabs(t * rate); /* of the time where it was found */
     /* past a kink of its gap a contact parts, or another feature is the near one */

@@ -48,30 +48,14 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
   return status;
 }
 
-/* Of derivatives by differences, over a dt. */
-static double velocity_drift(const nsdae_event_setting *s)
-{
-  double most = nsdae_largest(s->system->dims.nv, s->here->v);
-  const double *error = s->error_by_differences;
-  return fmin(error[0] + error[1] * s->options->dt, NSDAE_EVENT_DIFFERENCES * most);
-}
-
-/* The smaller of how far positions are from the origin and how far they move in a dt. */
-static double way(const nsdae_event_setting *s)
-{
-  return fmin(nsdae_largest(s->system->dims.nq, s->here->q),
-              s->options->dt * nsdae_largest(s->system->dims.nv, s->here->v));
-}
-
-static double position_drift(const nsdae_event_setting *s)
-{
-  const double dt = s->options->dt, *error = s->error_by_differences;
-  return fmin((error[0] + error[1] * dt / 2) * dt, NSDAE_EVENT_DIFFERENCES * way(s));
-}
-
 double nsdae_event_position_size(const nsdae_event_setting *s)
 {
-  return 10 * (s->options->rtol * way(s) + s->options->atol + position_drift(s)) +
+  double far = nsdae_largest(s->system->dims.nq, s->here->q);
+  double way = s->options->dt * nsdae_largest(s->system->dims.nv, s->here->v);
+  const double dt = s->options->dt, *error = s->error_by_differences;
+  double drift =
+      fmin((error[0] + error[1] * dt / 2) * dt, NSDAE_EVENT_DIFFERENCES * fmin(far, way));
+  return 10 * (s->options->rtol * fmin(far, way) + s->options->atol + drift) +
          nsdae_event_rounding(s);
 }
 
@@ -80,30 +64,11 @@ double nsdae_event_rounding(const nsdae_event_setting *s)
   return ROUNDING * nsdae_largest(s->system->dims.nq, s->here->q);
 }
 
-/* sum_j |w_j| (rtol |v_j| h + atol) of contact i */
-static double row_error(const nsdae_event_setting *s, int i, double h, double most)
-{
-  const nsdae_terms *T = s->here;
-  const nsdae_blocks *blocks = &T->system->blocks;
-  double v = h * nsdae_rows_dot_sizes(blocks, &T->by.normal, i, T->v);
-  return s->options->rtol * fmin(most, v) +
-         s->options->atol * nsdae_rows_sum(blocks, &T->by.normal, i);
-}
-
 double nsdae_event_velocity_size(const nsdae_event_setting *s)
 {
   double most = nsdae_largest(s->system->dims.nv, s->here->v);
+  const double *error = s->error_by_differences;
+  double drift = fmin(error[0] + error[1] * s->options->dt, NSDAE_EVENT_DIFFERENCES * most);
   return fmax(s->options->impact_velocity,
-              10 * (s->options->rtol * most + s->options->atol + velocity_drift(s)));
-}
-
-double nsdae_event_gap_size(const nsdae_event_setting *s, int i)
-{
-  double far = nsdae_largest(s->system->dims.nq, s->here->q);
-  return 10 * (row_error(s, i, s->options->dt, far) + position_drift(s)) + nsdae_event_rounding(s);
-}
-
-double nsdae_event_rate_size(const nsdae_event_setting *s, int i)
-{
-  return fmax(s->options->impact_velocity, 10 * (row_error(s, i, 1, INFINITY) + velocity_drift(s)));
+              10 * (s->options->rtol * most + s->options->atol + drift));
 }

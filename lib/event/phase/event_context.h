@@ -55,11 +55,6 @@ double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_rounding(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);
 
-/* Those of contact i, gap and rate, by its own row w: an error of e_j in each v_j is one of
- * sum_j |w_j| e_j in its rate. What turns fast elsewhere is no reason to take it for closed. */
-double nsdae_event_gap_size(const nsdae_event_setting *setting, int i);
-double nsdae_event_rate_size(const nsdae_event_setting *setting, int i);
-
 /* Everything that an instant asks of its point. */
 enum {
   NSDAE_EVENT_TERMS = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |

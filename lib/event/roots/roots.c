@@ -273,13 +273,13 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
     root->rate = sign;
     return;
   }
-  if (root->kind == NSDAE_ROOT_HELD) root->size = nsdae_event_gap_size(p->setting, i);
+  if (root->kind == NSDAE_ROOT_HELD) root->size = nsdae_event_position_size(p->setting);
   double value = value_of(p, T, y, root);
   if (root->kind == NSDAE_ROOT_HELD)
     root->state = value > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_MASKED;
   else if (root->kind == NSDAE_ROOT_NORMAL && mode == NSDAE_MODE_OPEN)
     start_root(p, root, t, value, nsdae_terms_normal_rate(T, i, T->v),
-               nsdae_event_gap_size(p->setting, i), nsdae_event_rate_size(p->setting, i));
+               nsdae_event_position_size(p->setting), nsdae_event_velocity_size(p->setting));
   else if (root->kind == NSDAE_ROOT_NORMAL || root->kind == NSDAE_ROOT_SIGN ||
            mode == NSDAE_MODE_STICK)
     start_root(p, root, t, value, 0, force_size(p->setting, y) + undecided_force(p, root), 0);
