@@ -123,6 +123,8 @@ static int factor_mean_mass(const nsdae_step *step, int hold)
 static int iterate(const nsdae_step *step, int first, int frozen, int all_impacts, int *impact)
 {
   nsdae_stepper *s = step->tools;
+  const double *q_0 = step->start->q;
+  int nq = s->system->dims.nq;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end, frozen);
   /* of redundant constraints the same are left out in all iterates: which these are is decided by
@@ -138,8 +140,8 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   if (status < 0) return status;
   /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
   status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);
-  for (int i = 0; i < s->system->dims.nq; i++)
-    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot[0][i] + s->qdot[1][i]);
+  nsdae_units_mean_rate(s->units, nq, q_0, s->qdot[0], step->end->q, s->qdot[1]);
+  nsdae_units_move(s->units, nq, q_0, step->h, s->qdot[1], s->q);
   return status;
 }
 
@@ -237,7 +239,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   int status = nsdae_problem_position(&s->problem, step->start, step->h, step->h / 2);
   if (status < 0) return status;
-  nsdae_move(dims->nq, step->start->q, step->h, s->qdot[0], s->q);
+  nsdae_units_move(s->units, dims->nq, step->start->q, step->h, s->qdot[0], s->q);
   memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
   for (int i = 0; i < s->options->iteration_max; i++) {

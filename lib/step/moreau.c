@@ -46,7 +46,7 @@ static int to_middle(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   const nsdae_terms *start = step->start;
   int status = nsdae_kinematics_at(start, start->v, s->qdot[0]);
-  nsdae_move(s->system->dims.nq, start->q, step->h / 2, s->qdot[0], s->q);
+  nsdae_units_move(s->units, s->system->dims.nq, start->q, step->h / 2, s->qdot[0], s->q);
   nsdae_terms_at(&s->middle, start->t + step->h / 2, s->q, start->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->middle, FREE_TERMS);
   if (status < 0 || s->system->dims.m == 0) return status;
@@ -224,7 +224,7 @@ static int to_end(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   const nsdae_terms *middle = &s->middle;
   int status = nsdae_kinematics_at(middle, s->v, s->qdot[1]);
-  nsdae_move(s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
+  nsdae_units_move(s->units, s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
   if (s->system->dims.m > 0) nsdae_result_rate(step->result, middle, s->v);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   return status < 0 ? status : nsdae_step_end(step);

@@ -1,5 +1,6 @@
 /* Bodies that turn by up to 1.5 rad per step by moreau, against invariants: a free body keeps
- * w^T J w and |J w|; contacts take energy; a rotor on a hinge keeps its speed. */
+ * w^T J w and |J w|; contacts take energy; a rotor on a hinge keeps its speed. By every
+ * time-stepping method: a wheel turns by its rate times the time, quaternions have length 1. */
 #include "check.h"
 
 #include <string.h>
@@ -35,13 +36,13 @@ static run make(const nsdae_solid *solid, nsdae_rigid_body *body, double g)
   return r;
 }
 
-static void begin(run *r, double dt)
+static void begin_by(run *r, int method, double dt)
 {
   nsdae_sim_options o;
   nsdae_error error;
   double q[7], v[6];
   nsdae_sim_options_default(&o);
-  o.method = NSDAE_METHOD_MOREAU;
+  o.method = method;
   o.dt = dt;
   if (nsdae_bodies_system(r->bodies, &r->system) < 0)
     fail_msg("%s", nsdae_bodies_error(r->bodies)->text);
@@ -50,6 +51,8 @@ static void begin(run *r, double dt)
   if (nsdae_sim_init(r->sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(r->sim)->text);
   nsdae_sim_get_record(r->sim, &r->record);
 }
+
+static void begin(run *r, double dt) { begin_by(r, NSDAE_METHOD_MOREAU, dt); }
 
 static void step(run *r)
 {
@@ -186,6 +189,71 @@ static void test_rotor(void **state)
   end(&r);
 }
 
+static double length_of(const double *p)
+{
+  return sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+}
+
+static const int time_stepping[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED,
+                                    NSDAE_METHOD_MOREAU};
+
+/* On a hinge through its axis and without forces it turns by w t, whatever the angle of a step. */
+static void test_wheel(void **state)
+{
+  const double dt = 5e-3, rates[] = {40, 100, 400, 1000, 3000};
+  (void)state;
+  for (int k = 0; k < 3; k++)
+    for (int l = 0; l < 5; l++) {
+      nsdae_rigid_body body = {.spin = {0, 0, rates[l]}};
+      run r = make(&plate, &body, 0);
+      const nsdae_joint hinge = {
+          .kind = NSDAE_JOINT_REVOLUTE, .body = {NSDAE_GROUND, 0}, .axis = {0, 0, 1}};
+      assert_int_equal(nsdae_bodies_add_joint(r.bodies, &hinge), 0);
+      begin_by(&r, time_stepping[k], dt);
+      for (int i = 0; i < 200; i++) step(&r);
+      double angle = rates[l] * r.record.time;
+      print_message("%d %g: %g %g, %g %g\n",k,rates[l],r.record.q[3], cos(angle / 2),r.record.q[6], sin(angle / 2));
+      assert_near(r.record.q[3], cos(angle / 2), 1e-10);
+      assert_near(r.record.q[6], sin(angle / 2), 1e-10);
+      end(&r);
+    }
+}
+
+/* An axisymmetric body without forces: precession about its momentum L = J w with the rate |L| / A,
+ * and rotation about its axis by (1 - C / A) w_z:
+ *
+ *   p(t) = exp(t L / (2 A)) exp(t (1 - C / A) w_z e_z / 2)
+ *
+ * Returns the error of p after 1 s, |p - p(t)|; its length is 1. */
+static double error_of_top(int method, double dt)
+{
+  nsdae_rigid_body body = {.spin = {3, 0, 20}};
+  run r = make(&plate, &body, 0);
+  const double *J = body.inertia, t = 1, L[2] = {J[0] * 3, J[2] * 20};
+  begin_by(&r, method, dt);
+  double size = sqrt(L[0] * L[0] + L[1] * L[1]), a = t * size / J[0] / 2,
+         b = t * (1 - J[2] / J[0]) * 20 / 2, sum = 0;
+  const double x = sin(a) * L[0] / size, z = sin(a) * L[1] / size, c = cos(a);
+  const double p[4] = {c * cos(b) - z * sin(b), x * cos(b), -x * sin(b), z * cos(b) + c * sin(b)};
+  for (int i = 0; i < (int)(t / dt + 0.5); i++) {
+    step(&r);
+    assert_near(length_of(r.record.q + 3), 1, 1e-13);
+  }
+  for (int i = 0; i < 4; i++) sum += pow(r.record.q[3 + i] - p[i], 2);
+  end(&r);
+  return sqrt(sum);
+}
+
+static void test_order(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 3; k++) {
+    double coarse = error_of_top(time_stepping[k], 2e-3), fine = error_of_top(time_stepping[k], 1e-3);
+    print_message("%d: errors %.2g, %.2g\n", k, coarse, fine);
+    assert_near(coarse / fine, 4, 0.2);
+  }
+}
+
 /* v' = (b 1 + a X) v with a^2 + b^2 > 1: |F v| overflows before v^T v does, with both signs. */
 static int unit_mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -234,6 +302,7 @@ int main(void)
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric_top),
                                      cmocka_unit_test(test_free_body),
                                      cmocka_unit_test(test_dropped), cmocka_unit_test(test_rotor),
+                                     cmocka_unit_test(test_wheel), cmocka_unit_test(test_order),
                                      cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
