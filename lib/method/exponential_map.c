@@ -14,8 +14,10 @@ void nsdae_units_move(const nsdae_units *u, int nq, const double *from, double h
                       const double *rate, double *to)
 {
   double *cosine = u->work[0], *sine = u->work[1];
-  nsdae_move(nq, from, h, rate, to);
-  if (u->count == 0) return;
+  if (u->count == 0) {
+    nsdae_move(nq, from, h, rate, to);
+    return;
+  }
   clear_work(u);
   for (int i = 0; i < nq; i++) {
     int g = u->of[i];
@@ -30,7 +32,7 @@ void nsdae_units_move(const nsdae_units *u, int nq, const double *from, double h
   }
   for (int i = 0; i < nq; i++) {
     int g = u->of[i];
-    if (g >= 0) to[i] = cosine[g] * from[i] + sine[g] * rate[i];
+    to[i] = g < 0 ? from[i] + h * rate[i] : cosine[g] * from[i] + sine[g] * rate[i];
   }
 }
 

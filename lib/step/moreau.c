@@ -3,7 +3,7 @@
  *   q_m = q_0 + h/2 v_0,  t_m = t_0 + h/2;  M, Phi_q, W and the closed contacts g_N <= 0 at
  *   (t_m, q_m), F at (t_m, q_m, u_m), v(-) = W^T v_0 + w
  *   M (v_1 - v_0) + Phi_q^T Lambda - W Lambda_c = h F,  Phi_q v_1 + Phi_t = 0,  contact laws
- *   q_1 = q_m + h/2 v_1
+ *   q_1 = q_m + h/2 v_1;  quaternions move by the exponential map (exponential_map.h)
  *
  * With constraints u_m = v_0. Without, it is the midpoint of a step without contacts:
  *

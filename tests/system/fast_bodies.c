@@ -52,7 +52,10 @@ static void begin_by(run *r, int method, double dt)
   nsdae_sim_get_record(r->sim, &r->record);
 }
 
-static void begin(run *r, double dt) { begin_by(r, NSDAE_METHOD_MOREAU, dt); }
+static void begin(run *r, double dt)
+{
+  begin_by(r, NSDAE_METHOD_MOREAU, dt);
+}
 
 static void step(run *r)
 {
@@ -212,7 +215,6 @@ static void test_wheel(void **state)
       begin_by(&r, time_stepping[k], dt);
       for (int i = 0; i < 200; i++) step(&r);
       double angle = rates[l] * r.record.time;
-      print_message("%d %g: %g %g, %g %g\n",k,rates[l],r.record.q[3], cos(angle / 2),r.record.q[6], sin(angle / 2));
       assert_near(r.record.q[3], cos(angle / 2), 1e-10);
       assert_near(r.record.q[6], sin(angle / 2), 1e-10);
       end(&r);
@@ -248,9 +250,81 @@ static void test_order(void **state)
 {
   (void)state;
   for (int k = 0; k < 3; k++) {
-    double coarse = error_of_top(time_stepping[k], 2e-3), fine = error_of_top(time_stepping[k], 1e-3);
+    double coarse = error_of_top(time_stepping[k], 2e-3),
+           fine = error_of_top(time_stepping[k], 1e-3);
     print_message("%d: errors %.2g, %.2g\n", k, coarse, fine);
     assert_near(coarse / fine, 4, 0.2);
+  }
+}
+
+static int unit_masses(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < 4; i++) M[i * (ldm + 1)] = 1;
+  return 0;
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+/* q = (c, p_w, s, p_x, p_y, p_z):  (c, s)' = v_0 (2 + c) (-s, c),  p' = (0, w) p / 2,  w = (v_1,
+ * v_2, v_3) in the axes of space */
+static int circle_and_rotation(double t, const double *q, const double *v, double *qdot, void *user)
+{
+  const double rate = v[0] * (2 + q[0]);
+  (void)t, (void)user;
+  qdot[0] = -q[2] * rate;
+  qdot[2] = q[0] * rate;
+  qdot[1] = -(v[1] * q[3] + v[2] * q[4] + v[3] * q[5]) / 2;
+  qdot[3] = (v[1] * q[1] + v[2] * q[5] - v[3] * q[4]) / 2;
+  qdot[4] = (v[2] * q[1] + v[3] * q[3] - v[1] * q[5]) / 2;
+  qdot[5] = (v[3] * q[1] + v[1] * q[4] - v[2] * q[3]) / 2;
+  return 0;
+}
+
+/* The error after 0.5 s of the point on the circle, tan(angle / 2) = 3^(1/2) tan(3^(1/2) t / 2);
+ * that of the rotation is none: p = (cos(|w| t / 2), sin(|w| t / 2) w / |w|). */
+static double error_of_circle(int method, double dt)
+{
+  const nsdae_dims dims = {.nq = 6, .nv = 4};
+  const double q[6] = {1, 1}, v[4] = {1, 20, 40, -40}, w = 60, t = 0.5;
+  nsdae_system *system;
+  nsdae_sim_options o;
+  nsdae_sim *sim;
+  nsdae_record now;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, unit_masses);
+  nsdae_system_set_kinematics(system, circle_and_rotation);
+  nsdae_system_set_force(system, no_force);
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  o.dt = dt;
+  nsdae_error error;
+  if (nsdae_sim_create(system, &o, &sim, &error) < 0) fail_msg("%s", error.text);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, t) >= 0);
+  nsdae_sim_get_record(sim, &now);
+  double angle = 2 * atan(sqrt(3) * tan(sqrt(3) / 2 * t)), off = atan2(now.q[2], now.q[0]) - angle;
+  assert_near(hypot(now.q[0], now.q[2]), 1, 1e-13);
+  assert_near(now.q[1], cos(w * t / 2), 1e-11);
+  for (int i = 0; i < 3; i++) assert_near(now.q[3 + i], sin(w * t / 2) * v[1 + i] / w, 1e-11);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return fabs(off);
+}
+
+/* Of second order; moreau of first, as H is that of q_0, then that of q_m. */
+static void test_kinematics(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 3; k++) {
+    double coarse = error_of_circle(time_stepping[k], 5e-3),
+           fine = error_of_circle(time_stepping[k], 2.5e-3);
+    print_message("%d: errors %.2g, %.2g\n", k, coarse, fine);
+    assert_near(coarse / fine, time_stepping[k] == NSDAE_METHOD_MOREAU ? 2 : 4, 0.1);
   }
 }
 
@@ -299,10 +373,10 @@ static void test_overflow(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric_top),
-                                     cmocka_unit_test(test_free_body),
-                                     cmocka_unit_test(test_dropped), cmocka_unit_test(test_rotor),
-                                     cmocka_unit_test(test_wheel), cmocka_unit_test(test_order),
-                                     cmocka_unit_test(test_overflow)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_symmetric_top), cmocka_unit_test(test_free_body),
+      cmocka_unit_test(test_dropped),       cmocka_unit_test(test_rotor),
+      cmocka_unit_test(test_wheel),         cmocka_unit_test(test_order),
+      cmocka_unit_test(test_kinematics),    cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
