@@ -16,6 +16,7 @@
 #ifndef NSDAE_SIM_PROJECTION_H
 #define NSDAE_SIM_PROJECTION_H
 
+#include "exponential_map.h"
 #include "impulses.h"
 #include "least.h"
 #include "stepper.h"

@@ -27,6 +27,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "exponential_map.h"
 #include "stepper.h"
 #include "vector.h"
 

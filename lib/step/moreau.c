@@ -24,6 +24,7 @@
 #include <string.h>
 
 #include "dense.h"
+#include "exponential_map.h"
 #include "stepper.h"
 
 /* u_m is found by substitution, which contracts by h |M^-1 dF/dv| / 2: of a free body at most half
