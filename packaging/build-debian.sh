@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the Debian packages of this source tree (as committed) into FOLDER; runs lintian where it is installed, whose
-# errors and warnings fail. Needs the Build-Depends of packaging/debian/control. Debian 12 has no nanobind: there the
-# package for Python is left out.
+# errors and warnings fail. Needs git, dpkg-dev and the Build-Depends of packaging/debian/control. Debian 12 has no nanobind:
+# there the package for Python is left out.
 # usage: packaging/build-debian.sh FOLDER
 set -eu
 folder=$(mkdir -p "$1" && cd "$1" && pwd)

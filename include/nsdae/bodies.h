@@ -330,7 +330,8 @@ typedef struct nsdae_spring {
  * There turns are not counted: see nsdae_joint_spring. */
 typedef struct nsdae_torsion {
   int body[2];               /* NSDAE_GROUND or a body's number; two different ones */
-  double axis[3];            /* spatial: in space at the start, of any length > 0 */
+  double axis[3];            /* spatial: in space at the start, of any length > 0;
+                                planar: along z, or zero */
   double stiffness, damping; /* >= 0 [N m/rad, N m s/rad] */
   double rest;               /* phi of zero torque [rad]; in space -pi .. pi */
 } nsdae_torsion;
@@ -426,8 +427,8 @@ NSDAE_API int nsdae_bodies_add_load(nsdae_bodies *bodies, int body, const double
 /* Adds a solid to a body or to NSDAE_GROUND. */
 NSDAE_API int nsdae_bodies_add_solid(nsdae_bodies *bodies, int body, const nsdae_solid *solid);
 /* Adds the contacts between two solids of different bodies. Returns the number of the first one;
- * the others follow it. There is one contact for each corner (or centre) of one solid against the
- * other, and in space one for each pair of edges. mu >= 0; e_n and e_t in 0 .. 1 as in
+ * the others follow it. Each corner (or centre) of one solid has a contact with the other solid. In
+ * space each pair of edges has one, too. mu >= 0; e_n and e_t in 0 .. 1 as in
  * nsdae_system_set_contact. The contacts are fixed, with these numbers. In a system with a contact
  * list (nsdae_bodies_set_pair) they are entries of the list, with these numbers as ids. */
 NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int solid1, double mu,
@@ -446,10 +447,11 @@ NSDAE_API int nsdae_bodies_add_contact(nsdae_bodies *bodies, int solid0, int sol
  * - A broad phase finds the close pairs in every step. Its time is proportional to the number of
  *  solids if they are of similar size.
  * - Ids follow from the order of the calls and never change. Those of nsdae_bodies_add_contact are
- *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids and C =
- *  2 corners + edges^2, of the solids with the most corners and edges (capsule 1, box 12,
- * POLYHEDRON its own, else 0). With a MESH or HEIGHT_FIELD C is at least (1 + corners + edges) P,
- *  where P is 4 triangles + points of the largest one. Limit i has the id L + i with L = K + S^2 C.
+ *  0 .. K - 1. Contact c of the solids i < j has the id K + (i S + j) C + c with S solids. C is
+ *  2 corners + edges^2, of the solids with the most corners and edges. A capsule has 1 edge, a box
+ *  12, a POLYHEDRON its own, others 0. With a MESH or HEIGHT_FIELD C is at least (1 + corners +
+ * edges) P, where P is 4 triangles + points of the largest one. Limit i has the id L + i with L = K
+ * + S^2 C.
  *
  * Returns NSDAE_OK or the errors above. */
 NSDAE_API int nsdae_bodies_set_pair(nsdae_bodies *bodies, int material0, int material1, double mu,

@@ -430,10 +430,10 @@ enum { NSDAE_VALUES_MAX = 4 }; /* most values of a sensor */
  * NSDAE_E_ARGUMENT; NSDAE_E_STATE: before nsdae_sim_init. */
 NSDAE_API int nsdae_sim_get_sensor(nsdae_sim *sim, int i, double *value);
 
-/* Points [3 count] and forces [3 count] of the contacts of the present record, also in an observer,
- * in the axes of space; count is the number of contacts of the record. In the plane z is 0. A point
- * is midway between the surfaces of two solids [m]. The force is on the body of the larger number,
- * never the ground, and a mean over the step [N].
+/* Points [3 count] and forces [3 count] of the contacts of the present record, in the axes of
+ * space, also in an observer. count is the number of contacts of the record. In the plane z is 0. A
+ * point is midway between the surfaces of two solids [m]. The force is on the body of the larger
+ * number, never the ground, and a mean over the step [N].
  *
  * A contact without an impulse, a limit, a rope and a contact of user rows have the point NaN and
  * the force 0. So have all contacts at the start and after nsdae_sim_set_state.
@@ -485,8 +485,8 @@ NSDAE_API int nsdae_sim_run(nsdae_sim *sim, double t_end);
  * - warm starts, modes, accumulations
  * - energy quadratures, statistics except wall_time
  *
- * A simulation of the same system and options, in any process, continues from a block byte for byte
- * like the original run, if the callbacks are deterministic. A block is plain bytes in this
+ * A simulation of the same system and options continues from a block byte for byte like the
+ * original run, in any process. The callbacks must be deterministic. A block is plain bytes in this
  * machine's byte order; it may be copied, stored and compared. */
 NSDAE_API int nsdae_sim_state_size(const nsdae_sim *sim, size_t *size);
 /* Fills block [size]. In an observer it is the state after the record. NSDAE_E_STATE: before

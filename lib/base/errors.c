@@ -76,6 +76,11 @@ int nsdae_error_at(nsdae_error *error, int status, int index, double time)
   return status;
 }
 
+int nsdae_error_null(nsdae_error *error, const char *where, const char *argument)
+{
+  return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, argument, "%s is NULL", argument);
+}
+
 int nsdae_error_memory(nsdae_error *error, const char *where)
 {
   return nsdae_error_set(error, NSDAE_E_MEMORY, where, "", "out of memory");

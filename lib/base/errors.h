@@ -34,6 +34,9 @@ int nsdae_error_set(nsdae_error *error, int status, const char *where, const cha
 /* Adds index and time to the record and returns status. error may be NULL. */
 int nsdae_error_at(nsdae_error *error, int status, int index, double time);
 
+/* NSDAE_E_ARGUMENT, "ARGUMENT is NULL". */
+int nsdae_error_null(nsdae_error *error, const char *where, const char *argument);
+
 /* NSDAE_E_MEMORY, "out of memory". */
 int nsdae_error_memory(nsdae_error *error, const char *where);
 

@@ -46,6 +46,12 @@ typedef struct nsdae_gains {
   double kp, kd, limit;
 } nsdae_gains;
 
+/* Two bodies that may pass through each other in a step. */
+typedef struct nsdae_tunnelling {
+  long contact;      /* its number, or its id in a list; -1: none */
+  double way, least; /* by which its gap closes in the step; that is reported */
+} nsdae_tunnelling;
+
 typedef struct nsdae_maker {
   const void *of; /* handed to each */
   /* Whether the derivatives of row i of a kind (enum nsdae_name_kind) are the maker's formulas. */
@@ -70,6 +76,10 @@ typedef struct nsdae_maker {
    * what a drive returned. */
   int (*position)(const void *of, int j, nsdae_gains *gains);
   int (*errors)(double t, const double *q, double *e, const void *user);
+  /* The fastest of these contacts whose gaps close in a step h by more than a share of the widths
+   * of both bodies. NSDAE_OK or NSDAE_E_MEMORY. */
+  int (*tunnelling)(const double *q, const double *v, double h, double share,
+                    nsdae_tunnelling *worst, const void *user);
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

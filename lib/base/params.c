@@ -105,8 +105,7 @@ static int check_number(const nsdae_param *param, double value, nsdae_error *err
 int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error *error)
 {
   if (!table || !base)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params_check", table ? "base" : "table",
-                           "%s is NULL", table ? "base" : "table");
+    return nsdae_error_null(error, "nsdae_params_check", table ? "base" : "table");
   for (int i = 0; i < table->n; i++) {
     const nsdae_param *param = &table->entry[i];
     if (param->type == NSDAE_PARAM_TEXT) continue;
@@ -207,9 +206,7 @@ int nsdae_params_set(const nsdae_params *table, void *base, const char *key, con
 {
   const char *missing = !table ? "table" : !base ? "base" : !key ? "key" : !value ? "value" : NULL;
   nsdae_error_clear(error);
-  if (missing)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params_set", missing, "%s is NULL",
-                           missing);
+  if (missing) return nsdae_error_null(error, "nsdae_params_set", missing);
   const nsdae_param *param = nsdae_params_find(table, key);
   if (!param) return unknown_key(table, key, error);
   if (param->type == NSDAE_PARAM_CHOICE) return set_choice(param, base, value, error);

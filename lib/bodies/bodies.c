@@ -72,7 +72,10 @@ int nsdae_bodies_refuse(nsdae_bodies *b, int status, const char *what, const cha
   va_start(values, format);
   vsnprintf(text, sizeof text, format, values);
   va_end(values);
-  nsdae_error_set(&b->error, status, "nsdae_bodies", argument, "%s %d: %s", what, index, text);
+  if (index < 0)
+    nsdae_error_set(&b->error, status, "nsdae_bodies", argument, "%s: %s", what, text);
+  else
+    nsdae_error_set(&b->error, status, "nsdae_bodies", argument, "%s %d: %s", what, index, text);
   b->error.index = index;
   return status;
 }
@@ -241,7 +244,8 @@ int nsdae_bodies_add_load(nsdae_bodies *b, int body, const double *point, nsdae_
 int nsdae_bodies_set_gravity(nsdae_bodies *b, const double *gravity)
 {
   int status = nsdae_bodies_open(b, gravity, "gravity");
-  if (status == NSDAE_OK) status = nsdae_bodies_check_vector(b, "world", "gravity", 0, gravity, 1);
+  if (status == NSDAE_OK)
+    status = nsdae_bodies_check_vector(b, "bodies", "gravity", -1, gravity, 1);
   if (status == NSDAE_OK) memcpy(b->force.gravity, gravity, sizeof b->force.gravity);
   return status;
 }

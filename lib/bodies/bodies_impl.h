@@ -147,46 +147,22 @@ static inline const double *nsdae_control_of(const void *user)
   return ((const nsdae_maker_user *)user)->control;
 }
 
-static inline const nsdae_rigid_body *nsdae_body_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_rigid_body *)b->body.at + i;
-}
+/* The i-th entry of a list. */
+#define NSDAE_ENTRIES(name, type, list)                                     \
+  static inline const type *nsdae_##name##_at(const nsdae_bodies *b, int i) \
+  {                                                                         \
+    return (const type *)b->list.at + i;                                    \
+  }
 
-static inline const nsdae_bodies_constraint *nsdae_constraint_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_constraint *)b->constraint.at + i;
-}
-
-static inline const nsdae_bodies_joint *nsdae_joint_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_joint *)b->joint.at + i;
-}
-
-static inline const nsdae_bodies_limit *nsdae_limit_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_limit *)b->limit.at + i;
-}
-
-static inline const nsdae_bodies_frictional_joint *nsdae_frictional_joint_at(const nsdae_bodies *b,
-                                                                             int i)
-{
-  return (const nsdae_bodies_frictional_joint *)b->frictional_joint.at + i;
-}
-
-static inline const nsdae_solid_of *nsdae_solid_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_solid_of *)b->solid.at + i;
-}
-
-static inline const nsdae_feature *nsdae_feature_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_feature *)b->feature.at + i;
-}
-
-static inline const nsdae_bodies_spring *nsdae_spring_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_spring *)b->force.spring.at + i;
-}
+NSDAE_ENTRIES(body, nsdae_rigid_body, body)
+NSDAE_ENTRIES(constraint, nsdae_bodies_constraint, constraint)
+NSDAE_ENTRIES(joint, nsdae_bodies_joint, joint)
+NSDAE_ENTRIES(limit, nsdae_bodies_limit, limit)
+NSDAE_ENTRIES(frictional_joint, nsdae_bodies_frictional_joint, frictional_joint)
+NSDAE_ENTRIES(solid, nsdae_solid_of, solid)
+NSDAE_ENTRIES(feature, nsdae_feature, feature)
+NSDAE_ENTRIES(spring, nsdae_bodies_spring, force.spring)
+NSDAE_ENTRIES(sensor, nsdae_bodies_sensor, sensor)
 
 /* Whether the system has a contact list, which then has all contacts; else they are fixed. */
 static inline int nsdae_bodies_has_list(const nsdae_bodies *b)
@@ -223,7 +199,7 @@ void *nsdae_list_add(nsdae_bodies *bodies, nsdae_list *list, size_t size);
 
 /* Whether something may be added: NSDAE_OK, or the first failure, or NSDAE_E_STATE. */
 int nsdae_bodies_open(nsdae_bodies *bodies, const void *given, const char *what);
-/* The record, the status as return value; keeps the first. */
+/* The record, the status as return value; keeps the first. index < 0: there is but one. */
 int nsdae_bodies_refuse(nsdae_bodies *bodies, int status, const char *what, const char *argument,
                         int index, const char *format, ...);
 /* Two bodies that there are, and not the same (ground with ground neither). */
@@ -356,6 +332,12 @@ void nsdae_bodies_limit_value(const nsdae_bodies_limit *limit, const nsdae_pose 
 int nsdae_bodies_set_callbacks(nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_constraints(const nsdae_bodies *bodies, nsdae_system *system);
 int nsdae_bodies_set_contacts(const nsdae_bodies *bodies, nsdae_system *system);
+/* The smallest distance of two parallel planes that enclose the solid; 0 of a point, a line or a
+ * mesh, INFINITY of a plane or a hole. */
+double nsdae_solid_width(const nsdae_solid_of *solid);
+/* nsdae_maker.tunnelling */
+int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, double share,
+                                 nsdae_tunnelling *worst, const void *user);
 /* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* Blocks of bodies, and M. */

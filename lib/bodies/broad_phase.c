@@ -243,7 +243,7 @@ int nsdae_bodies_check_rates(const void *bodies, nsdae_error *error)
   if (!found && nsdae_bodies_has_list(b)) found = find_pair(b, is_inexact, pair, error);
   if (found <= 0) return found;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_sim_create", "method",
-                         "solids %d and %d: a %s and a %s have contacts for time stepping alone: "
+                         "solids %d and %d: %s and %s have contacts for time stepping alone: "
                          "choose moreau, implicit "
                          "or implicit-printed, or make the curved one a polyhedron with many sides",
                          pair[0], pair[1], nsdae_solid_name(s[pair[0]].shape),

@@ -11,13 +11,13 @@
  * Sources: Wavefront Technologies, Advanced Visualizer Manual, appendix B1; M. Burns, Automated
  * Fabrication, 1993, 6.5. Normals of files are not used: the order of the corners is. */
 #include <ctype.h>
-#include <limits.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "arena.h"
 #include "errors.h"
 #include "mesh.h"
 #include "space.h"
@@ -57,27 +57,23 @@ static int refuse(reader *r, int status, const char *format, ...)
 
 /* ---- points and triangles */
 
-/* Room for one more entry of three numbers of this size. */
-static int make_room(reader *r, void **array, int count, int *room, int most, size_t size)
+/* Room for one more entry of three numbers. */
+static int make_room(reader *r, nsdae_array array, int count, int *room, int most)
 {
   if (count < *room) return NSDAE_OK;
   if (count == most)
     return refuse(r, NSDAE_E_ARGUMENT, "more than %d points or %d triangles: use a coarser mesh",
                   3 * NSDAE_TRIANGLES_MAX, NSDAE_TRIANGLES_MAX);
   int next = count == 0 ? 1024 : count > most / 2 ? most : 2 * count;
-  void *more = realloc(*array, 3 * (size_t)next * size);
-  if (!more) return nsdae_error_memory(r->error, where);
-  *array = more;
+  if (nsdae_arrays_grow(&array, 1, (size_t)next) < 0) return nsdae_error_memory(r->error, where);
   *room = next;
   return NSDAE_OK;
 }
 
 static int add_point(reader *r, const double *x)
 {
-  void *array = r->point;
-  int status =
-      make_room(r, &array, r->points, &r->room[0], 3 * NSDAE_TRIANGLES_MAX, sizeof *r->point);
-  r->point = array;
+  const nsdae_array array = NSDAE_ARRAY(r->point, 3);
+  int status = make_room(r, array, r->points, &r->room[0], 3 * NSDAE_TRIANGLES_MAX);
   for (int j = 0; j < 3 && status == NSDAE_OK; j++) {
     double scaled = r->scale * x[j];
     if (!isfinite(scaled))
@@ -91,10 +87,8 @@ static int add_point(reader *r, const double *x)
 
 static int add_triangle(reader *r, int a, int b, int c)
 {
-  void *array = r->triangle;
-  int status =
-      make_room(r, &array, r->triangles, &r->room[1], NSDAE_TRIANGLES_MAX, sizeof *r->triangle);
-  r->triangle = array;
+  const nsdae_array array = NSDAE_ARRAY(r->triangle, 3);
+  int status = make_room(r, array, r->triangles, &r->room[1], NSDAE_TRIANGLES_MAX);
   if (status < 0) return status;
   int *corner = r->triangle + 3L * r->triangles++;
   corner[0] = a;
@@ -388,9 +382,7 @@ static int weld_surface(reader *r)
 static int check_arguments(const char *path, double scale, const nsdae_solid *solid,
                            nsdae_error *error)
 {
-  if (!path || !solid)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, path ? "solid" : "path", "%s is NULL",
-                           path ? "solid" : "path");
+  if (!path || !solid) return nsdae_error_null(error, where, path ? "solid" : "path");
   if (scale > 0 && isfinite(scale)) return NSDAE_OK;
   return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "scale",
                          "scale = %g must be a finite number > 0: metres in a unit of the file, "

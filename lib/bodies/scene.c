@@ -16,6 +16,7 @@
 
 #include <nsdae/params.h>
 
+#include "arena.h"
 #include "bodies_impl.h"
 #include "errors.h"
 #include "words.h"
@@ -201,27 +202,15 @@ static int split(reader *r, char *text, char *field[COLUMNS])
                 count, count == 1 ? "" : "s", COLUMNS);
 }
 
-static int read_header(reader *r, char *const field[COLUMNS])
-{
-  for (int c = 0; c < COLUMNS; c++)
-    if (strcmp(field[c], columns[c].key) != 0)
-      return refuse(r, c, "'%.32s' in the header: it must be '%s'", field[c], columns[c].key);
-  r->header = 1;
-  return NSDAE_OK;
-}
-
 static int add(reader *r, const body_row *row)
 {
   nsdae_scene *s = r->scene;
   if (s->bodies == r->room) {
-    int room = r->room > 0 ? 2 * r->room : 64;
-    size_t count = r->room > INT_MAX / 2 ? 0 : (size_t)room;
-    nsdae_rigid_body *body = count ? realloc(s->body, count * sizeof *body) : NULL;
-    if (body) s->body = body;
-    nsdae_solid *solid = body ? realloc(s->solid, count * sizeof *solid) : NULL;
-    if (!solid) return nsdae_error_memory(r->error, "nsdae_scene_read");
-    s->solid = solid;
-    r->room = room;
+    size_t room = r->room > 0 ? 2 * (size_t)r->room : 64;
+    const nsdae_array both[] = {NSDAE_ARRAY(s->body, 1), NSDAE_ARRAY(s->solid, 1)};
+    if (room > INT_MAX || nsdae_arrays_grow(both, 2, room) < 0)
+      return nsdae_error_memory(r->error, "nsdae_scene_read");
+    r->room = (int)room;
   }
   nsdae_solid solid = {.shape = shape_of[row->kind].shape, .material = 1};
   solid.points = shape_of[row->kind].corners;
@@ -293,7 +282,12 @@ static int read_line(reader *r, char *text)
   if (!*text) return NSDAE_OK;
   int status = split(r, text, field);
   if (status < 0) return status;
-  return r->header ? read_row(r, field) : read_header(r, field);
+  if (r->header) return read_row(r, field);
+  for (int c = 0; c < COLUMNS; c++)
+    if (strcmp(field[c], columns[c].key) != 0)
+      return refuse(r, c, "'%.32s' in the header: it must be '%s'", field[c], columns[c].key);
+  r->header = 1;
+  return NSDAE_OK;
 }
 
 /* All settings but the floor must be given: none is taken silently. */
@@ -363,9 +357,7 @@ int nsdae_scene_read(const char *path, nsdae_scene *scene, nsdae_error *error)
   const nsdae_params table = {settings, SETTINGS};
   char text[LINE_SIZE];
   nsdae_error_clear(error);
-  if (!path || !scene)
-    return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_scene_read", path ? "scene" : "path",
-                           "%s is NULL", path ? "scene" : "path");
+  if (!path || !scene) return nsdae_error_null(error, "nsdae_scene_read", path ? "scene" : "path");
   *scene = (nsdae_scene){.bodies = 0};
   nsdae_params_default(&table, scene);
   reader r = {.file = fopen(path, "rb"), .path = path, .scene = scene, .error = error};
@@ -416,8 +408,7 @@ static int check_scene(nsdae_bodies *b, const nsdae_scene *s)
   if (s->bodies < 0)
     return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, "bodies",
                            "bodies = %d must be at least 0", s->bodies);
-  if (s->bodies > 0 && !(s->body && s->solid))
-    return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
+  if (s->bodies > 0 && !(s->body && s->solid)) return nsdae_error_null(&b->error, where, missing);
   if (!(s->wall[0] < s->wall[1]))
     return nsdae_error_set(&b->error, NSDAE_E_ARGUMENT, where, "wall",
                            "wall[0] = %g must be below wall[1] = %g; -INFINITY, INFINITY: none",

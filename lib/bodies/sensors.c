@@ -43,11 +43,6 @@ static const struct {
     [NSDAE_SENSOR_POTENTIAL_ENERGY] = {OF_BODY, SCALAR, "J"},
 };
 
-static const nsdae_bodies_sensor *sensor_at(const nsdae_bodies *b, int i)
-{
-  return (const nsdae_bodies_sensor *)b->sensor.at + i;
-}
-
 /* ---- adding */
 
 static int refuse_number(nsdae_bodies *b, int index, const char *argument, int value, int count)
@@ -69,7 +64,7 @@ static int check_name(nsdae_bodies *b, int index, const char *name)
       return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "name", index,
                                  "name '%.48s' has a / or a control character: leave it out", name);
   for (int i = 0; i < index && length > 0; i++)
-    if (strcmp(sensor_at(b, i)->name, name) == 0)
+    if (strcmp(nsdae_sensor_at(b, i)->name, name) == 0)
       return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "name", index,
                                  "name '%.48s' is that of sensor %d: give another one", name, i);
   return NSDAE_OK;
@@ -108,7 +103,7 @@ int nsdae_bodies_add_sensor(nsdae_bodies *b, const nsdae_sensor *s)
   }
   int counts = s->kind == NSDAE_SENSOR_COORDINATE && nsdae_primitive_is_periodic(of), angle = -1;
   for (int i = 0; i < index && counts; i++)
-    if (sensor_at(b, i)->angle > angle) angle = sensor_at(b, i)->angle;
+    if (nsdae_sensor_at(b, i)->angle > angle) angle = nsdae_sensor_at(b, i)->angle;
   nsdae_bodies_sensor *added = nsdae_list_add(b, &b->sensor, sizeof *added);
   if (!added) return NSDAE_E_MEMORY;
   added->of = *s;
@@ -126,7 +121,7 @@ int nsdae_bodies_name_sensors(const nsdae_bodies *b, nsdae_system *system)
 {
   int status = NSDAE_OK;
   for (int i = 0; i < b->sensor.count && status == NSDAE_OK; i++) {
-    const nsdae_bodies_sensor *s = sensor_at(b, i);
+    const nsdae_bodies_sensor *s = nsdae_sensor_at(b, i);
     int coordinate = kinds[s->of.kind].of == OF_COORDINATE;
     int planar = s->of.kind == NSDAE_SENSOR_ORIENTATION && b->dimension == 2;
     char unit[NSDAE_UNIT_SIZE];
@@ -141,7 +136,7 @@ static int size_of(const void *of, int i)
 {
   const nsdae_bodies *b = of;
   const int planar[] = {1, 2, 1, 1}, spatial[] = {1, 3, 3, 4};
-  return (b->dimension == 2 ? planar : spatial)[kinds[sensor_at(b, i)->of.kind].shape];
+  return (b->dimension == 2 ? planar : spatial)[kinds[nsdae_sensor_at(b, i)->of.kind].shape];
 }
 
 static void coordinate_of(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const double *q,
@@ -161,7 +156,7 @@ static void follow(const void *of, const nsdae_moved *from, const nsdae_moved *t
   const nsdae_bodies *b = of;
   double is[2], was[2];
   for (int i = 0; i < b->sensor.count; i++) {
-    const nsdae_bodies_sensor *s = sensor_at(b, i);
+    const nsdae_bodies_sensor *s = nsdae_sensor_at(b, i);
     if (s->angle < 0) continue;
     coordinate_of(b, s, to->q, to->v, is);
     angle[s->angle] = is[0];
@@ -429,7 +424,7 @@ static void of_body(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const n
 static void sense(const void *of, int i, const nsdae_record *r, const double *angle, double *value)
 {
   const nsdae_bodies *b = of;
-  const nsdae_bodies_sensor *s = sensor_at(b, i);
+  const nsdae_bodies_sensor *s = nsdae_sensor_at(b, i);
   double is[4] = {0};
   switch (s->of.kind) {
   case NSDAE_SENSOR_COORDINATE:
@@ -460,5 +455,6 @@ void nsdae_bodies_sense(const nsdae_bodies *b, nsdae_maker *maker)
                                          .follow = follow,
                                          .sense = sense,
                                          .contact_forces = contact_forces};
-  for (int i = 0; i < b->sensor.count; i++) maker->sensors.angles += sensor_at(b, i)->angle >= 0;
+  for (int i = 0; i < b->sensor.count; i++)
+    maker->sensors.angles += nsdae_sensor_at(b, i)->angle >= 0;
 }

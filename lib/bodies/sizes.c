@@ -22,8 +22,7 @@ static double width_across(const nsdae_solid_of *s)
   return least;
 }
 
-/* INFINITY of what has no width: a plane, a hole, a point, a line. */
-static double width_of(const nsdae_solid_of *s)
+double nsdae_solid_width(const nsdae_solid_of *s)
 {
   double core = 0;
   if (s->shape == NSDAE_SHAPE_PLANE || s->hollow) return INFINITY;
@@ -31,8 +30,13 @@ static double width_of(const nsdae_solid_of *s)
     core = 2 * fmin(fmin(s->half[0], s->half[1]), s->half[2] > 0 ? s->half[2] : s->half[0]);
   else if (s->points > 2)
     core = width_across(s);
-  double width = core + 2 * s->radius;
-  return width > 0 ? width : INFINITY;
+  return core + 2 * s->radius;
+}
+
+/* INFINITY of what has no width, too: a point, a line. */
+static double width_of(const nsdae_solid_of *s)
+{
+  return s->width > 0 ? s->width : INFINITY;
 }
 
 /* 0 means that there is none. */

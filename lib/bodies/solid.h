@@ -19,6 +19,7 @@ typedef struct nsdae_solid_of {
   double radius, half[3]; /* half edges or axes; segment: half[0]; capsule: half[2]; cylinder, cone
                              and disc in space, whose radius is 0: its radius twice, half[2] */
   double size; /* largest distance of its points from its origin, with the rounding; 0 of a plane */
+  double width;           /* see sizes.c; INFINITY of a plane and a hole */
   double origin[3], R[9]; /* its frame in the body's; of a plane column 2 is the normal */
   double turn[4];         /* spatial: the same as a unit quaternion; planar: turn[0] the angle */
   double *point;          /* points x 3: its corners in the body's frame; smooth: see feature.c */

@@ -94,10 +94,16 @@ int nsdae_bodies_add_torsion(nsdae_bodies *b, const nsdae_torsion *torsion)
   if (nsdae_bodies_check_pair(b, what, index, torsion->body) < 0) return b->error.status;
   status = check_spring(b, what, index, torsion->stiffness, torsion->damping, torsion->rest);
   if (status < 0) return status;
-  if (!nsdae_unit_vector(planar ? z : torsion->axis, axis))
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "torsion", "axis", index,
-                               "axis (%g, %g, %g) has no direction", torsion->axis[0],
-                               torsion->axis[1], torsion->axis[2]);
+  const double *given = torsion->axis;
+  status = nsdae_bodies_check_vector(b, what, "axis", index, given, 0);
+  if (status < 0) return status;
+  if (planar && (given[0] != 0 || given[1] != 0))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "axis", index,
+                               "axis (%g, %g, %g) has no effect in the plane: leave it out",
+                               given[0], given[1], given[2]);
+  if (!nsdae_unit_vector(planar ? z : given, axis))
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "axis", index,
+                               "axis (%g, %g, %g) has no direction", given[0], given[1], given[2]);
   nsdae_complete_frame(axis, zero, quarter);
   nsdae_primitive angle = {.kind = planar ? NSDAE_PRIMITIVE_TURN : NSDAE_PRIMITIVE_ANGLE,
                            .body = {torsion->body[0], torsion->body[1]},

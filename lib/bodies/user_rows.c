@@ -1,6 +1,8 @@
 /* Coordinates and rows of one's own: what is given must fit the sizes. */
 #include "bodies_impl.h"
 
+static const char what[] = "user rows";
+
 typedef struct callback_need {
   const char *name;
   int given, needed, called; /* called: there is something that it would fill */
@@ -8,16 +10,15 @@ typedef struct callback_need {
 
 static int check_dims(nsdae_bodies *b, const nsdae_dims *d)
 {
-  const char *what = "own";
   const int size[5] = {d->nq, d->nv, d->m, d->k, d->f};
   static const char *const name[5] = {"nq", "nv", "m", "k", "f"};
   for (int i = 0; i < 5; i++)
     if (size[i] < 0 || size[i] > 1 << 20)
-      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, name[i], 0,
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, name[i], -1,
                                  "dims.%s = %d is outside its range: it must be 0 .. 2^20", name[i],
                                  size[i]);
   if (d->nv > d->nq)
-    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "nv", 0,
+    return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "nv", -1,
                                "dims.nv = %d is more than dims.nq = %d", d->nv, d->nq);
   return NSDAE_OK;
 }
@@ -42,10 +43,10 @@ static int check_callbacks(nsdae_bodies *b, const nsdae_user_rows *o)
   };
   for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
     if (needs[i].needed && !needs[i].given)
-      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "own", needs[i].name, 0,
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, needs[i].name, -1,
                                  "the callback %s is missing", needs[i].name);
     if (needs[i].given && !needs[i].called)
-      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "own", needs[i].name, 0,
+      return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, needs[i].name, -1,
                                  "%s is never called: by dims its outputs are empty",
                                  needs[i].name);
   }
@@ -58,7 +59,7 @@ int nsdae_bodies_set_user_rows(nsdae_bodies *b, const nsdae_user_rows *own)
   if (status < 0) return status;
   const nsdae_user_rows *o = &b->own;
   if (o->dims.nq + o->dims.m + o->dims.k > 0 || o->force || o->contacts || o->potential)
-    return nsdae_bodies_refuse(b, NSDAE_E_STATE, "own", "own", 0, "the user rows are set already");
+    return nsdae_bodies_refuse(b, NSDAE_E_STATE, what, "own", -1, "they are set already");
   nsdae_user_rows copy = *own;
   if (copy.dims.nv == 0) copy.dims.nv = copy.dims.nq;
   status = check_dims(b, &copy.dims);

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "errors.h"
 #include "listed.h"
 #include "slides.h"
 #include "vector.h"

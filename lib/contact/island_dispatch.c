@@ -1,7 +1,6 @@
 #include "island_dispatch.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "errors.h"
 #include "friction_solver.h"

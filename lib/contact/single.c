@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "listed.h"
 
 enum { WIDTH = NSDAE_CONTACT_WIDTH };
 

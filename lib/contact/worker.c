@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "errors.h"
-#include "listed.h"
 
 /* ---- certificates */
 

@@ -28,10 +28,11 @@ static int refuse(const nsdae_event_setting *s, int kind, int item, const char *
   char called[NSDAE_CALLED_SIZE];
   double t = nsdae_terms_time(&s->result->end);
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "%s %s %.3g up to t = %.17g, above the bound for rtol = %g (%.3g): make rtol "
+                  "%s %s %.3g up to t = %.17g, above the bound for rtol = %g (%.3g): %smake rtol "
                   "smaller, or use method = implicit",
                   nsdae_system_called(s->system, kind, item, called), what, value, t,
-                  s->options->rtol, bound);
+                  s->options->rtol, bound,
+                  kind == NSDAE_NAME_CONSTRAINT ? "check omega and f'' of drives, " : "");
   s->error->index = nsdae_system_index(s->system, kind, item);
   s->error->time = t;
   return NSDAE_E_CONVERGENCE;

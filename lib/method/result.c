@@ -31,20 +31,19 @@ static void copy_shared(const nsdae_memory_part *part, nsdae_memory_length lengt
   if (bytes > 0) memcpy(at, from, bytes);
 }
 
-double *nsdae_memory_take_reals(nsdae_memory_part *part, nsdae_memory_length length)
+double *nsdae_memory_reals(nsdae_memory_part *part, nsdae_memory_length length)
 {
   double *at = part->real ? part->real + part->reals : NULL;
-  if (part->from)
-    copy_shared(part, length, sizeof *at, at, nsdae_memory_take_reals(part->from, length));
+  if (part->from) copy_shared(part, length, sizeof *at, at, nsdae_memory_reals(part->from, length));
   part->reals += length_of(part, length);
   return at;
 }
 
-int *nsdae_memory_take_wholes(nsdae_memory_part *part, nsdae_memory_length length)
+int *nsdae_memory_wholes(nsdae_memory_part *part, nsdae_memory_length length)
 {
   int *at = part->whole ? part->whole + part->wholes : NULL;
   if (part->from)
-    copy_shared(part, length, sizeof *at, at, nsdae_memory_take_wholes(part->from, length));
+    copy_shared(part, length, sizeof *at, at, nsdae_memory_wholes(part->from, length));
   part->wholes += length_of(part, length);
   return at;
 }

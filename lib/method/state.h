@@ -39,33 +39,12 @@ typedef struct nsdae_memory_length {
   size_t fixed, slot, pair;
 } nsdae_memory_length;
 
-double *nsdae_memory_take_reals(nsdae_memory_part *part, nsdae_memory_length length);
-int *nsdae_memory_take_wholes(nsdae_memory_part *part, nsdae_memory_length length);
+#define NSDAE_OF_ALL(count)  ((nsdae_memory_length){.fixed = (count)})
+#define NSDAE_BY_SLOT(count) ((nsdae_memory_length){.slot = (count)})
+#define NSDAE_BY_PAIR(count) ((nsdae_memory_length){.pair = (count)})
 
-static inline double *nsdae_memory_reals(nsdae_memory_part *part, size_t count)
-{
-  return nsdae_memory_take_reals(part, (nsdae_memory_length){.fixed = count});
-}
-
-static inline int *nsdae_memory_wholes(nsdae_memory_part *part, size_t count)
-{
-  return nsdae_memory_take_wholes(part, (nsdae_memory_length){.fixed = count});
-}
-
-static inline double *nsdae_memory_slot_reals(nsdae_memory_part *part, size_t each)
-{
-  return nsdae_memory_take_reals(part, (nsdae_memory_length){.slot = each});
-}
-
-static inline int *nsdae_memory_slot_wholes(nsdae_memory_part *part, size_t each)
-{
-  return nsdae_memory_take_wholes(part, (nsdae_memory_length){.slot = each});
-}
-
-static inline double *nsdae_memory_slot_pairs(nsdae_memory_part *part, size_t each)
-{
-  return nsdae_memory_take_reals(part, (nsdae_memory_length){.pair = each});
-}
+double *nsdae_memory_reals(nsdae_memory_part *part, nsdae_memory_length length);
+int *nsdae_memory_wholes(nsdae_memory_part *part, nsdae_memory_length length);
 
 typedef struct nsdae_state {
   nsdae_terms *terms; /* at t, q, v, which no method moves; evaluated as far as needed */

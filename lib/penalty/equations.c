@@ -225,14 +225,14 @@ static int powers(nsdae_penalty_equations *p, const nsdae_terms *T, const double
 /* Bytes of all forces, which are in the order of z. */
 static size_t forces_size(const nsdae_dims *d)
 {
-  return (size_t)(nsdae_penalty_at_work(d) - nsdae_penalty_at_lambda(d)) * sizeof(double);
+  return (size_t)(nsdae_penalty_at(d).work - nsdae_penalty_at(d).lambda) * sizeof(double);
 }
 
 void nsdae_penalty_take(nsdae_penalty_equations *p, const double *y)
 {
   const nsdae_dims *d = &p->stepper->system->dims;
   const nsdae_penalty_forces *at = &p->at;
-  memcpy(at->lambda, y + nsdae_penalty_at_lambda(d), forces_size(d));
+  memcpy(at->lambda, y + nsdae_penalty_at(d).lambda, forces_size(d));
 }
 
 int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void *user)
@@ -249,8 +249,8 @@ int nsdae_penalty_rate(double t, const double *z, double *zdot, int whole, void 
   if (status < 0) return nsdae_progress_code(status, s->error);
   int code = accelerations(p, T, zdot + d->nq);
   if (!whole || code != 0) return code;
-  memcpy(zdot + nsdae_penalty_at_lambda(d), at->lambda, forces_size(d));
-  status = powers(p, T, zdot, zdot + nsdae_penalty_at_work(d));
+  memcpy(zdot + nsdae_penalty_at(d).lambda, at->lambda, forces_size(d));
+  status = powers(p, T, zdot, zdot + nsdae_penalty_at(d).work);
   return nsdae_progress_code(status, s->error);
 }
 
@@ -307,14 +307,14 @@ static void lay(nsdae_penalty_base *b, nsdae_tracking *tracking, const nsdae_ste
 {
   const nsdae_dims *d = &s->system->dims;
   double **of_contact[] = {&b->since, &b->start_rate, &b->mass, &b->impulse, &b->peak};
-  b->t = nsdae_memory_reals(part, 1);
-  b->first = nsdae_memory_reals(part, 1);
-  b->qv = nsdae_memory_reals(part, (size_t)d->nq + (size_t)d->nv);
-  for (int i = 0; i < 5; i++) *of_contact[i] = nsdae_memory_slot_reals(part, 1);
-  b->impulse_t = nsdae_memory_slot_reals(part, (size_t)d->nt);
-  b->steps = nsdae_memory_wholes(part, 1);
-  b->is_stiff = nsdae_memory_wholes(part, 1);
-  b->closed = nsdae_memory_slot_wholes(part, 1);
+  b->t = nsdae_memory_reals(part, NSDAE_OF_ALL(1));
+  b->first = nsdae_memory_reals(part, NSDAE_OF_ALL(1));
+  b->qv = nsdae_memory_reals(part, NSDAE_OF_ALL((size_t)d->nq + (size_t)d->nv));
+  for (int i = 0; i < 5; i++) *of_contact[i] = nsdae_memory_reals(part, NSDAE_BY_SLOT(1));
+  b->impulse_t = nsdae_memory_reals(part, NSDAE_BY_SLOT((size_t)d->nt));
+  b->steps = nsdae_memory_wholes(part, NSDAE_OF_ALL(1));
+  b->is_stiff = nsdae_memory_wholes(part, NSDAE_OF_ALL(1));
+  b->closed = nsdae_memory_wholes(part, NSDAE_BY_SLOT(1));
   if (s->system->tracked) nsdae_tracking_lay(tracking, s->system, part);
 }
 

@@ -12,8 +12,6 @@
 #ifndef NSDAE_PENALTY_EQUATIONS_H
 #define NSDAE_PENALTY_EQUATIONS_H
 
-#include <nsdae/contact.h>
-
 #include "newton_kkt.h"
 #include "power.h"
 #include "stepper.h"
@@ -51,34 +49,15 @@ double nsdae_penalty_restitution(const nsdae_penalty_force *law, double e);
 /* ---- offsets in z = [q, v, Lambda, I_N, I_T, I_S, E, A] of the equations, and its length; those
  * of the forces in y = [q, v, lambda, F_N, F_T, F_S] are the same. */
 
-static inline int nsdae_penalty_at_lambda(const nsdae_dims *d)
-{
-  return d->nq + d->nv;
-}
+typedef struct nsdae_penalty_offsets {
+  int lambda, normal, tangential, slide, work, size;
+} nsdae_penalty_offsets;
 
-static inline int nsdae_penalty_at_normal(const nsdae_dims *d)
+static inline nsdae_penalty_offsets nsdae_penalty_at(const nsdae_dims *d)
 {
-  return nsdae_penalty_at_lambda(d) + d->m;
-}
-
-static inline int nsdae_penalty_at_tangential(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_normal(d) + d->k;
-}
-
-static inline int nsdae_penalty_at_slide(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_tangential(d) + d->k * d->nt;
-}
-
-static inline int nsdae_penalty_at_work(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_slide(d) + d->f;
-}
-
-static inline int nsdae_penalty_size(const nsdae_dims *d)
-{
-  return nsdae_penalty_at_work(d) + 2;
+  int lambda = d->nq + d->nv, normal = lambda + d->m, tangential = normal + d->k;
+  int slide = tangential + d->k * d->nt, work = slide + d->f;
+  return (nsdae_penalty_offsets){lambda, normal, tangential, slide, work, work + 2};
 }
 
 /* ---- where the integrator started last, and the contacts of then: the method's part of

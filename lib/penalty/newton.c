@@ -55,21 +55,21 @@ int nsdae_penalty_residual(double t, const double *y, const double *ydot, double
   const nsdae_penalty_forces *at = &p->at;
   int status = move(p, t, y, ydot, cj, r);
   if (status < 0) return nsdae_progress_code(status, p->stepper->error);
-  const double *lambda = y + nsdae_penalty_at_lambda(d);
+  const double *lambda = y + nsdae_penalty_at(d).lambda;
   double *v = r + d->nq;
 
   /* ---- forces */
-  const double *normal = y + nsdae_penalty_at_normal(d), *slide = y + nsdae_penalty_at_slide(d);
-  const double *tangential = y + nsdae_penalty_at_tangential(d);
+  const double *normal = y + nsdae_penalty_at(d).normal, *slide = y + nsdae_penalty_at(d).slide;
+  const double *tangential = y + nsdae_penalty_at(d).tangential;
   for (int i = 0; i < d->k; i++) {
-    r[nsdae_penalty_at_normal(d) + i] = normal[i] - at->normal[i];
+    r[nsdae_penalty_at(d).normal + i] = normal[i] - at->normal[i];
     double part = s->contact[i].mu * normal[i] / speed(p, i);
     for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
-      r[nsdae_penalty_at_tangential(d) + j] = tangential[j] + part * at->v_t[j];
+      r[nsdae_penalty_at(d).tangential + j] = tangential[j] + part * at->v_t[j];
   }
   for (int j = 0; j < d->f; j++) {
     double size = hypot(at->v_s[j], o->friction_velocity);
-    r[nsdae_penalty_at_slide(d) + j] =
+    r[nsdae_penalty_at(d).slide + j] =
         slide[j] + nsdae_terms_friction_limit(T, j, lambda) * at->v_s[j] / size;
   }
 
@@ -160,7 +160,7 @@ int nsdae_penalty_solve(double cj, double *r, double *x, void *user)
   const nsdae_dims *d = &s->system->dims;
   const nsdae_sim_options *o = s->options;
   double *phi = p->border_room;
-  int forces = nsdae_penalty_at_normal(d), n = nsdae_penalty_at_work(d), *place = p->border_force;
+  int forces = nsdae_penalty_at(d).normal, n = nsdae_penalty_at(d).work, *place = p->border_force;
   for (int a = 0; a < p->newton.border.count; a++) phi[a] = r[forces + place[a]];
   memcpy(x + forces, r + forces, (size_t)(n - forces) * sizeof *x);
   int status = nsdae_newton_kkt_solve(&p->newton, &s->middle, cj, o->baumgarte_alpha,

@@ -31,7 +31,7 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_penalty *p = object;
   const nsdae_dims *d = nsdae_penalty_dims(p);
   p->qv = NSDAE_ARENA_DOUBLES(arena, d->nq + d->nv);
-  for (int i = 0; i < 2; i++) p->z[i] = NSDAE_ARENA_DOUBLES(arena, nsdae_penalty_size(d));
+  for (int i = 0; i < 2; i++) p->z[i] = NSDAE_ARENA_DOUBLES(arena, nsdae_penalty_at(d).size);
   nsdae_arena_doubles(arena, d->k, (double **[]){&p->peak, &p->force, &p->gaps.shift, NULL});
   p->gaps.found = NSDAE_ARENA_INTS(arena, d->k);
   nsdae_penalty_slots_layout(p, arena);
@@ -89,8 +89,8 @@ static int make(nsdae_penalty *p)
 {
   const nsdae_stepper *s = p->equations.stepper;
   const nsdae_dims *d = nsdae_penalty_dims(p);
-  p->integrator.steps = (nsdae_runge_kutta){.n = nsdae_penalty_size(d),
-                                            .controlled = nsdae_penalty_at_lambda(d),
+  p->integrator.steps = (nsdae_runge_kutta){.n = nsdae_penalty_at(d).size,
+                                            .controlled = nsdae_penalty_at(d).lambda,
                                             .positions = d->nq,
                                             .forces = d->m + d->k * (1 + d->nt) + d->f,
                                             .rate = nsdae_penalty_rate,
@@ -235,19 +235,17 @@ static int step_or_start(nsdae_penalty *p)
 static int account(nsdae_penalty *p, nsdae_result *r, double t)
 {
   const nsdae_dims *d = nsdae_penalty_dims(p);
-  int n = nsdae_penalty_size(d), work = nsdae_penalty_at_work(d);
+  const nsdae_penalty_offsets at = nsdae_penalty_at(d);
   const double *from = p->z[0], *to = p->z[1];
-  int status = nsdae_smooth_read(&p->integrator, p->reached, n, p->z[0]);
-  if (status == NSDAE_OK) status = nsdae_smooth_read(&p->integrator, t, n, p->z[1]);
+  int status = nsdae_smooth_read(&p->integrator, p->reached, at.size, p->z[0]);
+  if (status == NSDAE_OK) status = nsdae_smooth_read(&p->integrator, t, at.size, p->z[1]);
   if (status < 0) return status;
-  int lambda = nsdae_penalty_at_lambda(d), normal = nsdae_penalty_at_normal(d);
-  int tangential = nsdae_penalty_at_tangential(d), slide = nsdae_penalty_at_slide(d);
-  nsdae_add_change(d->m, from + lambda, to + lambda, r->multiplier);
-  nsdae_add_change(d->k, from + normal, to + normal, r->impulses.normal);
-  nsdae_add_change(d->k * d->nt, from + tangential, to + tangential, r->impulses.tangential);
-  nsdae_add_change(d->f, from + slide, to + slide, r->impulses.frictional_joint_impulse);
-  r->work -= to[work] - from[work];
-  r->gain += to[work + 1] - from[work + 1] - (to[work] - from[work]);
+  nsdae_add_change(d->m, from + at.lambda, to + at.lambda, r->multiplier);
+  nsdae_add_change(d->k, from + at.normal, to + at.normal, r->impulses.normal);
+  nsdae_add_change(d->k * d->nt, from + at.tangential, to + at.tangential, r->impulses.tangential);
+  nsdae_add_change(d->f, from + at.slide, to + at.slide, r->impulses.frictional_joint_impulse);
+  r->work -= to[at.work] - from[at.work];
+  r->gain += to[at.work + 1] - from[at.work + 1] - (to[at.work] - from[at.work]);
   p->reached = t;
   return NSDAE_OK;
 }

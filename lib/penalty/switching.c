@@ -248,10 +248,10 @@ int nsdae_penalty_move_base(nsdae_penalty *p, double t)
   if (*b->steps > 0) {
     const nsdae_smooth *g = &p->integrator;
     double within = fmax(g->from, fmin(t, g->to));
-    int status = nsdae_smooth_read(&p->integrator, within, nsdae_penalty_size(d), z);
+    int status = nsdae_smooth_read(&p->integrator, within, nsdae_penalty_at(d).size, z);
     if (status < 0) return status;
-    nsdae_add(d->k, 1, z + nsdae_penalty_at_normal(d), b->impulse);
-    nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at_tangential(d), b->impulse_t);
+    nsdae_add(d->k, 1, z + nsdae_penalty_at(d).normal, b->impulse);
+    nsdae_add(d->k * d->nt, 1, z + nsdae_penalty_at(d).tangential, b->impulse_t);
     *b->first = g->is_stiff ? FIRST * (g->to - g->from) : g->steps.h;
   }
   *b->t = t;

@@ -228,6 +228,32 @@ static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
   return nsdae_error_at(end->error, NSDAE_WARN_CONTACT, -1, nsdae_terms_time(end));
 }
 
+/* Of the velocities at the start of the step: a contact that is found too late shows nothing.
+ * moreau finds it up to a step late, in the middle of a step, and has the normal of that place. The
+ * others find it at the end of a step and look for the normal another step ahead. */
+static int judge_tunnelling(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point,
+                            int new)
+{
+  const nsdae_terms *from = &before->result.end, *end = &point->result.end;
+  const nsdae_system *s = end->system;
+  nsdae_tunnelling found;
+  char called[NSDAE_CALLED_SIZE];
+  double h = end->t - from->t, steps = sim->options.method == NSDAE_METHOD_MOREAU ? 1 : 2;
+  if (!sim->method->closes || !s->maker.tunnelling || !(new &NSDAE_MONITORS_PENETRATION))
+    return NSDAE_OK;
+  int status = s->maker.tunnelling(from->q, from->v, h, 1 / (2 * steps), &found, s->user);
+  if (status < 0) return nsdae_error_memory(end->error, "nsdae_sim");
+  if (found.contact < 0) return NSDAE_OK;
+  s->maker.words(s->maker.of, NSDAE_NAME_CONTACT, found.contact, called, sizeof called);
+  point->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_PENETRATION, "nsdae_sim", "dt",
+      "at t = %.12g the gap of %s closes by %.3g in a step: they may pass through each other "
+      "(tunnelling); make dt smaller than %.2g, or use method = event",
+      nsdae_terms_time(from), called, found.way, h * found.least / found.way);
+  return nsdae_error_at(end->error, NSDAE_WARN_PENETRATION, -1, nsdae_terms_time(from));
+}
+
 int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_point *point)
 {
   nsdae_monitors *w = &point->accounts.watch;
@@ -245,7 +271,8 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   for (int i = 0; i < found; i++)
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
       return report(point, &all[i], rules[all[i].rule].status);
-  status = judge_law(sim, point);
+  status = judge_tunnelling(sim, before, point, new);
+  if (status == NSDAE_OK) status = judge_law(sim, point);
   if (status == NSDAE_OK) status = judge_residual(sim, point, new);
   if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;

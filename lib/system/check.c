@@ -160,7 +160,7 @@ static int check_tangents(check *c)
                            nsdae_system_called(s, NSDAE_NAME_CONTACT, contact, called), why);
   }
   if (!code) code = nsdae_directions_doubt(d, c->tol, s->doubt, sizeof s->doubt);
-  return nsdae_check_callback(c, code, d->callback);
+  return nsdae_check_difference(c, code, "gap");
 }
 
 /* ---- all of it */
@@ -203,9 +203,7 @@ static int verdict(check *c)
 static int check_arguments(nsdae_system *system, const double *q, const double *v, double tol)
 {
   const char *missing = !q ? "q" : !v ? "v" : NULL;
-  if (missing)
-    return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_check", missing,
-                           "%s is NULL", missing);
+  if (missing) return nsdae_error_null(&system->error, "nsdae_system_check", missing);
   if (!(tol > 0))
     return nsdae_error_set(&system->error, NSDAE_E_ARGUMENT, "nsdae_system_check", "tol",
                            "tol = %g is outside its range: it must be greater than 0", tol);

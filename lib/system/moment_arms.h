@@ -39,22 +39,8 @@ typedef struct nsdae_moment_arms {
   double *v, *rate, *bend; /* work: nv, nq, k + nv */
 } nsdae_moment_arms;
 
-/* The first doubt as text of that size, "" where there is none; a callback's code. */
-int nsdae_moment_arms_doubt(nsdae_moment_arms *arms, double tol, char *text, size_t size);
-
-/* ---- in space */
-
-/* Brings the quaternions in q, which is arms->q, to length one: for others R(e) need be no
- * rotation.
- */
-int nsdae_moment_arm_check_unit(const nsdae_moment_arms *arms, double *H, double *q);
-
-/* As nsdae_moment_arms_doubt, where nt = 2; H [3 nq] and turns [nv] are work. */
-int nsdae_moment_arm_check_doubt(nsdae_moment_arms *arms, double *H, int *turns, double tol,
-                                 char *text, size_t size);
-
 /* Directions of contacts at a place against what gap, mass and kinematics tell of them: see
- * tangent_check.h, moment_arms.h. */
+ * tangent_check.h. */
 
 typedef struct nsdae_directions {
   nsdae_differences *differences; /* whose system it is; set before */
@@ -63,7 +49,6 @@ typedef struct nsdae_directions {
   double *mass, *place, *q;             /* nv: diagonal of M, see below; nq: elsewhere, and here */
   double *turn;                         /* 3 nq */
   int *turns, *set;                     /* nv */
-  const char *callback;                 /* the one that failed */
 } nsdae_directions;
 
 void nsdae_directions_layout(nsdae_directions *directions, nsdae_arena *arena);

@@ -151,21 +151,19 @@ static int add_listed(const nsdae_terms *T, nsdae_newton_matrix *N, nsdae_force_
   return list->status;
 }
 
-static int add_damping(const nsdae_terms *T, nsdae_newton_matrix *N, double scale)
+/* d D + k K of the user. */
+static int add_given(const nsdae_terms *T, nsdae_newton_matrix *N, double d, double k)
 {
   const nsdae_calls *call = &T->system->call;
-  if (call->force_damping) return add_dense(T, N, call->force_damping, "force_damping", scale);
-  if (!call->force_damping_blocks) return NSDAE_OK;
-  return add_listed(T, N, call->force_damping_blocks, "force_damping_blocks", scale);
-}
-
-static int add_stiffness(const nsdae_terms *T, nsdae_newton_matrix *N, double scale)
-{
-  const nsdae_calls *call = &T->system->call;
-  if (call->force_stiffness)
-    return add_dense(T, N, call->force_stiffness, "force_stiffness", scale);
-  if (!call->force_stiffness_blocks) return NSDAE_OK;
-  return add_listed(T, N, call->force_stiffness_blocks, "force_stiffness_blocks", scale);
+  int status = NSDAE_OK;
+  if (call->force_damping) status = add_dense(T, N, call->force_damping, "force_damping", d);
+  if (call->force_damping_blocks)
+    status = add_listed(T, N, call->force_damping_blocks, "force_damping_blocks", d);
+  if (status == NSDAE_OK && call->force_stiffness)
+    status = add_dense(T, N, call->force_stiffness, "force_stiffness", k);
+  if (status == NSDAE_OK && call->force_stiffness_blocks)
+    status = add_listed(T, N, call->force_stiffness_blocks, "force_stiffness_blocks", k);
+  return status;
 }
 
 /* ---- differences */
@@ -333,8 +331,7 @@ int nsdae_newton_matrix_start(nsdae_newton_matrix *N, nsdae_terms *T)
   for (int any = 1; any && status == NSDAE_OK;) {
     p->missed = 0;
     if (coupled) find_rows(N, &T->by.jacobian);
-    status = add_damping(T, N, 1);
-    if (status == NSDAE_OK) status = add_stiffness(T, N, 1);
+    status = add_given(T, N, 1, 1);
     any = p->missed > 0;
     if (any && status == NSDAE_OK) status = nsdae_newton_matrix_grow(N);
   }
@@ -350,8 +347,7 @@ int nsdae_terms_newton_matrix(nsdae_terms *T, double cj, nsdae_newton_matrix *N)
   memcpy(N->A, T->M, T->system->blocks.square[T->system->blocks.count] * sizeof *N->A);
   memset(p->value, 0, p->values * sizeof *p->value);
   p->missed = 0;
-  status = add_damping(T, N, 1 / cj);
-  if (status == NSDAE_OK) status = add_stiffness(T, N, 1 / (cj * cj));
+  status = add_given(T, N, 1 / cj, 1 / (cj * cj));
   if (status == NSDAE_OK && N->colours > 0) status = add_differences(T, N, cj);
   return status;
 }

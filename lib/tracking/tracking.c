@@ -33,12 +33,12 @@ void nsdae_tracking_layout(nsdae_tracking *t, nsdae_arena *arena)
 
 void nsdae_tracking_lay(nsdae_tracking *t, const nsdae_system *model, nsdae_memory_part *part)
 {
-  t->used = nsdae_memory_slot_wholes(part, 1);
-  t->block = nsdae_memory_slot_wholes(part, 2);
-  t->id = nsdae_memory_slot_wholes(part, 2);
-  t->law = nsdae_memory_slot_reals(part, 3);
-  t->lever = nsdae_memory_reals(part, (size_t)model->dims.nv);
-  t->still = nsdae_memory_reals(part, 2);
+  t->used = nsdae_memory_wholes(part, NSDAE_BY_SLOT(1));
+  t->block = nsdae_memory_wholes(part, NSDAE_BY_SLOT(2));
+  t->id = nsdae_memory_wholes(part, NSDAE_BY_SLOT(2));
+  t->law = nsdae_memory_reals(part, NSDAE_BY_SLOT(3));
+  t->lever = nsdae_memory_reals(part, NSDAE_OF_ALL((size_t)model->dims.nv));
+  t->still = nsdae_memory_reals(part, NSDAE_OF_ALL(2));
 }
 
 void nsdae_tracking_store(const nsdae_tracking *t)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import operator
 import os
 import warnings
 from typing import Any, Callable, NamedTuple, Sequence
@@ -11,9 +12,11 @@ from typing import Any, Callable, NamedTuple, Sequence
 import numpy as np
 
 from . import _core
+from ._arguments import named, numbers, refused
 from ._copies import Callback, Recorded
 from ._errors import ModelWarning, in_python
-from ._system import System
+from ._lists import _array
+from ._system import System, vector
 from ._trajectory import Shape
 
 GROUND = -1
@@ -32,24 +35,34 @@ SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "b
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
     """Returns n numbers, padded with zeros."""
-    row = [float(v) for v in np.atleast_1d(np.asarray(values, dtype=float))] if len(np.shape(values)) else [float(values)]
+    row = numbers(name, values).reshape(-1).tolist()
     if len(row) > n:
-        raise ValueError(f"{name} has {len(row)} numbers; it has at most {n}")
+        raise refused(name, f"{name} has {len(row)} numbers; it has at most {n}")
     return row + [0.0] * (n - len(row))
+
+
+def _point(name: str, values: Any, dimension: int) -> list[float]:
+    """Returns three numbers, zero without any; in the plane the third is zero, too."""
+    size = np.size(values)
+    if size not in ((0, 3) if dimension == 3 else (0, 2, 3)):
+        raise refused(name, f"{name} has {size} number{'s' * (size != 1)}; "
+                            f"in {'space it has three' if dimension == 3 else 'the plane it has two'}")
+    return _numbers(name, values, 3)
 
 
 def _quaternion(values: Any) -> list[float]:
     if np.size(values) not in (0, 4):
-        raise ValueError(f"quaternion has {np.size(values)} numbers; it has four: w, x, y, z")
+        raise refused("quaternion", f"quaternion has {np.size(values)} numbers; it has four: w, x, y, z")
     return _numbers("quaternion", values, 4)
 
 
 def _one_of(name: str, word: str, words: Sequence[str]) -> int:
     if word not in words:
-        raise ValueError(f"{name} is '{word}'; it must be one of {', '.join(words)}")
+        raise refused(name, f"{name} is '{word}'; it must be one of {', '.join(words)}")
     return words.index(word)
 
 
+@named
 class Solid(NamedTuple):
     """Shape of a body, or a part of it; see nsdae/bodies.h.
 
@@ -107,25 +120,26 @@ class Solid(NamedTuple):
         length = self.length
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
             length = [0, 0, length] if self.shape in ("capsule", "cylinder", "cone", "mesh") else [length]
-        points = np.ascontiguousarray(self.points, dtype=float)
-        field = self.shape == "height field" and points.ndim == 2
-        wide = points.shape[1] if field else 3 if self.shape in ("polyhedron", "mesh") else 2
-        if points.size and (points.ndim != 2 or points.shape[1] != wide):
-            raise ValueError(f"points of a {self.shape} has the shape {points.shape}; it has {wide} numbers in each row")
+        points = np.ascontiguousarray(numbers("points", self.points))
+        field = self.shape == "height field"
+        wide = 3 if self.shape in ("polyhedron", "mesh") else 2
+        if points.size and (points.ndim != 2 or not field and points.shape[1] != wide):
+            wanted = "must be (ny, nx)" if field else f"has {wide} numbers in each row"
+            raise refused("points", f"points of a {self.shape} has the shape {points.shape}; it {wanted}")
         return {"shape": _one_of("shape", self.shape, SHAPES), "radius": float(self.radius), "hollow": bool(self.hollow),
                 "angle": float(self.angle), "material": 0 if isinstance(self.material, str) else int(self.material), "group": int(self.group),
                 "exclude": int(self.exclude), "length": _numbers("length", length, 3),
                 "position": _numbers("position", self.position, 3),
                 "quaternion": _quaternion(self.quaternion),
                 "points": points.reshape(-1), "triangle": self._corners(),
-                "grid": (points.shape[1], points.shape[0]) if field else (0, 0)}
+                "grid": points.shape[::-1] if field and points.size else (0, 0)}
 
     def _corners(self) -> np.ndarray:
         given = np.asarray(self.triangle)
         if given.size and (given.ndim != 2 or given.shape[1] != 3 or given.dtype.kind not in "iu"):
-            raise ValueError(f"triangle has the shape {given.shape} of {given.dtype}; it has three whole numbers in each row")
+            raise refused("triangle", f"triangle has the shape {given.shape} of {given.dtype}; it has three whole numbers in each row")
         if given.size and (given.min() < 0 or given.max() > 2**31 - 1):
-            raise ValueError(f"triangle has the numbers {given.min()} to {given.max()}; a point has a number from 0")
+            raise refused("triangle", f"triangle has the numbers {given.min()} to {given.max()}; a point has a number from 0")
         return np.ascontiguousarray(given.reshape(-1), dtype=np.intc)
 
     def inertia(self, density: float) -> tuple[float, list[float]]:
@@ -186,6 +200,7 @@ class Scene(NamedTuple):
     dt: float
 
 
+@named
 class Bodies:
     """Mechanism of rigid bodies, joints, springs, loads and contacts.
 
@@ -221,30 +236,27 @@ class Bodies:
         self._names: dict[int, str] = {}
         self._colours: dict[int, str] = {}
         self.scene: Scene | None = None
-        if len(gravity):
+        if np.size(gravity):
             self._core.set_gravity(self._vector("gravity", gravity))
 
     def _vector(self, name: str, values: Any) -> list[float]:
-        """Returns three numbers; in the plane the third is zero."""
-        if self.dimension == 3 and np.size(values) not in (0, 3):
-            raise ValueError(f"{name} has {np.size(values)} numbers; in space it has three")
-        return _numbers(name, values, 3)
+        return _point(name, values, self.dimension)
 
     def _inertia(self, values: Any) -> tuple[list[float], list[float]]:
         """Returns the diagonal of the tensor, and its entries (0, 1), (0, 2), (1, 2)."""
-        array = np.asarray(values, dtype=float)
+        array = numbers("inertia", values)
         if self.dimension == 2:
             # three of a plane figure: (0, 0, J), or those of a disc, by the perpendicular axis theorem J_z = J_x + J_y
             flat = array.size == 3 and any(np.isclose(array.reshape(-1)[:2].sum(), J) for J in (0, array.reshape(-1)[2]))
             if array.size != 1 and not flat:
-                raise ValueError(f"inertia has {array.size} numbers; in the plane it has one")
+                raise refused("inertia", f"inertia has {array.size} numbers; in the plane it has one")
             return [0.0, 0.0, float(array.reshape(-1)[-1])], [0.0] * 3
         if array.shape == (3, 3):
             if not np.allclose(array, array.T, rtol=1e-9, atol=0):
-                raise ValueError("inertia is not symmetric")
+                raise refused("inertia", "inertia is not symmetric")
             return list(map(float, np.diag(array))), [float(array[0, 1]), float(array[0, 2]), float(array[1, 2])]
         if array.size != 3:
-            raise ValueError(f"inertia has {array.size} number(s); in space it has three, or is a matrix of 3 x 3")
+            raise refused("inertia", f"inertia has {array.size} number(s); in space it has three, or is a matrix of 3 x 3")
         return list(map(float, array.reshape(-1))), [0.0] * 3
 
     def add(self, mass: float, inertia: Any, position: Any = (), *, angle: float = 0, quaternion: Any = (),
@@ -279,9 +291,9 @@ class Bodies:
             Number of the body.
         """
         if self.dimension == 2 and np.size(quaternion):
-            raise ValueError("quaternion is given in the plane: give angle")
+            raise refused("quaternion", "quaternion is given in the plane: give angle")
         planar = self.dimension == 2 and np.size(spin) == 1
-        turning = [0.0, 0.0, float(np.ravel(spin)[0])] if planar else self._vector("spin", spin)
+        turning = [0.0, 0.0, *_numbers("spin", spin, 1)] if planar else self._vector("spin", spin)
         number = self._core.add(float(mass), *self._inertia(inertia), self._vector("position", position), float(angle),
                                 _quaternion(quaternion), self._vector("velocity", velocity), turning)
         if name:
@@ -315,9 +327,9 @@ class Bodies:
             Number of the body.
         """
         solids = list(solids)
-        densities = [float(x) for x in np.broadcast_to(np.asarray(density, dtype=float), len(solids))]
+        densities = _array("density", numbers("density", density), (len(solids),)).tolist()
         mass, inertia, product, centre, places = _core.body_from_solids(
-            [{**s._given(), "material": 0} for s in solids], densities, self._vector("position", position), float(angle),
+            [{**s._given(), "material": 0, "position": self._vector("position", s.position)} for s in solids], densities, self._vector("position", position), float(angle),
             _quaternion(quaternion))
         J, (xy, xz, yz) = np.diag(inertia), product
         tensor = J + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
@@ -497,7 +509,7 @@ class Bodies:
         return self._core.add_joint_spring(joint, coordinate, float(stiffness), float(damping), float(rest))
 
     def add_sensor(self, kind: str, name: str = "", *, body: int = 0, joint: int = 0, coordinate: int = 0,
-                   solids: Sequence[int] = (0, 0), point: Any = 0) -> int:
+                   solids: Sequence[int] = (0, 0), point: Any = ()) -> int:
         """Adds a sensor, which `Sim.get_sensor` reads.
 
         Parameters
@@ -522,7 +534,7 @@ class Bodies:
             Number of the sensor.
         """
         return self._core.add_sensor(name, _one_of("kind", kind, SENSORS), body, joint, coordinate, tuple(solids),
-                                     _numbers("point", point, 3))
+                                     self._vector("point", point))
 
     def add_spring(self, body0: int, body1: int, *, point: Any, end: Any, stiffness: float = 0, damping: float = 0,
                    rest: float = 0) -> int:
@@ -611,7 +623,8 @@ class Bodies:
         int
             Number of the solid.
         """
-        number = self._core.add_solid(body, {**solid._given(), "material": self._material(solid.material)})
+        number = self._core.add_solid(body, {**solid._given(), "material": self._material(solid.material),
+                                             "position": self._vector("position", solid.position)})
         if solid.name:
             self._core.set_name(_SOLID, number, solid.name)
         if solid.colour:
@@ -687,7 +700,11 @@ class Bodies:
         for name in callbacks:
             if name not in _USER_CALLBACKS:
                 raise TypeError(f"no callback of user rows is called '{name}': they are {', '.join(_USER_CALLBACKS)}")
-        self._user_rows = ((nq, nq if nv is None else nv, m, k, f),
+        sizes = {"nq": nq, "nv": nq if nv is None else nv, "m": m, "k": k, "f": f}
+        for name, size in sizes.items():
+            if not 0 <= operator.index(size) <= 2**20:
+                raise refused(name, f"{name} = {size} is outside its range: it must be 0 .. 2^20")
+        self._user_rows = (tuple(sizes.values()),
                            [Callback(name, function, user) for name, function in callbacks.items()])
 
     def system(self) -> System:
@@ -746,7 +763,8 @@ class Bodies:
         ndarray, shape (3,)
             The point in space [m].
         """
-        return np.array(self._core.locate(np.ascontiguousarray(q, dtype=float), body, _numbers("local", local, 3)))
+        q = vector("q", q, len(self.start()[0]))
+        return np.array(self._core.locate(q, body, self._vector("local", local)))
 
     def shapes(self) -> list[Shape]:
         """Returns the solids for animations.
@@ -764,6 +782,7 @@ class Bodies:
                 for shape, (body, solid) in zip(made, self._solids)]
 
 
+@named
 def read_mesh(path: str | os.PathLike[str], scale: float = 1, **fields: Any) -> Solid:
     """Reads the triangles of an OBJ or STL file, text or binary.
 
@@ -798,6 +817,7 @@ def read_mesh(path: str | os.PathLike[str], scale: float = 1, **fields: Any) -> 
     return Solid("mesh", points=points, triangle=triangle, **fields)
 
 
+@named
 def read_scene(path: str | os.PathLike[str]) -> Bodies:
     """Reads bodies, floor and walls from a CSV file, see "Scenes" in the documentation.
 

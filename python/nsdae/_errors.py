@@ -114,7 +114,8 @@ def of_record(status: int, code: int, index: int, time: float, argument: str, wh
     text = in_python(text)
     if status == Status.E_MEMORY:
         return MemoryError(text)
-    return _CLASSES.get(Status(status), Error)(text, Status(status), code, None if index < 0 else index,
+    argued = status == Status.E_NONFINITE and math.isnan(time)  # at no time of a run: an argument
+    return (ArgumentError if argued else _CLASSES.get(Status(status), Error))(text, Status(status), code, None if index < 0 else index,
                                                None if math.isnan(time) else time, argument, where)
 
 

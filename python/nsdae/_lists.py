@@ -8,6 +8,7 @@ from typing import Any, Callable
 import numpy as np
 
 from . import _core
+from ._arguments import refused
 
 # nsdae_contact, for compiled callbacks; wide: addresses, of blocks of more than 6 velocities
 CONTACT = np.dtype([("id", "i8"), ("block", "i4", 2), ("gap", "f8"), ("mu", "f8"), ("e_n", "f8"), ("e_t", "f8"),
@@ -25,7 +26,7 @@ def _array(name: str, values: Any, shape: tuple[int, ...], kind: Any = float) ->
     try:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=kind), shape))
     except ValueError:
-        raise ValueError(f"{name} has the shape {np.shape(values)}; it must be {shape}") from None
+        raise refused(name, f"{name} has the shape {np.shape(values)}; it must be {shape}") from None
 
 
 class ContactList:
@@ -139,7 +140,7 @@ def sizes_of(blocks: Any) -> tuple[np.ndarray, np.ndarray]:
     """Returns nq and nv of each block, from shape (blocks,) or (blocks, 2)."""
     sizes = np.asarray(blocks)
     if sizes.dtype.kind not in "iu" or sizes.ndim not in (1, 2) or sizes.ndim == 2 and sizes.shape[1] != 2:
-        raise ValueError("blocks must be whole numbers: a size for each block, or [nq, nv]")
+        raise refused("blocks", "blocks must be whole numbers: a size for each block, or [nq, nv]")
     sizes = sizes.astype(np.int32)
     pairs = sizes if sizes.ndim == 2 else np.column_stack([sizes, sizes])
     return np.ascontiguousarray(pairs[:, 0]), np.ascontiguousarray(pairs[:, 1])

@@ -7,8 +7,11 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 
 from . import _core
+from ._arguments import finite, named, numbers, refused
 from ._errors import ProblemError, Status
+from ._lists import _array
 from ._records import LcpProblem
+from ._system import vector
 
 
 class LcpResult(NamedTuple):
@@ -92,10 +95,23 @@ def _judge(result: Any, problem: Any, check: bool) -> Any:
     raise error
 
 
-def _dense(matrix: Any) -> np.ndarray:
-    return matrix.toarray() if hasattr(matrix, "toarray") else np.asarray(matrix, dtype=float)
+_MOST = 2**31 - 1  # of an int
 
 
+def _dense(name: str, matrix: Any) -> np.ndarray:
+    return matrix.toarray() if hasattr(matrix, "toarray") else numbers(name, matrix)
+
+
+def _limits(tol: float, **limits: tuple[float, float]) -> None:
+    """Checks a tolerance, and limits with the largest of each."""
+    if not 0 < tol <= 1:
+        raise refused("tol", f"tol = {tol}: must be above 0 and at most 1")
+    for name, (value, most) in limits.items():
+        if not 0 <= value <= most:
+            raise refused(name, f"{name} = {value}: must be at least 0 and at most {most}")
+
+
+@named
 def lcp(A: Any, b: Any, x0: Any = None, *, tol: float = 1e-10, max_pivots: int = 0, enumerate_max: int = 12,
         check: bool = True) -> LcpResult:
     """Solves a linear complementarity problem: x >= 0, y = A x + b >= 0, x y = 0.
@@ -129,21 +145,28 @@ def lcp(A: Any, b: Any, x0: Any = None, *, tol: float = 1e-10, max_pivots: int =
     >>> nsdae.lcp([[2, 1], [1, 2]], [-1, 1]).x
     array([0.5, 0. ])
     """
-    A = np.asfortranarray(_dense(A), dtype=float)
-    b = np.ascontiguousarray(b, dtype=float)
-    guess = None if x0 is None else np.ascontiguousarray(x0, dtype=float)
+    A = np.asfortranarray(finite("A", _dense("A", A)), dtype=float)
+    if A.ndim != 2 or A.shape[0] != A.shape[1]:
+        raise refused("A", f"A has the shape {A.shape}; it must be (n, n)")
+    b = finite("b", vector("b", b, len(A)))
+    guess = None if x0 is None else vector("x0", x0, len(A))
+    _limits(tol, max_pivots=(max_pivots, _MOST), enumerate_max=(enumerate_max, 24))
     x, y, how = _core.lcp(A, b, guess, float(tol), max_pivots, enumerate_max)
     return _judge(LcpResult(x, y, **how), LcpProblem(A, b), check)
 
 
-def _entries(matrix: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
+def _entries(name: str, matrix: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
     """Rows, columns, values and shape; repeated entries are summed."""
     if hasattr(matrix, "tocoo"):
         coo = matrix.tocsr().tocoo()
-        return coo.row.astype(np.int64), coo.col.astype(np.int64), coo.data.astype(float), coo.shape
-    dense = np.atleast_2d(np.asarray(matrix, dtype=float))
-    row, column = np.nonzero(dense)
-    return row, column, dense[row, column], dense.shape
+        row, column, value, shape = coo.row.astype(np.int64), coo.col.astype(np.int64), coo.data.astype(float), coo.shape
+    else:
+        dense = np.atleast_2d(numbers(name, matrix))
+        if dense.ndim > 2:
+            raise refused(name, f"{name} has the shape {dense.shape}; it must be a matrix")
+        row, column = np.nonzero(dense)
+        value, shape = dense[row, column], dense.shape
+    return row, column, finite(name, value, row, column), shape
 
 
 def _components(n: int, row: np.ndarray, column: np.ndarray) -> np.ndarray:
@@ -196,28 +219,29 @@ def _within(label: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.n
 
 def _counts(mu: np.ndarray, rows: Any, m: int) -> tuple[np.ndarray, int]:
     """Rows of each contact, and the number of bilateral rows after them."""
-    rows = np.broadcast_to(np.asarray(rows, dtype=np.intc), mu.shape)
+    if np.asarray(rows).dtype.kind not in "iu":
+        raise refused("rows", f"rows = {rows}: must be integers, 1, 2 or 3")
+    rows = _array("rows", rows, mu.shape, np.intc)
     bilateral = m - int(rows.sum())
     if bilateral < 0:
-        raise ValueError(f"{len(mu)} contacts have {int(rows.sum())} rows, more than the {m} of the problem")
+        raise refused("rows", f"{len(mu)} contacts have {int(rows.sum())} rows, more than the {m} of the problem")
     return np.ascontiguousarray(rows), bilateral
 
 
 def _solve_friction(arrays: dict[str, Any], problem: Any, r0: Any, tol: float, max_sweeps: int, max_iterations: int,
                     budget: float, progress: Any, check: bool, twice: bool) -> FrictionResult:
-    guess = None if r0 is None else np.ascontiguousarray(r0, dtype=float)
+    guess = None if r0 is None else vector("r0", r0, len(arrays["w"]))
+    _limits(tol, max_sweeps=(max_sweeps, _MOST), max_iterations=(max_iterations, _MOST), budget=(budget, np.inf))
     r, u, how = _core.friction(arrays, guess, float(tol), max_sweeps, max_iterations, float(budget), progress,
                               bool(twice))
     return _judge(FrictionResult(r, u, **how), problem, check)
 
 
 def _vector(name: str, values: Any, n: int) -> np.ndarray:
-    array = np.zeros(n) if values is None else np.ascontiguousarray(values, dtype=float).reshape(-1)
-    if len(array) != n:
-        raise ValueError(f"{name} has {len(array)} numbers; it must have {n}")
-    return array
+    return np.zeros(n) if values is None else finite(name, vector(name, values, n))
 
 
+@named
 def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, compliance: Any = None, r0: Any = None,
              tol: float = 1e-10, max_sweeps: int = 0, max_iterations: int = 0, budget: float = 0, progress: Any = None,
              check: bool = True, twice: bool = False) -> FrictionResult:
@@ -272,11 +296,11 @@ def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, c
     is below their rounding. An array with the sum r + low is rounded to r. Apply r and low one after the other, or use
     ``fractions.Fraction``.
     """
-    of_H, of_M = _entries(H), _entries(M)
+    of_H, of_M = _entries("H", H), _entries("M", M)
     nv, m = of_H[3]
     if of_M[3] != (nv, nv):
-        raise ValueError(f"M is {of_M[3][0]} x {of_M[3][1]}; H has {nv} rows, so it must be {nv} x {nv}")
-    mu = np.ascontiguousarray(np.atleast_1d(np.asarray(mu, dtype=float)))
+        raise refused("M", f"M is {of_M[3][0]} x {of_M[3][1]}; H has {nv} rows, so it must be {nv} x {nv}")
+    mu = np.ascontiguousarray(np.atleast_1d(finite("mu", numbers("mu", mu))))
     count, bilateral = _counts(mu, rows, m)
     label = _components(nv, of_M[0], of_M[1])
     size, place, order = _within(label, label.max(initial=-1) + 1)
@@ -292,6 +316,7 @@ def friction(H: Any, M: Any, f: Any, mu: Any, w: Any = None, *, rows: Any = 3, c
     return _solve_friction(arrays, (H, M, f, mu, w), r0, tol, max_sweeps, max_iterations, budget, progress, check, twice)
 
 
+@named
 def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = None, r0: Any = None, tol: float = 1e-10,
                    max_sweeps: int = 0, max_iterations: int = 0, budget: float = 0, progress: Any = None,
                    check: bool = True, twice: bool = False) -> FrictionResult:
@@ -314,11 +339,11 @@ def friction_local(W: Any, q: Any, mu: Any, *, rows: Any = 3, compliance: Any = 
     -------
     FrictionResult
     """
-    of_W = _entries(W)
+    of_W = _entries("W", W)
     m = of_W[3][0]
     if of_W[3] != (m, m):
-        raise ValueError(f"W is {m} x {of_W[3][1]}; it must be square")
-    mu = np.ascontiguousarray(np.atleast_1d(np.asarray(mu, dtype=float)))
+        raise refused("W", f"W is {m} x {of_W[3][1]}; it must be square")
+    mu = np.ascontiguousarray(np.atleast_1d(finite("mu", numbers("mu", mu))))
     count, bilateral = _counts(mu, rows, m)
     items = np.concatenate([count, np.ones(bilateral, dtype=np.intc)]).astype(np.int64)
     item_of_row = np.repeat(np.arange(len(items)), items)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Iterator
 import numpy as np
 
 from . import _core
+from ._arguments import named, refused
 from ._bodies import Bodies
 from ._errors import ArgumentError, Error, RunWarning, in_python
 from ._file import Growing
@@ -55,6 +56,7 @@ def _texts(options: Mapping[str, Any]) -> dict[str, Any]:
 _PAUSE = 1.0  # time between two writes of an output [s]
 
 
+@named
 class Sim:
     """Simulation of a system.
 
@@ -138,7 +140,7 @@ class Sim:
         own = (None, np.zeros(d.nv)) if self._bodies is None else self._bodies.start()
         q0, v0 = own[0] if q0 is None else q0, own[1] if v0 is None else v0
         if q0 is None:
-            raise ValueError("q0 is missing: coordinates at the start")
+            raise refused("q0", "q0 is missing: coordinates at the start")
         return vector("q0", q0, d.nq), vector("v0", v0, d.nv)
 
     def project(self, q0: Any = None, v0: Any = None, t0: float = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -222,6 +224,9 @@ class Sim:
         ------
         Record
         """
+        return self._steps(float(t_end))
+
+    def _steps(self, t_end: float) -> Iterator[Record]:
         now = self.record.time
         while now < t_end:
             if now + 1.5 * self.options["dt"] < t_end:
@@ -451,7 +456,7 @@ class Sim:
         try:
             if said := self._core.record_run(float(t_end), every, recorder, write if growing else None, _PAUSE,
                                                     contact_forces):
-                warnings.warn(in_python(said), RunWarning, stacklevel=stacklevel)
+                warnings.warn(in_python(said), RunWarning, stacklevel=stacklevel + 1)  # that of the decorator
         except Error as error:
             self._complete(error)
             if error.record is not None:
@@ -538,6 +543,7 @@ def _copy(model: System | Bodies, options: dict[str, Any], coefficients: dict[tu
     return sim
 
 
+@named
 def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None, *, t0: float = 0, every: int = 1,
           project: bool = False, model: str = "", parameters: dict[str, Any] | None = None,
           shapes: list[Shape] | None = None, output: str | os.PathLike[str] | None = None, contact_forces: bool = False,
@@ -605,4 +611,4 @@ def solve(system: System | Bodies, t_end: float, q0: Any = None, v0: Any = None,
         q0, v0 = sim.project(q0, v0, t0)
     sim.init(q0, v0, t0)
     return sim.record_run(t_end, every, model=model, parameters=parameters, shapes=shapes, output=output,
-                          contact_forces=contact_forces, stacklevel=3)
+                          contact_forces=contact_forces, stacklevel=4)

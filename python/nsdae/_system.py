@@ -8,6 +8,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 import numpy as np
 
 from . import _core, _lists
+from ._arguments import named, numbers, refused
 from ._copies import Callback, Recorded
 from ._errors import Error, in_python
 
@@ -62,12 +63,19 @@ class Worst(NamedTuple):
 
 def vector(name: str, values: Any, n: int) -> np.ndarray:
     """Returns an array of n numbers."""
-    array = np.ascontiguousarray(values, dtype=float).reshape(-1)
+    array = np.ascontiguousarray(numbers(name, values)).reshape(-1)
     if array.size != n:
-        raise ValueError(f"{name} has {array.size} numbers; it must have {n}")
+        raise refused(name, f"{name} has {array.size} numbers; it must have {n}")
     return array
 
 
+def _kind(word: str, argument: str = "kind") -> int:
+    if word not in KINDS:
+        raise refused(argument, f"{argument} '{word}' must be one of {', '.join(KINDS)}")
+    return KINDS.index(word)
+
+
+@named
 class System:
     """System M(q) v' = F with constraints, contacts and friction, given by callbacks.
 
@@ -160,10 +168,12 @@ class System:
         self._bodies: Any = None
         self._listed = False
         self.set(**callbacks)
-        for i, of in enumerate(zip(*(np.broadcast_to(c, k) for c in (mu, e_n, e_t)))):
+        law = {"mu": mu, "e_n": e_n, "e_t": e_t}
+        for i, of in enumerate(zip(*(_lists._array(name, numbers(name, c), (k,)) for name, c in law.items()))):
             if any(of):
                 self.set_contact(i, *of)
         for kind, rows in (names or {}).items():
+            _kind(kind, "names")
             for i, row in enumerate(rows):
                 self.set_name(kind, i, *((row,) if isinstance(row, str) else row))
 
@@ -262,9 +272,7 @@ class System:
         name, unit : str
             Name and unit.
         """
-        if kind not in KINDS:
-            raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
-        self._core.set_name(KINDS.index(kind), i, name, unit)
+        self._core.set_name(_kind(kind), i, name, unit)
 
     def set_size(self, kind: str, i: int, size: float) -> None:
         """Sets the length that scales the bound of an error.
@@ -278,9 +286,7 @@ class System:
         size : float
             Length [m].
         """
-        if kind not in KINDS:
-            raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
-        self._core.set_size(KINDS.index(kind), i, float(size))
+        self._core.set_size(_kind(kind), i, float(size))
 
     def names(self, kind: str) -> list[tuple[str, str]]:
         """Returns the names of a kind.
@@ -295,11 +301,9 @@ class System:
         list of (str, str)
             Name and unit of each, or "".
         """
-        if kind not in KINDS:
-            raise ValueError(f"kind is '{kind}'; it must be one of {', '.join(KINDS)}")
         d = self.dims
-        count = dict(zip(KINDS, (d.nq, d.nv, d.m, d.k, d.f)))[kind]
-        return [self._core.name(KINDS.index(kind), i) for i in range(count)]
+        number = _kind(kind)
+        return [self._core.name(number, i) for i in range((d.nq, d.nv, d.m, d.k, d.f)[number])]
 
     @property
     def dims(self) -> Dims:
@@ -346,7 +350,7 @@ class System:
         """
         d = self.dims
         v = np.zeros(d.nv) if v is None else v
-        return Worst(**self._core.check(t, vector("q", q, d.nq), vector("v", v, d.nv), tol))
+        return Worst(**self._core.check(float(t), vector("q", q, d.nq), vector("v", v, d.nv), float(tol)))
 
     def __repr__(self) -> str:
         return f"nsdae.System({', '.join(f'{name}={value}' for name, value in self.dims._asdict().items() if value)})"

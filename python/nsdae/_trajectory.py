@@ -212,13 +212,13 @@ class Trajectory(ContactColumns):
         return len(self.time)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Column of a coordinate or velocity by its name, shape (n,); or a sensor."""
-        for kind, of in (("coordinate", self.q), ("velocity", self.v)):
-            for i, (has, _) in enumerate(self.names[kind]):
-                if has == name:
-                    return of[:, i]
-        if name in self.sensors:
-            return self.sensors[name]
+        """Column of a coordinate or velocity by its name, shape (n,), or a sensor; the coordinate, if a velocity has its name."""
+        found = [of[:, i] for kind, of in (("coordinate", self.q), ("velocity", self.v))
+                 for i, (has, _) in enumerate(self.names[kind]) if has == name]
+        if found and name in self.sensors:
+            raise KeyError(f"'{name}' is the name of a sensor and of a coordinate or velocity: use q, v or sensors")
+        if found or name in self.sensors:
+            return found[0] if found else self.sensors[name]
         known = [has for kind in ("coordinate", "velocity") for has, _ in self.names[kind]] + list(self.sensors)
         raise KeyError(f"no coordinate, velocity or sensor is called '{name}': they are {', '.join(known)}")
 

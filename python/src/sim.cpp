@@ -402,7 +402,8 @@ int recorder::observe(const nsdae_record *record, nsdae_error *error, void *self
 nb::str sim::record_run(double t_end, int every, recorder &to, nb::object write, double pause,
                         bool contact_forces)
 {
-  if (every < 1) throw std::invalid_argument("every must be at least 1");
+  if (every < 1)
+    refuse(NSDAE_E_ARGUMENT, "every", "every = " + std::to_string(every) + ": must be at least 1");
   use held(*this);
   to.dims = dims;
   to.every = every;
@@ -428,13 +429,24 @@ nb::str sim::record_run(double t_end, int every, recorder &to, nb::object write,
   return readable(error.status > 0 ? error.text : "");
 }
 
+// The library leaves the error of a constant simulation as it is.
+nsdae_record sim::shown() const
+{
+  nsdae_record now;
+  const int status = nsdae_sim_get_record(handle, &now);
+  const nsdae_error *error = nsdae_sim_error(handle);
+  if (status == NSDAE_E_STATE && error->status != status)
+    refuse(status, "", "the simulation has no state: call nsdae_sim_init first");
+  check(status, error);
+  return now;
+}
+
 // Without the leading sizes.
 nb::dict sim::record() const
 {
   look();
-  nsdae_record now;
+  const nsdae_record now = shown();
   columns one;
-  check(nsdae_sim_get_record(handle, &now), nsdae_sim_error(handle));
   one.add(now, dims);
   one.add_events(now);
   nb::dict a = one.arrays(dims);
@@ -565,9 +577,7 @@ nb::object sim::get_sensor(int i)
 nb::tuple sim::contact_forces()
 {
   use held(*this);
-  nsdae_record record;
-  checked(nsdae_sim_get_record(handle, &record));
-  const std::size_t n = static_cast<std::size_t>(record.contacts.count);
+  const std::size_t n = static_cast<std::size_t>(shown().contacts.count);
   std::vector<double> point(3 * n), force(3 * n);
   checked(nsdae_sim_get_contact_forces(handle, point.data(), force.data()));
   return nb::make_tuple(array_of(point.data(), 3 * n), array_of(force.data(), 3 * n));
@@ -678,16 +688,20 @@ nb::object kind_of(const nsdae_param &p)
   return nb::tuple(choices);
 }
 
-// Key, unit, help, range and kind of every option.
+// Key, unit, help, range with default, and kind of every option.
 nb::list option_table()
 {
   nb::list rows;
+  nsdae_sim_options defaults;
+  nsdae_sim_options_default(&defaults);
   const nsdae_params *table = nsdae_sim_options_table();
   for (int i = 0; i < table->n; i++) {
     const nsdae_param &p = table->entry[i];
-    char range[NSDAE_PARAM_TEXT_SIZE];
+    char range[NSDAE_PARAM_TEXT_SIZE], value[NSDAE_PARAM_TEXT_SIZE];
     nsdae_params_range(&p, range, sizeof range);
-    rows.append(nb::make_tuple(p.key, p.unit, p.help, range, kind_of(p)));
+    nsdae_params_format(&p, &defaults, value, sizeof value);
+    rows.append(nb::make_tuple(p.key, p.unit, p.help, std::string(range) + ", default " + value,
+                               kind_of(p)));
   }
   return rows;
 }

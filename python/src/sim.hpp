@@ -112,6 +112,7 @@ public:
   nb::str record_run(double t_end, int every, recorder &to, nb::object write, double pause,
                      bool contact_forces);
   nb::dict record() const;
+  nsdae_record shown() const;
   nb::dict stats() const;
   nb::dict options() const;
   void set_options(nb::dict changes);

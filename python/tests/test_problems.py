@@ -34,7 +34,7 @@ def test_lcp_without_a_solution_is_proved():
 
 
 def test_lcp_refusals():
-    with pytest.raises(ValueError, match="n x n"):
+    with pytest.raises(ValueError, match="b has 2 numbers; it must have 3"):
         nsdae.lcp(np.eye(3), [1, 2])
     with pytest.raises(nsdae.Error) as caught:
         nsdae.lcp([[np.nan]], [1])

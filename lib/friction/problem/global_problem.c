@@ -229,8 +229,12 @@ void nsdae_fc_global_layout(void *object, nsdae_arena *arena)
 
 /* ---- factors of the masses */
 
-/* |M_ij - M_ji| <= 1e-10 sqrt(M_ii M_jj) */
-static int is_symmetric(int n, const double *M)
+/* The first entry above the diagonal, as an index of M, without
+ *
+ *   |M_ij - M_ji| <= 1e-10 sqrt(M_ii M_jj),
+ *
+ * or 0. */
+static size_t find_asymmetry(int n, const double *M)
 {
   size_t lda = (size_t)n;
   for (size_t j = 0; j < lda; j++)
@@ -238,26 +242,36 @@ static int is_symmetric(int n, const double *M)
       if (M[j * lda + i] != M[i * lda + j] &&
           !(fabs(M[j * lda + i] - M[i * lda + j]) <=
             1e-10 * sqrt(fabs(M[j * lda + j])) * sqrt(fabs(M[i * lda + i]))))
-        return 0;
-  return 1;
+        return j * lda + i;
+  return 0;
 }
 
 /* L of a diagonal block is inverted. */
 static int factor_masses(nsdae_fc_global *c, nsdae_error *error)
 {
   const nsdae_friction_problem *p = c->view.p;
-  char text[120];
+  char text[200];
   memcpy(c->L, p->M, c->view.mass_at[p->blocks] * sizeof *c->L);
   for (int b = 0; b < p->blocks; b++) {
     double *L = c->L + c->view.mass_at[b];
-    int n = p->size[b], symmetric = is_symmetric(n, L);
-    if (symmetric && nsdae_la_cholesky(n, L, n) == 0) {
+    int n = p->size[b], pivot = 0;
+    size_t lda = (size_t)n, entry = find_asymmetry(n, L), i = entry % lda, j = entry / lda;
+    if (entry == 0 && (pivot = nsdae_la_cholesky(n, L, n)) == 0) {
       c->diagonal[b] = nsdae_la_is_diagonal(n, L, n);
-      for (int j = 0; j < n && c->diagonal[b]; j++, L += n + 1) *L = 1 / *L;
+      for (int k = 0; k < n && c->diagonal[b]; k++, L += n + 1) *L = 1 / *L;
       continue;
     }
-    snprintf(text, sizeof text, "block %d of M is not %s", b,
-             symmetric ? "positive definite" : "symmetric to 1e-10 of its diagonal");
+    const double *M = p->M + c->view.mass_at[b];
+    if (entry > 0)
+      snprintf(text, sizeof text,
+               "block %d of M is not symmetric to 1e-10 of its diagonal: (%zu, %zu) is %g, "
+               "(%zu, %zu) is %g",
+               b, i, j, M[entry], j, i, M[i * lda + j]);
+    else
+      snprintf(text, sizeof text,
+               "block %d of M is not positive definite: pivot %d, of the diagonal entry %g, is not "
+               "above rounding",
+               b, pivot - 1, M[(size_t)(pivot - 1) * (lda + 1)]);
     return nsdae_fc_refuse(error, NSDAE_E_MASS, "M", b, text);
   }
   return NSDAE_OK;
@@ -323,6 +337,20 @@ static void diagonals(void *object, int from, int to)
   }
 }
 
+/* Item i of a mean diagonal below 0: C >= 0, so an entry of W is. */
+static int refuse_negative(const nsdae_fc_global *c, int i, nsdae_error *error)
+{
+  const nsdae_friction_problem *p = c->view.p;
+  char text[80];
+  int e = p->first[i], k = 0, n = nsdae_fc_rows(p, i);
+  while (p->block[e] != i) e++;
+  const double *W = p->value + c->view.at[e];
+  while (!(W[k * (n + 1)] < 0)) k++;
+  snprintf(text, sizeof text, "W(%d, %d) = %g: must be >= 0", c->view.row[i] + k,
+           c->view.row[i] + k, W[k * (n + 1)]);
+  return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, "value", e, text);
+}
+
 /* |W_jk - W_kj| <= 1e-10 sqrt(d_j d_k), as rounding leaves it; a zero d needs zeros, or W would not
  * be positive semidefinite: there the entries themselves are compared. */
 static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
@@ -331,6 +359,7 @@ static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
   char text[200];
   for (int i = 0; i < c->view.items; i++)
     for (int e = p->first[i]; e < p->first[i + 1]; e++) {
+      if (c->d[i] < 0) return refuse_negative(c, i, error);
       int j = p->block[e], ni = nsdae_fc_rows(p, i), nj = nsdae_fc_rows(p, j);
       const double *W = p->value + c->view.at[e], *T = NULL;
       for (int f = p->first[j]; f < p->first[j + 1] && !T; f++)
@@ -339,7 +368,7 @@ static int check_symmetry(const nsdae_fc_global *c, nsdae_error *error)
       int fixed = !(c->d[i] > 0 && c->d[j] > 0);
       for (int k = 0; k < ni * nj; k++)
         off = fmax(off, fabs(W[k] - (T && !fixed ? T[k % nj * ni + k / nj] : 0)));
-      if (off <= bound && c->d[i] >= 0) continue;
+      if (off <= bound) continue;
       snprintf(text, sizeof text, "W of items %d and %d: off %s by %g, bound %g", i, j,
                fixed ? "zero, as the diagonal is zero," : "symmetry", off, bound);
       return nsdae_fc_refuse(error, NSDAE_E_ARGUMENT, "value", e, text);

@@ -2,7 +2,6 @@
 
 #include "hdf5_guard.h"
 
-#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -70,9 +70,9 @@ static int refuse_shape(nsdae_h5 *h5, const nsdae_body *body, int i, const char 
                         const char *wrong)
 {
   if (h5->status < 0) return h5->status;
-  h5->status = nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, "nsdae_trajectory_set_bodies", field,
-                               "body %d '%.40s': %s: %.160s", i, body[i].name ? body[i].name : "",
-                               field, wrong);
+  h5->status =
+      nsdae_error_set(h5->error, NSDAE_E_ARGUMENT, h5->where, field, "body %d '%.40s': %s: %.160s",
+                      i, body[i].name ? body[i].name : "", field, wrong);
   if (h5->error) h5->error->index = i;
   return h5->status;
 }

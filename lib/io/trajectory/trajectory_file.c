@@ -244,9 +244,11 @@ int nsdae_trajectory_set_bodies(nsdae_trajectory *trajectory, int n, const nsdae
                            : t->bodies ? "the bodies of a file are named once"
                                        : "bodies are named before the first step");
   nsdae_h5_start(&t->h5, error);
+  t->h5.where = where;
   H5E_BEGIN_TRY
     write_bodies(t, n, body);
   H5E_END_TRY
+  t->h5.where = "nsdae_trajectory";
   t->bodies = t->h5.status == NSDAE_OK;
   return t->h5.status;
 }

@@ -440,7 +440,7 @@ static void test_refused_pairs(void **state)
       nsdae_sim_options_default(&o);
       o.method = NSDAE_METHOD_EVENT;
       assert_int_equal(nsdae_sim_create(system, &o, &sim, &error), NSDAE_E_ARGUMENT);
-      snprintf(names, sizeof names, "a %s and a %s have contacts for time stepping alone",
+      snprintf(names, sizeof names, "%s and %s have contacts for time stepping alone",
                nsdae_solid_name(curved.shape), field ? "height field" : "mesh");
       if (!strstr(error.text, names)) fail_msg("%s", error.text);
     }

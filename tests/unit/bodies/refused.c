@@ -410,6 +410,7 @@ static void test_forces(void **state)
   const double point[3] = {0}, gravity[3] = {0, NAN, 0};
   expect(b, nsdae_bodies_add_load(b, 0, point, NULL, NULL), NSDAE_E_ARGUMENT, "load");
   b = world(2);
+  words = "bodies: gravity[1] = nan is not a finite number";
   expect(b, nsdae_bodies_set_gravity(b, gravity), NSDAE_E_NONFINITE, "gravity");
 }
 
@@ -441,7 +442,26 @@ static void test_springs(void **state)
                  "rest");
   refuse_joint_spring(3, (nsdae_joint_spring){.stiffness = 1, .rest = 3.2}, NSDAE_E_ARGUMENT,
                       "rest");
-  refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {INFINITY}}, NSDAE_E_ARGUMENT, "axis");
+  refuse_torsion((nsdae_torsion){.body = {0, 1}, .axis = {INFINITY}}, NSDAE_E_NONFINITE, "axis");
+}
+
+/* In the plane it is the normal, or left out. */
+static void test_axis_of_planar_torsion(void **state)
+{
+  (void)state;
+  const double axes[][3] = {{NAN, 1, 0}, {0, 0, INFINITY}, {1, 0, 0}, {0, -1, 1}};
+  for (int i = 0; i < 4; i++) {
+    nsdae_torsion torsion = {.body = {0, 1}, .stiffness = 1};
+    memcpy(torsion.axis, axes[i], sizeof torsion.axis);
+    int status = i < 2 ? NSDAE_E_NONFINITE : NSDAE_E_ARGUMENT;
+    nsdae_bodies *b = world(2);
+    words = i == 3 ? "torsion 0: axis (0, -1, 1) has no effect in the plane" : NULL;
+    expect(b, nsdae_bodies_add_torsion(b, &torsion), status, "axis");
+  }
+  nsdae_bodies *b = world(2);
+  const nsdae_torsion normal = {.body = {0, 1}, .axis = {0, 0, -2}, .stiffness = 1};
+  assert_int_equal(nsdae_bodies_add_torsion(b, &normal), 0);
+  nsdae_bodies_destroy(&b);
 }
 
 static void test_more_solids(void **state)
@@ -451,6 +471,10 @@ static void test_more_solids(void **state)
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .material = -1}, "material");
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .material = NSDAE_MATERIALS},
                "material");
+  words = "group = -1 is outside its range: it must be 0 ..";
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .group = -1}, "group");
+  words = "exclude = -2 is outside its range: it must be -1 ..";
+  refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .exclude = -2}, "exclude");
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POINT, .radius = -1}, "radius");
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_SEGMENT, .length = {INFINITY}}, "length");
   refuse_solid(2, 0, (nsdae_solid){.shape = NSDAE_SHAPE_POLYGON, .points = 3}, "points");
@@ -637,6 +661,7 @@ int main(void)
                                      cmocka_unit_test(test_forces),
                                      cmocka_unit_test(test_made),
                                      cmocka_unit_test(test_springs),
+                                     cmocka_unit_test(test_axis_of_planar_torsion),
                                      cmocka_unit_test(test_more_solids),
                                      cmocka_unit_test(test_pairs),
                                      cmocka_unit_test(test_asked),

@@ -157,6 +157,10 @@ static void test_no_diagonal(void **state)
   assert_string_equal(error.text, "W of items 0 and 1: off zero, as the diagonal is zero, by 0.5, "
                                   "bound 0");
   assert_int_equal(nsdae_friction_solve(&p, NULL, r, u, NULL), NSDAE_E_ARGUMENT);
+  value[4] = -1;
+  assert_int_equal(nsdae_friction_check(&p, &error), NSDAE_E_ARGUMENT);
+  assert_string_equal(error.text, "W(1, 1) = -1: must be >= 0");
+  value[4] = 0;
   for (int k = 9; k < 27; k++) value[k] = 0; /* nothing moves it, and it does not approach */
   assert_int_equal(nsdae_friction_solve(&p, NULL, r, u, NULL), NSDAE_OK);
   assert_near(r[3], 1, 1e-9);
