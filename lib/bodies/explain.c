@@ -239,6 +239,17 @@ static int explain_joint(const nsdae_bodies *b, int i, double t, const double *q
   return 1;
 }
 
+/* A limit below 0 from vary; 0 if it is not. */
+static int explain_negative(const nsdae_bodies_frictional_joint *f, double t, const char *words,
+                            nsdae_reason *r)
+{
+  double limit[3] = {0, 0, 0};
+  if (!f->vary || f->vary(t, limit, f->vary_user) || !(limit[0] < 0)) return 0;
+  snprintf(r->text, sizeof r->text, "the vary of %s gave f = %g: it must be at least 0", words,
+           limit[0]);
+  return 1;
+}
+
 static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r)
 {
   const nsdae_bodies_frictional_joint *f = nsdae_frictional_joint_at(b, i);
@@ -247,14 +258,9 @@ static int explain_motor(const nsdae_bodies *b, int i, double t, nsdae_reason *r
   motor_words(b, f->motor, f->along.body, motor, sizeof motor);
   r->element = "motor";
   r->index = f->motor;
-  if (explain_drive("drive", f->drive, f->user, t, motor, r) ||
-      explain_drive("vary", f->vary, f->vary_user, t, motor, r))
-    return 1;
-  double limit[3] = {0, 0, 0};
-  if (!f->vary || f->vary(t, limit, f->vary_user) || !(limit[0] < 0)) return 0;
-  snprintf(r->text, sizeof r->text, "the vary of %s gave f = %g: it must be at least 0", motor,
-           limit[0]);
-  return 1;
+  return explain_drive("drive", f->drive, f->user, t, motor, r) ||
+         explain_drive("vary", f->vary, f->vary_user, t, motor, r) ||
+         explain_negative(f, t, motor, r);
 }
 
 /* Of a motor the drive. */

@@ -371,6 +371,13 @@ static int base_of(const nsdae_feature *f)
   return !f->edges && f->number > f->part[1];
 }
 
+static int is_candidate(const nsdae_feature *f, const nsdae_meeting *met)
+{
+  if (met->polyhedra) return nsdae_polyhedra_near(met, f);
+  unsigned mask = f->edges ? met->edges[f->part[0]] : met->corners[base_of(f)];
+  return f->part[1] >= 32 || (mask >> f->part[1] & 1) != 0;
+}
+
 nsdae_couple nsdae_feature_couple(const nsdae_feature *f, const nsdae_meeting *met)
 {
   int base = base_of(f);
@@ -388,10 +395,7 @@ int nsdae_feature_closest(const nsdae_feature *f, const nsdae_meeting *met, nsda
   double place[3], own[3];
   c->side = s0->hollow ? -1 : 1;
   for (int i = 0; i < 2; i++) c->radius[i] = two.solid[i]->radius;
-  if (met->polyhedra && !nsdae_polyhedra_near(met, f)) return 0;
-  if (!met->polyhedra && f->part[1] < 32 &&
-      !((f->edges ? met->edges[f->part[0]] : met->corners[base_of(f)]) >> f->part[1] & 1))
-    return 0;
+  if (!is_candidate(f, met)) return 0;
   if (f->edges) return met->polyhedra ? nsdae_polyhedra_edges(met, f, c) : edge_on_edge(f, met, c);
   set(x1, c->x[1]);
   if (s0->shape == NSDAE_SHAPE_POLYGON ||

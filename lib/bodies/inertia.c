@@ -182,6 +182,22 @@ static int find_moments(const nsdae_solid *s, double density, moments *m, nsdae_
   return NSDAE_OK;
 }
 
+/* The tensor J of second moments about one point: its diagonal, and entries (0, 1), (0, 2), (1, 2).
+ */
+static void tensor_of(const double *second, double inertia[3], double product[3])
+{
+  for (int i = 0; i < 3; i++) inertia[i] = second[4 * ((i + 1) % 3)] + second[4 * ((i + 2) % 3)];
+  product[0] = -second[1];
+  product[1] = -second[2];
+  product[2] = -second[5];
+}
+
+/* Bits 1: a solid in the plane, 2: in space. A disc is both. */
+static int dimensions_of(const nsdae_solid *s)
+{
+  return s->shape == NSDAE_SHAPE_DISC ? 3 : s->shape == NSDAE_SHAPE_POLYGON ? 1 : 2;
+}
+
 static int check_shape(const nsdae_solid *s, double density, const char *where, nsdae_error *error)
 {
   if (!(isfinite(density) && density > 0))
@@ -240,8 +256,7 @@ static int find_placed(int i, const nsdae_solid *s, double density, int *dimensi
                        const char *where, nsdae_error *error)
 {
   int status = check_shape(s, density, where, error), before = *dimensions;
-  /* bits 1: a solid in the plane, 2: in space; a disc is both */
-  *dimensions &= s->shape == NSDAE_SHAPE_DISC ? 3 : s->shape == NSDAE_SHAPE_POLYGON ? 1 : 2;
+  *dimensions &= dimensions_of(s);
   if (status == NSDAE_OK && *dimensions == 0)
     status = nsdae_error_set(error, NSDAE_E_ARGUMENT, where, "shape",
                              "solid %d, a %s, is no solid in %d dimensions as those before it are",
@@ -297,14 +312,7 @@ static int find_body(int n, nsdae_solid *solid, const double *density, nsdae_rig
                            sum.mass, moved[0] + body->position[0], moved[1] + body->position[1],
                            moved[2] + body->position[2]);
   body->mass = sum.mass;
-  /* the tensor of second moments about one point: its diagonal, and entries (0, 1), (0, 2), (1, 2)
-   */
-  const double *second = sum.second;
-  for (int i = 0; i < 3; i++)
-    body->inertia[i] = second[4 * ((i + 1) % 3)] + second[4 * ((i + 2) % 3)];
-  body->product[0] = -second[1];
-  body->product[1] = -second[2];
-  body->product[2] = -second[5];
+  tensor_of(sum.second, body->inertia, body->product);
   if (dimensions == 1) memset(body->product, 0, sizeof body->product);
   if (dimensions == 1) body->inertia[0] = body->inertia[1] = 0;
   for (int j = 0; j < 3; j++) body->position[j] += moved[j];

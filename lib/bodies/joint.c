@@ -44,6 +44,13 @@ static const struct {
         {"screw", LINE | TILT | THREAD, SPATIAL, SPATIAL, {DISPLACEMENT, ROTATION}},
 };
 
+/* A distance and a gear have a drive of their row, the others of coordinate 0. */
+static int is_driven(int kind)
+{
+  int first = kinds[kind].coordinate[0];
+  return (kinds[kind].rows & (LENGTH | RATIO)) || (first != NONE && first != ANY_ROTATION);
+}
+
 const char *nsdae_joint_name(int kind)
 {
   return kinds[kind].name;
@@ -146,6 +153,16 @@ static void add_length(const assembly *s)
   set_drive(s, c);
 }
 
+/* displacement = p_1 rotation, p_1 = pitch / (2 pi); a turn is a pitch */
+static void add_thread(const assembly *s)
+{
+  nsdae_bodies_constraint *c = add_row(s, along(s, 0));
+  if (!c) return;
+  c->master = NSDAE_COORDINATES * s->bodies->joint.count + 1;
+  c->p[1] = s->joint->ratio / (2 * nsdae_pi);
+  c->period = fabs(s->joint->ratio);
+}
+
 static void add_rows(const assembly *s, int rows)
 {
   int d = s->bodies->dimension;
@@ -161,13 +178,7 @@ static void add_rows(const assembly *s, int rows)
   if (rows & CROSS) add_row(s, square(s, 0, 1));
   if (rows & LENGTH) add_length(s);
   if (rows & RATIO) set_drive(s, add_row(s, turn(s, s->joint->ratio)));
-  if (rows & THREAD) { /* displacement = p_1 rotation, p_1 = pitch / (2 pi); a turn is a pitch */
-    nsdae_bodies_constraint *c = add_row(s, along(s, 0));
-    if (!c) return;
-    c->master = NSDAE_COORDINATES * s->bodies->joint.count + 1;
-    c->p[1] = s->joint->ratio / (2 * nsdae_pi);
-    c->period = fabs(s->joint->ratio);
-  }
+  if (rows & THREAD) add_thread(s);
 }
 
 static void add_joint(const assembly *s)
@@ -240,10 +251,7 @@ static int check_kind(nsdae_bodies *b, int index, const nsdae_joint *j)
   if (!(kinds[j->kind].exists & (b->dimension == 2 ? PLANAR : SPATIAL)))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "kind", index,
                                "a %s joint does not exist in %d dimensions", name, b->dimension);
-  /* A distance and a gear have a drive of their row, the others of coordinate 0. */
-  int first = kinds[j->kind].coordinate[0];
-  if (j->drive && !(kinds[j->kind].rows & (LENGTH | RATIO)) &&
-      (first == NONE || first == ANY_ROTATION))
+  if (j->drive && !is_driven(j->kind))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, "joint", "drive", index,
                                "a %s joint cannot be driven", name);
   int pin = j->kind == NSDAE_JOINT_REVOLUTE;

@@ -127,6 +127,12 @@ static void surface(const clip *c, side *p, int k, const double *along, double *
   for (int i = 0; i < 3; i++) x[i] += d[i];
 }
 
+/* The middle of the rim of an end. */
+static void middle_of(const clip *c, const side *p, int k, double *x)
+{
+  put(c, p, p->cone && k == 0 ? p->solid->point : p->face.x[k], x);
+}
+
 /* Corners of side s on the polygon of the other. */
 static void add_corners(clip *c, int s)
 {
@@ -320,6 +326,16 @@ static int edges_of(const nsdae_face *f)
   return f->count == 2 ? 1 : f->disc > 0 ? 2 : f->count;
 }
 
+/* Two rims cross at the two places alone. */
+static void add_crossings(clip *c)
+{
+  const nsdae_face *f[2] = {&c->of[0].face, &c->of[1].face};
+  int rims = f[0]->disc > 0 && f[1]->disc > 0;
+  for (int k = 0; k < edges_of(f[0]); k++)
+    for (int l = rims ? k : 0; l < (rims ? k + 1 : edges_of(f[1])); l++)
+      add_crossing(c, (const int[]){k, l});
+}
+
 /* foot := the point of a segment's line that is nearest to x; returns how far beyond its ends. */
 static double foot_on(const side *p, const double *x, double *foot)
 {
@@ -342,8 +358,7 @@ static void add_ends(clip *c, int s)
   side *p = &c->of[s], *other = &c->of[1 - s];
   double a[3], x[3], foot[3], middle[3], sign = s ? -1 : 1;
   for (int k = 0; k < 2; k++) {
-    /* of the rim of the end */
-    put(c, p, p->cone && k == 0 ? p->solid->point : p->face.x[k], middle);
+    middle_of(c, p, k, middle);
     if (foot_on(other, p->x[k], foot) > c->beside) continue;
     for (int pass = 0; pass < 5; pass++) {
       for (int i = 0; i < 3; i++) a[i] = foot[i] - middle[i];
@@ -436,10 +451,7 @@ int nsdae_find_manifold(const nsdae_couple *two, double enough, nsdae_manifold *
     else if (are_parallel(&c))
       (c.of[1 - s].cone ? add_ends_on_cone : add_ends)(&c, s);
   }
-  int rims = f[0]->disc > 0 && f[1]->disc > 0; /* two rims cross at the two places alone */
-  for (int k = 0; k < edges_of(f[0]) && !segments; k++)
-    for (int l = rims ? k : 0; l < (rims ? k + 1 : edges_of(f[1])); l++)
-      add_crossing(&c, (const int[]){k, l});
+  if (!segments) add_crossings(&c);
   for (int i = 0; i < m->count; i++) least = fmin(least, m->at[i].gap);
   if (least <= nearest.gap + c.beside) return 1; /* one of them is the nearest */
   m->number[m->count] = 0;

@@ -265,6 +265,14 @@ static void mark_sharp(nsdae_mesh *m, const side *s, char *sharp)
   }
 }
 
+static void find_pieces(nsdae_mesh *m)
+{
+  nsdae_sets_begin(m->piece, m->points);
+  for (int t = 0; t < m->triangles; t++)
+    for (int k = 1; k < 3; k++) nsdae_sets_join(m->piece, m->corner[t][0], m->corner[t][k]);
+  for (int i = 0; i < m->points; i++) m->piece[i] = nsdae_sets_root(m->piece, i);
+}
+
 static int connect(nsdae_mesh *m)
 {
   side *s = sort_sides(m);
@@ -274,10 +282,7 @@ static int connect(nsdae_mesh *m)
   if (done) {
     grow_faces(m, todo);
     mark_sharp(m, s, sharp);
-    nsdae_sets_begin(m->piece, m->points);
-    for (int t = 0; t < m->triangles; t++)
-      for (int k = 1; k < 3; k++) nsdae_sets_join(m->piece, m->corner[t][0], m->corner[t][k]);
-    for (int i = 0; i < m->points; i++) m->piece[i] = nsdae_sets_root(m->piece, i);
+    find_pieces(m);
   }
   free(s);
   free(todo);

@@ -11,6 +11,7 @@
  * Sources: Wavefront Technologies, Advanced Visualizer Manual, appendix B1; M. Burns, Automated
  * Fabrication, 1993, 6.5. Normals of files are not used: the order of the corners is. */
 #include <ctype.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -61,6 +61,15 @@ static int note_body(nsdae_bodies *b, int i)
   return NSDAE_OK;
 }
 
+static int note_gravity(nsdae_bodies *b)
+{
+  const double *g = b->force.gravity;
+  if (b->dimension == 2 || g[0] != 0 || g[1] == 0 || g[2] != 0) return NSDAE_OK;
+  return nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "gravity",
+                         "gravity (0, %g, 0) of a model in space is along y: z is upwards there",
+                         g[1]);
+}
+
 /* Triangles of both orders: beneath one of them there is no material. */
 static int note_mesh(nsdae_bodies *b, int i)
 {
@@ -77,12 +86,7 @@ static int note_mesh(nsdae_bodies *b, int i)
 
 static int note_given(nsdae_bodies *b)
 {
-  const double *g = b->force.gravity;
-  int status = NSDAE_OK;
-  if (b->dimension == 3 && g[0] == 0 && g[1] != 0 && g[2] == 0)
-    status = nsdae_error_set(
-        &b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "gravity",
-        "gravity (0, %g, 0) of a model in space is along y: z is upwards there", g[1]);
+  int status = note_gravity(b);
   for (int i = 0; i < b->body.count && status == NSDAE_OK; i++) status = note_body(b, i);
   for (int i = 0; i < b->solid.count && status == NSDAE_OK && b->dimension == 2; i++)
     if (in_degrees(nsdae_solid_at(b, i)->turn[0]))

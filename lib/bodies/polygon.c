@@ -88,6 +88,13 @@ static place find_place(const nsdae_solid_of *s, const double *x)
   return highest;
 }
 
+/* Which can separate: a segment without rounding is a side. */
+static int has_edges(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_POLYGON ||
+         (s->shape == NSDAE_SHAPE_SEGMENT && s->points > 1 && s->radius > 0);
+}
+
 void nsdae_find_separations(nsdae_meeting *met)
 {
   const nsdae_couple *two = &met->two;
@@ -96,10 +103,7 @@ void nsdae_find_separations(nsdae_meeting *met)
   for (int i = 0; i < 2 && !met->far; i++) {
     nsdae_separation *best = &met->by[i];
     const nsdae_solid_of *solid = two->solid[i], *other = two->solid[1 - i];
-    /* edges that can separate: a segment without rounding is a side */
-    if (solid->shape != NSDAE_SHAPE_POLYGON &&
-        !(solid->shape == NSDAE_SHAPE_SEGMENT && solid->points > 1 && solid->radius > 0))
-      continue;
+    if (!has_edges(solid)) continue;
     const nsdae_pose *here = two->pose[i], *there = two->pose[1 - i];
     const double *R = here->R, *Q = there->R;
     const double x = there->r[0] - here->r[0], y = there->r[1] - here->r[1];

@@ -202,6 +202,15 @@ static int split(reader *r, char *text, char *field[COLUMNS])
                 count, count == 1 ? "" : "s", COLUMNS);
 }
 
+static int read_header(reader *r, char *const field[COLUMNS])
+{
+  for (int c = 0; c < COLUMNS; c++)
+    if (strcmp(field[c], columns[c].key) != 0)
+      return refuse(r, c, "'%.32s' in the header: it must be '%s'", field[c], columns[c].key);
+  r->header = 1;
+  return NSDAE_OK;
+}
+
 static int add(reader *r, const body_row *row)
 {
   nsdae_scene *s = r->scene;
@@ -282,12 +291,7 @@ static int read_line(reader *r, char *text)
   if (!*text) return NSDAE_OK;
   int status = split(r, text, field);
   if (status < 0) return status;
-  if (r->header) return read_row(r, field);
-  for (int c = 0; c < COLUMNS; c++)
-    if (strcmp(field[c], columns[c].key) != 0)
-      return refuse(r, c, "'%.32s' in the header: it must be '%s'", field[c], columns[c].key);
-  r->header = 1;
-  return NSDAE_OK;
+  return r->header ? read_row(r, field) : read_header(r, field);
 }
 
 /* All settings but the floor must be given: none is taken silently. */

@@ -179,6 +179,17 @@ static void place_solid(const nsdae_bodies *b, const nsdae_solid *s, nsdae_solid
   for (int j = 0; j < 3; j++) made->R[6 + j] = made->R[3 + j]; /* the normal, as in space */
 }
 
+/* Outer unit normals, anticlockwise corners being given, and lengths. */
+static void measure_edges(nsdae_solid_of *s)
+{
+  for (int i = 0; i < s->points; i++) {
+    const double *p = s->point + 3 * i, *next = s->point + 3 * ((i + 1) % s->points);
+    double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
+    const double edge[4] = {y / length, -x / length, 0, length};
+    memcpy(s->edge + 4 * i, edge, sizeof edge);
+  }
+}
+
 /* Of faces the outer unit normals n, and the largest n . x of their corners. */
 static void measure_faces(nsdae_solid_of *s)
 {
@@ -210,6 +221,11 @@ static int check_groups(nsdae_bodies *b, int index, const nsdae_solid *s)
       group ? "group = %d is outside its range: it must be 0 .. 2^31 - 1 (bits 0 .. 30)"
             : "exclude = %d is outside its range: it must be -1 .. 2^31 - 1 (-1, or bits 0 .. 30)",
       group ? s->group : s->exclude);
+}
+
+static int is_surface(const nsdae_solid *s)
+{
+  return s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD;
 }
 
 /* The mesh of a mesh or height field in the frame of its body. */
@@ -273,9 +289,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                                                                    : kinds[s->shape].corners;
   int faces = hull ? hull->faces : points; /* of a polygon its edges */
   const nsdae_mesh *mesh = NULL;
-  if ((s->shape == NSDAE_SHAPE_MESH || s->shape == NSDAE_SHAPE_HEIGHT_FIELD) &&
-      (status = add_surface(b, body, s, index, &mesh)) < 0)
-    return status;
+  if (is_surface(s) && (status = add_surface(b, body, s, index, &mesh)) < 0) return status;
   size_t numbers = 3 * (size_t)points + 4 * (size_t)faces;
   double *corners = calloc(numbers + 1, sizeof *corners);
   nsdae_solid_of *made = corners ? nsdae_list_add(b, &b->solid, sizeof *made) : NULL;
@@ -298,13 +312,7 @@ int nsdae_bodies_add_solid(nsdae_bodies *b, int body, const nsdae_solid *s)
                            .mesh = mesh};
   if (nsdae_solid_is_smooth(made)) made->radius = 0;
   place_solid(b, s, made);
-  /* of a polygon the outer unit normals, anticlockwise corners being given, and lengths */
-  for (int i = 0; b->dimension == 2 && points > 1 && i < points; i++) {
-    const double *p = made->point + 3 * i, *next = made->point + 3 * ((i + 1) % points);
-    double x = next[0] - p[0], y = next[1] - p[1], length = sqrt(x * x + y * y);
-    const double edge[4] = {y / length, -x / length, 0, length};
-    memcpy(made->edge + 4 * i, edge, sizeof edge);
-  }
+  if (b->dimension == 2 && points > 1) measure_edges(made);
   if (hull) measure_faces(made);
   made->width = nsdae_solid_width(made);
   return index;
@@ -386,6 +394,16 @@ int nsdae_pair_is_turned(const nsdae_solid_of *s0, const nsdae_solid_of *s1)
   return !is_base(s0) && (is_base(s1) || (is_round(s0) && !is_round(s1)));
 }
 
+/* All that a manifold can have, or those that it has. */
+static void add_manifold(sink *s, int solid0, int solid1, int all, const nsdae_manifold *m)
+{
+  int count = m ? m->count : all;
+  for (int i = 0; i < count; i++) {
+    s->number = m ? m->number[i] : i;
+    add_feature(s, 1, solid0, solid1, 0, 0);
+  }
+}
+
 int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
                         const nsdae_meeting *met, nsdae_feature_fn add, void *to)
 {
@@ -394,12 +412,8 @@ int nsdae_pair_features(const nsdae_solid_of *solids, int solid0, int solid1,
   int base = turned ? solid1 : solid0, other = turned ? solid0 : solid1;
   int one_way = is_base(&solids[base]) || is_round(&solids[other]);
   if (!nsdae_pair_is_exact(&solids[base], &solids[other])) {
-    /* all that a manifold can have, or those that it has */
-    int count = met ? met->manifold.count : nsdae_manifold_ids(&solids[base], &solids[other]);
-    for (int i = 0; i < count; i++) {
-      s.number = met ? met->manifold.number[i] : i;
-      add_feature(&s, 1, base, other, 0, 0);
-    }
+    int all = nsdae_manifold_ids(&solids[base], &solids[other]);
+    add_manifold(&s, base, other, all, met ? &met->manifold : NULL);
     return s.status;
   }
   add_corners(&s, solids, base, other, met, 0);

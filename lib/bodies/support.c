@@ -26,6 +26,17 @@ static void round_off(const nsdae_solid_of *s, const double *d, double *x)
     for (int i = 0; i < 3; i++) x[i] += w[j] / sqrt(square) * s->R[3 * j + i];
 }
 
+/* That of the discs, ellipsoid and apex of which it is the hull. Of the caps of a cylinder the axis
+ * says which it is, without rounding. */
+static void smooth_support(const nsdae_solid_of *s, const double *d, double *x)
+{
+  int top = s->shape == NSDAE_SHAPE_CYLINDER && nsdae_dot3(d, s->R + 6) >= 0;
+  memcpy(x, s->point + (top ? 12 : 0), 3 * sizeof *x);
+  round_off(s, d, x);
+  if (s->shape == NSDAE_SHAPE_CONE && nsdae_dot3(d, s->point + 12) > nsdae_dot3(d, x))
+    memcpy(x, s->point + 12, 3 * sizeof *x);
+}
+
 void nsdae_round_end(const nsdae_solid_of *s, const double *end, const double *d, double *x)
 {
   for (int i = 0; i < 3; i++) x[i] = end[i] + s->radius * d[i];
@@ -48,13 +59,7 @@ static int foremost(const nsdae_solid_of *s, const double *d)
 void nsdae_support(const nsdae_solid_of *s, const double *d, double *x)
 {
   if (nsdae_solid_is_smooth(s)) {
-    /* That of the discs, ellipsoid and apex of which it is the hull. Of the caps of a cylinder the
-     * axis says which it is, without rounding. */
-    int top = s->shape == NSDAE_SHAPE_CYLINDER && nsdae_dot3(d, s->R + 6) >= 0;
-    memcpy(x, s->point + (top ? 12 : 0), 3 * sizeof *x);
-    round_off(s, d, x);
-    if (s->shape == NSDAE_SHAPE_CONE && nsdae_dot3(d, s->point + 12) > nsdae_dot3(d, x))
-      memcpy(x, s->point + 12, 3 * sizeof *x);
+    smooth_support(s, d, x);
     return;
   }
   switch (s->shape) {

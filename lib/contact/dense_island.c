@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "errors.h"
 #include "listed.h"
 #include "slides.h"
 #include "vector.h"

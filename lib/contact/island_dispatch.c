@@ -1,6 +1,7 @@
 #include "island_dispatch.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "errors.h"
 #include "friction_solver.h"

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "listed.h"
 
 enum { WIDTH = NSDAE_CONTACT_WIDTH };
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "listed.h"
 
 /* ---- certificates */
 

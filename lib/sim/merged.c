@@ -14,6 +14,7 @@
  * (1 - e^n) / (1 - e) first ones. Reported is one order of magnitude: an impulse of ten. In heaps
  * of e <= 0.9 it never is. */
 #include <math.h>
+#include <string.h>
 
 #include "errors.h"
 #include "sim_impl.h"

@@ -2,6 +2,7 @@
 
 #include "hdf5_guard.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L /* gmtime_r */
 #include "description.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
