@@ -26,9 +26,12 @@ void nsdae_units_move(const nsdae_units *u, int nq, const double *from, double h
     sine[g] += rate[i] * rate[i];
   }
   for (int g = 0; g < u->count; g++) {
-    double angle = sine[g] > 0 && cosine[g] > 0 ? h * sqrt(sine[g] / cosine[g]) : 0;
-    cosine[g] = cos(angle);
-    sine[g] = angle > 0 ? h * sin(angle) / angle : h;
+    double size = sqrt(cosine[g]), angle = size > 0 ? h * sqrt(sine[g]) / size : 0;
+    cosine[g] = 1;
+    sine[g] = h;
+    if (angle == 0) continue; /* at rest it stays */
+    cosine[g] = u->length[g] / size * cos(angle);
+    sine[g] = u->length[g] / size * sin(angle) / angle * h;
   }
   for (int i = 0; i < nq; i++) {
     int g = u->of[i];

@@ -7,6 +7,8 @@
  * Of a quaternion with r = q (0, w) / 2 this is q exp(h w / 2): exact for constant w, of any angle
  * (Hairer, Lubich, Wanner, Geometric Numerical Integration, 2006, sections IV.8 and VII.5).
  *
+ * The factor |q_start| / |q| keeps the rounding of the length from growing with the steps.
+ *
  * The trapezoidal rule takes the mean of the rates at q_0 and q_1. r_1 is brought to q_0 by
  * parallel transport along the great circle through both, which is the reflection
  *
