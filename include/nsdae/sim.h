@@ -51,8 +51,8 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
 
 /* Projection of the end of a step, by time-stepping methods:
  *
- * - NONE: no projection. A group of coordinates of unit length (quaternion) is normalised when its
- *  length has doubled or halved.
+ * - NONE: no projection. Time-stepping methods keep the length of coordinates of unit length
+ *  (quaternion) in any case. event and penalty normalise them when it has doubled or halved.
  * - CONSTRAINTS: onto the constraints. Coordinates of unit length keep their length.
  * - CONTACTS: also onto g_N = 0 of contacts that were closed in the step and overlap.
  * - DEPTHS: as CONSTRAINTS; a contact that overlapped at the start of the step and remained closed

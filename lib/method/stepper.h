@@ -2,6 +2,7 @@
 #ifndef NSDAE_STEPPER_H
 #define NSDAE_STEPPER_H
 
+#include "exponential_map.h"
 #include "newton_kkt.h"
 #include "interrupt.h"
 #include "kkt.h"
@@ -18,6 +19,7 @@ typedef struct nsdae_stepper {
   const nsdae_system *system;
   const nsdae_sim_options *options;
   nsdae_error *error;
+  const nsdae_units *units;  /* of the run */
   nsdae_interrupt interrupt; /* asked before every step, and inside long ones */
   nsdae_counters *counters;  /* of the step in work */
   double iteration_tol;      /* the option, but above the rounding of derivatives by differences */

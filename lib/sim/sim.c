@@ -160,6 +160,7 @@ static int build(nsdae_sim *sim)
   stepper->system = &sim->model;
   stepper->options = &sim->options;
   stepper->error = &sim->error;
+  stepper->units = &sim->projection.units;
   if (nsdae_problem_make(&stepper->problem, &sim->model, sim->options.threads, &sim->error) < 0)
     return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim_create", "threads",
                            "out of memory, or of threads of the system, for threads = %d",

@@ -29,6 +29,7 @@ void nsdae_units_layout(nsdae_projector *p, nsdae_arena *arena)
     units[i]->of = NSDAE_ARENA_INTS(arena, nq);
     units[i]->length = NSDAE_ARENA_DOUBLES(arena, nq);
   }
+  for (int i = 0; i < 2; i++) p->units.work[i] = NSDAE_ARENA_DOUBLES(arena, nq);
 }
 
 /* Whether contacts are found by id, at each point. */

@@ -16,16 +16,10 @@
 #ifndef NSDAE_SIM_PROJECTION_H
 #define NSDAE_SIM_PROJECTION_H
 
+#include "exponential_map.h"
 #include "impulses.h"
 #include "least.h"
 #include "stepper.h"
-
-/* Groups of coordinates whose length the kinematics keeps. */
-typedef struct nsdae_units {
-  int count;
-  int *of;        /* nq: group of each coordinate; -1: none */
-  double *length; /* count, at most nq: at the start */
-} nsdae_units;
 
 /* Contacts, by their numbers at the point. */
 typedef struct nsdae_projected {

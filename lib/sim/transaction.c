@@ -169,9 +169,9 @@ static int project(nsdae_sim *sim, double length)
   return NSDAE_OK;
 }
 
-/* Without it: an explicit step makes a quaternion longer by (1 + (h w / 4)^2), to infinity in some
- * 1e5 steps. It turns as much at any length, so that long ones are put back before; here too what
- * that does to the energy is work. */
+/* Without it: the integrators of event and penalty let the length of a quaternion drift by their
+ * tolerance in each step. It turns as much at any length, so that long ones are put back before;
+ * here too what that does to the energy is work. */
 static int keep_lengths(nsdae_sim *sim)
 {
   nsdae_result *r = &sim->next->result;
@@ -226,7 +226,7 @@ static int move_by(nsdae_sim *sim, double deepest, int drifted, double h, double
     islands = nsdae_slop_solve(&sim->slop, &sim->stepper.problem, end,
                                nsdae_terms_touch(end) + 2 * deepest, h);
   if (status < 0 || islands < 0) return status < 0 ? status : islands;
-  if (islands == 0 && !drifted) return keep_lengths(sim);
+  if (islands == 0 && !drifted) return NSDAE_OK;
   status = energy(end, &before);
   double potential = end->potential;
   if (status == NSDAE_OK && islands > 0)
@@ -274,7 +274,7 @@ static int move_to_slop(nsdae_sim *sim, double length)
   int drifted = 0, status = find_deepest(sim, h, &deepest);
   if (status == NSDAE_OK) status = find_drift(&sim->next->result.end, &drifted);
   if (status < 0) return status;
-  return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h, length) : keep_lengths(sim);
+  return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h, length) : NSDAE_OK;
 }
 
 static int correct(nsdae_sim *sim, double length)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "exponential_map.h"
 #include "stepper.h"
 #include "vector.h"
 
@@ -84,9 +85,10 @@ static int iterate(const nsdae_step *step, const double *a0, double *a1, double 
     /* q1 and v1 of a0 and a1. With dq/dt = H v the positions take the mean of both ends, that of q1
      * at a point near it; for H = 1 that is h v0 + h^2/4 (a0 + a1). */
     for (int j = 0; j < dims->nv; j++) s->v[j] = start->v[j] + h / 2 * (a0[j] + a1[j]);
-    int status = nsdae_kinematics_at(i == 0 ? start : end, s->v, s->qdot[1]);
-    for (int j = 0; j < dims->nq; j++)
-      s->q[j] = start->q[j] + h / 2 * (s->qdot[0][j] + s->qdot[1][j]);
+    const nsdae_terms *near = i == 0 ? start : end;
+    int status = nsdae_kinematics_at(near, s->v, s->qdot[1]);
+    nsdae_units_mean_rate(s->units, dims->nq, start->q, s->qdot[0], near->q, s->qdot[1]);
+    nsdae_units_move(s->units, dims->nq, start->q, h, s->qdot[1], s->q);
     if (status < 0) return status;
     if (i > 0)
       moved = nsdae_relative_change(dims->nq, s->q, end->q) +
@@ -149,7 +151,7 @@ static int positions(const nsdae_step *step)
   const nsdae_dims *dims = &s->system->dims;
   for (int i = 0; i < dims->nv; i++) s->v_other[i] = (start->v[i] + s->v[i]) / 2;
   int status = nsdae_kinematics_at(start, s->v_other, s->qdot[0]);
-  nsdae_move(dims->nq, start->q, step->h, s->qdot[0], s->q);
+  nsdae_units_move(s->units, dims->nq, start->q, step->h, s->qdot[0], s->q);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(step->end, END_TERMS);
   return status < 0 ? status : nsdae_step_update(step, step->end);

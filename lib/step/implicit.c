@@ -3,7 +3,7 @@
  *
  *   M_h (v_1 - v_0) + J_h^T Lambda - W_h Lambda_c = h/2 (F_0 + F_1),   M_h = (M_0 + M_1) / 2
  *   J_1 v_1 + Phi_t = 0,   xi = W_1^T v_1 + w_1 + e v(-),   contact laws        (J = Phi_q)
- *   q_1 = q_0 + h/2 (v_0 + v_1)
+ *   q_1 = q_0 + h/2 (v_0 + v_1);  quaternions move by the exponential map (exponential_map.h)
  *
  * Persisting reactions act along the mean of both ends, J_h = (J_0 + J_1)/2 and W_h likewise:
  * with J_1 alone the scheme is of first order only. Impulses of an impact act along J_1 and W_1,
@@ -27,6 +27,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "exponential_map.h"
 #include "stepper.h"
 #include "vector.h"
 
@@ -123,6 +124,8 @@ static int factor_mean_mass(const nsdae_step *step, int hold)
 static int iterate(const nsdae_step *step, int first, int frozen, int all_impacts, int *impact)
 {
   nsdae_stepper *s = step->tools;
+  const double *q_0 = step->start->q;
+  int nq = s->system->dims.nq;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end, frozen);
   /* of redundant constraints the same are left out in all iterates: which these are is decided by
@@ -136,10 +139,10 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   nsdae_problem_bound(&s->problem, step->h / 2, step->start, step->h / 2, step->end);
   status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->impulse, s->v);
   if (status < 0) return status;
-  /* q_1 = q_0 + h/2 (H_0 v_0 + H_1 v_1) into s->q, of the velocity s->v; H_1 = H(q_1 of end). */
+  /* q_1 of the rates H_0 v_0 and H_1 v_1 into s->q, of the velocity s->v; H_1 = H(q_1 of end) */
   status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);
-  for (int i = 0; i < s->system->dims.nq; i++)
-    s->q[i] = step->start->q[i] + step->h / 2 * (s->qdot[0][i] + s->qdot[1][i]);
+  nsdae_units_mean_rate(s->units, nq, q_0, s->qdot[0], step->end->q, s->qdot[1]);
+  nsdae_units_move(s->units, nq, q_0, step->h, s->qdot[1], s->q);
   return status;
 }
 
@@ -237,7 +240,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   int status = nsdae_problem_position(&s->problem, step->start, step->h, step->h / 2);
   if (status < 0) return status;
-  nsdae_move(dims->nq, step->start->q, step->h, s->qdot[0], s->q);
+  nsdae_units_move(s->units, dims->nq, step->start->q, step->h, s->qdot[0], s->q);
   memcpy(s->v, step->start->v, (size_t)dims->nv * sizeof *s->v);
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
   for (int i = 0; i < s->options->iteration_max; i++) {

@@ -3,7 +3,7 @@
  *   q_m = q_0 + h/2 v_0,  t_m = t_0 + h/2;  M, Phi_q, W and the closed contacts g_N <= 0 at
  *   (t_m, q_m), F at (t_m, q_m, u_m), v(-) = W^T v_0 + w
  *   M (v_1 - v_0) + Phi_q^T Lambda - W Lambda_c = h F,  Phi_q v_1 + Phi_t = 0,  contact laws
- *   q_1 = q_m + h/2 v_1
+ *   q_1 = q_m + h/2 v_1;  quaternions move by the exponential map (exponential_map.h)
  *
  * With constraints u_m = v_0. Without, it is the midpoint of a step without contacts:
  *
@@ -24,6 +24,7 @@
 #include <string.h>
 
 #include "dense.h"
+#include "exponential_map.h"
 #include "stepper.h"
 
 /* u_m is found by substitution, which contracts by h |M^-1 dF/dv| / 2: of a free body at most half
@@ -46,7 +47,7 @@ static int to_middle(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   const nsdae_terms *start = step->start;
   int status = nsdae_kinematics_at(start, start->v, s->qdot[0]);
-  nsdae_move(s->system->dims.nq, start->q, step->h / 2, s->qdot[0], s->q);
+  nsdae_units_move(s->units, s->system->dims.nq, start->q, step->h / 2, s->qdot[0], s->q);
   nsdae_terms_at(&s->middle, start->t + step->h / 2, s->q, start->v);
   if (status == NSDAE_OK) status = nsdae_terms_need(&s->middle, FREE_TERMS);
   if (status < 0 || s->system->dims.m == 0) return status;
@@ -224,7 +225,7 @@ static int to_end(const nsdae_step *step)
   nsdae_stepper *s = step->tools;
   const nsdae_terms *middle = &s->middle;
   int status = nsdae_kinematics_at(middle, s->v, s->qdot[1]);
-  nsdae_move(s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
+  nsdae_units_move(s->units, s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
   if (s->system->dims.m > 0) nsdae_result_rate(step->result, middle, s->v);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   return status < 0 ? status : nsdae_step_end(step);

@@ -1,5 +1,6 @@
 /* Bodies that turn by up to 1.5 rad per step by moreau, against invariants: a free body keeps
- * w^T J w and |J w|; contacts take energy; a rotor on a hinge keeps its speed. */
+ * w^T J w and |J w|; contacts take energy; a rotor on a hinge keeps its speed. By every
+ * time-stepping method: a wheel turns by its rate times the time, quaternions have length 1. */
 #include "check.h"
 
 #include <string.h>
@@ -35,13 +36,13 @@ static run make(const nsdae_solid *solid, nsdae_rigid_body *body, double g)
   return r;
 }
 
-static void begin(run *r, double dt)
+static void begin_by(run *r, int method, double dt)
 {
   nsdae_sim_options o;
   nsdae_error error;
   double q[7], v[6];
   nsdae_sim_options_default(&o);
-  o.method = NSDAE_METHOD_MOREAU;
+  o.method = method;
   o.dt = dt;
   if (nsdae_bodies_system(r->bodies, &r->system) < 0)
     fail_msg("%s", nsdae_bodies_error(r->bodies)->text);
@@ -49,6 +50,11 @@ static void begin(run *r, double dt)
   if (nsdae_sim_create(r->system, &o, &r->sim, &error) < 0) fail_msg("%s", error.text);
   if (nsdae_sim_init(r->sim, 0, q, v) < 0) fail_msg("%s", nsdae_sim_error(r->sim)->text);
   nsdae_sim_get_record(r->sim, &r->record);
+}
+
+static void begin(run *r, double dt)
+{
+  begin_by(r, NSDAE_METHOD_MOREAU, dt);
 }
 
 static void step(run *r)
@@ -186,6 +192,142 @@ static void test_rotor(void **state)
   end(&r);
 }
 
+static double length_of(const double *p)
+{
+  return sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+}
+
+static const int time_stepping[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_IMPLICIT_PRINTED,
+                                    NSDAE_METHOD_MOREAU};
+
+/* On a hinge through its axis and without forces it turns by w t, whatever the angle of a step. */
+static void test_wheel(void **state)
+{
+  const double dt = 5e-3, rates[] = {40, 100, 400, 1000, 3000};
+  (void)state;
+  for (int k = 0; k < 3; k++)
+    for (int l = 0; l < 5; l++) {
+      nsdae_rigid_body body = {.spin = {0, 0, rates[l]}};
+      run r = make(&plate, &body, 0);
+      const nsdae_joint hinge = {
+          .kind = NSDAE_JOINT_REVOLUTE, .body = {NSDAE_GROUND, 0}, .axis = {0, 0, 1}};
+      assert_int_equal(nsdae_bodies_add_joint(r.bodies, &hinge), 0);
+      begin_by(&r, time_stepping[k], dt);
+      for (int i = 0; i < 200; i++) step(&r);
+      double angle = rates[l] * r.record.time;
+      assert_near(r.record.q[3], cos(angle / 2), 1e-10);
+      assert_near(r.record.q[6], sin(angle / 2), 1e-10);
+      end(&r);
+    }
+}
+
+/* An axisymmetric body without forces: precession about its momentum L = J w with the rate |L| / A,
+ * and rotation about its axis by (1 - C / A) w_z:
+ *
+ *   p(t) = exp(t L / (2 A)) exp(t (1 - C / A) w_z e_z / 2)
+ *
+ * Returns the error of p after 1 s, |p - p(t)|; its length is 1. */
+static double error_of_top(int method, double dt)
+{
+  nsdae_rigid_body body = {.spin = {3, 0, 20}};
+  run r = make(&plate, &body, 0);
+  const double *J = body.inertia, t = 1, L[2] = {J[0] * 3, J[2] * 20};
+  begin_by(&r, method, dt);
+  double size = sqrt(L[0] * L[0] + L[1] * L[1]), a = t * size / J[0] / 2,
+         b = t * (1 - J[2] / J[0]) * 20 / 2, sum = 0;
+  const double x = sin(a) * L[0] / size, z = sin(a) * L[1] / size, c = cos(a);
+  const double p[4] = {c * cos(b) - z * sin(b), x * cos(b), -x * sin(b), z * cos(b) + c * sin(b)};
+  for (int i = 0; i < (int)(t / dt + 0.5); i++) {
+    step(&r);
+    assert_near(length_of(r.record.q + 3), 1, 1e-13);
+  }
+  for (int i = 0; i < 4; i++) sum += pow(r.record.q[3 + i] - p[i], 2);
+  end(&r);
+  return sqrt(sum);
+}
+
+static void test_order(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 3; k++) {
+    double coarse = error_of_top(time_stepping[k], 2e-3),
+           fine = error_of_top(time_stepping[k], 1e-3);
+    print_message("%d: errors %.2g, %.2g\n", k, coarse, fine);
+    assert_near(coarse / fine, 4, 0.2);
+  }
+}
+
+static int unit_masses(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < 4; i++) M[i * (ldm + 1)] = 1;
+  return 0;
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+/* q = (c, p_w, s, p_x, p_y, p_z):  (c, s)' = v_0 (2 + c) (-s, c),  p' = (0, w) p / 2,  w = (v_1,
+ * v_2, v_3) in the axes of space */
+static int circle_and_rotation(double t, const double *q, const double *v, double *qdot, void *user)
+{
+  const double rate = v[0] * (2 + q[0]);
+  (void)t, (void)user;
+  qdot[0] = -q[2] * rate;
+  qdot[2] = q[0] * rate;
+  qdot[1] = -(v[1] * q[3] + v[2] * q[4] + v[3] * q[5]) / 2;
+  qdot[3] = (v[1] * q[1] + v[2] * q[5] - v[3] * q[4]) / 2;
+  qdot[4] = (v[2] * q[1] + v[3] * q[3] - v[1] * q[5]) / 2;
+  qdot[5] = (v[3] * q[1] + v[1] * q[4] - v[2] * q[3]) / 2;
+  return 0;
+}
+
+/* The error after 0.5 s of the point on the circle, tan(angle / 2) = 3^(1/2) tan(3^(1/2) t / 2);
+ * that of the rotation is none: p = (cos(|w| t / 2), sin(|w| t / 2) w / |w|). */
+static double error_of_circle(int method, double dt)
+{
+  const nsdae_dims dims = {.nq = 6, .nv = 4};
+  const double q[6] = {1, 1}, v[4] = {1, 20, 40, -40}, w = 60, t = 0.5;
+  nsdae_system *system;
+  nsdae_sim_options o;
+  nsdae_sim *sim;
+  nsdae_record now;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, unit_masses);
+  nsdae_system_set_kinematics(system, circle_and_rotation);
+  nsdae_system_set_force(system, no_force);
+  nsdae_sim_options_default(&o);
+  o.method = method;
+  o.dt = dt;
+  nsdae_error error;
+  if (nsdae_sim_create(system, &o, &sim, &error) < 0) fail_msg("%s", error.text);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, t) >= 0);
+  nsdae_sim_get_record(sim, &now);
+  double angle = 2 * atan(sqrt(3) * tan(sqrt(3) / 2 * t)), off = atan2(now.q[2], now.q[0]) - angle;
+  assert_near(hypot(now.q[0], now.q[2]), 1, 1e-13);
+  assert_near(now.q[1], cos(w * t / 2), 1e-11);
+  for (int i = 0; i < 3; i++) assert_near(now.q[3 + i], sin(w * t / 2) * v[1 + i] / w, 1e-11);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  return fabs(off);
+}
+
+/* Of second order; moreau of first, as H is that of q_0, then that of q_m. */
+static void test_kinematics(void **state)
+{
+  (void)state;
+  for (int k = 0; k < 3; k++) {
+    double coarse = error_of_circle(time_stepping[k], 5e-3),
+           fine = error_of_circle(time_stepping[k], 2.5e-3);
+    print_message("%d: errors %.2g, %.2g\n", k, coarse, fine);
+    assert_near(coarse / fine, time_stepping[k] == NSDAE_METHOD_MOREAU ? 2 : 4, 0.1);
+  }
+}
+
 /* v' = (b 1 + a X) v with a^2 + b^2 > 1: |F v| overflows before v^T v does, with both signs. */
 static int unit_mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -231,9 +373,10 @@ static void test_overflow(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric_top),
-                                     cmocka_unit_test(test_free_body),
-                                     cmocka_unit_test(test_dropped), cmocka_unit_test(test_rotor),
-                                     cmocka_unit_test(test_overflow)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_symmetric_top), cmocka_unit_test(test_free_body),
+      cmocka_unit_test(test_dropped),       cmocka_unit_test(test_rotor),
+      cmocka_unit_test(test_wheel),         cmocka_unit_test(test_order),
+      cmocka_unit_test(test_kinematics),    cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
