@@ -472,13 +472,16 @@ static int find_fastest(nsdae_cone_island *c, const nsdae_island_equations *w,
 }
 
 /* The residual without the rounding of W^T v, as in dense_residual.c: in a step of length h, in
- * which impulses are of the order h, velocities v have no more digits than eps v. Returns the
- * status of the solution by this residual. */
+ * which impulses are of the order h, velocities v have no more digits than eps v. A contact_tol
+ * below these roundings is one that no step meets. Returns the status of the solution by this
+ * residual. */
 static int leave_rounding(nsdae_cone_island *c, const nsdae_island_equations *w,
                           nsdae_cone_work *work, int status)
 {
   double fastest, rounding;
-  if ((status < 0 && status != NSDAE_E_LCP) || work->info.residual <= work->tol) return status;
+  if ((status < 0 && status != NSDAE_E_LCP) || work->info.residual <= work->tol ||
+      work->tol < 32 * DBL_EPSILON)
+    return status;
   if (find_speeds(c, w, work, &fastest, &rounding) < 0) return status;
   double left = fmax(0, work->info.residual - rounding / nsdae_fc_speed(work->solver));
   if (left <= work->tol) work->info.residual = left;

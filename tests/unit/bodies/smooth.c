@@ -328,7 +328,7 @@ static void test_refused(void **state)
   nsdae_bodies_add_solid(b, 0, &disc);
   nsdae_bodies_add_solid(b, NSDAE_GROUND, &point);
   assert_int_equal(nsdae_bodies_add_contact(b, 0, 1, 0, 0, 0), NSDAE_E_ARGUMENT);
-  assert_non_null(strstr(nsdae_bodies_error(b)->text, "a disc and a point have no inside"));
+  assert_non_null(strstr(nsdae_bodies_error(b)->text, "disc and point have no inside"));
   nsdae_bodies_destroy(&b);
 }
 
