@@ -278,8 +278,9 @@ static int has_short_steps(const nsdae_event *e)
  * Friction that is asked again and again how it shares between contacts leads nowhere, sooner. */
 static int too_many(const nsdae_event *e)
 {
-  return e->instant.impacts.sequence.endless || *e->base.instants > e->setting.options->events_max ||
-         *e->base.idle > IDLE_MAX || has_short_steps(e);
+  return e->instant.impacts.sequence.endless ||
+         *e->base.instants > e->setting.options->events_max || *e->base.idle > IDLE_MAX ||
+         has_short_steps(e);
 }
 
 /* With auto, the integrator that does better from here on. IDA: if stability bounds the steps, or
