@@ -55,9 +55,9 @@ NSDAE_API int nsdae_trajectory_resume(nsdae_sim *sim, const char *path,
                                       nsdae_trajectory **trajectory, nsdae_error *error);
 
 /* Reads the settings of the run that created a file into the struct at base. group is "options",
- * "parameters" or "run" (t_end, every, compress,
- * contact_forces). Only keys of the table are read. NSDAE_E_IO: no
- * such file, or it has no such settings; NSDAE_E_ARGUMENT: a value is out of the table's range. */
+ * "parameters" or "run" (t_end, every, compress, contact_forces). Only keys of the table are read.
+ * NSDAE_E_IO: no such file, or it has no such settings; NSDAE_E_ARGUMENT: a value is out of the
+ * table's range. */
 NSDAE_API int nsdae_trajectory_read_params(const char *path, const char *group,
                                            const nsdae_params *table, void *base,
                                            nsdae_error *error);

@@ -184,7 +184,7 @@ static int note_contacts(nsdae_bodies *b)
   int alone = nsdae_solid_at(b, first)->body;
   if (empty >= 0) {
     nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",
-                    "body %d has nothing to touch: a %s (solid %d) and a %s (solid %d) have no "
+                    "body %d has nothing to touch: %s (solid %d) and %s (solid %d) have no "
                     "contacts, as both have no corners or are points: choose other shapes",
                     alone, nsdae_solid_name(nsdae_solid_at(b, first)->shape), first,
                     nsdae_solid_name(nsdae_solid_at(b, empty)->shape), empty);

@@ -14,6 +14,16 @@ void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
   terms->by.list.shares = &s->problem.dispatch.shares;
 }
 
+/* Differences are good to about 1e-10, relative: an iteration does not settle below that. */
+static double settled(const nsdae_system *system, double tol)
+{
+  const nsdae_dims *d = &system->dims;
+  int differs =
+      (d->m > 0 && !(nsdae_system_has_jacobian(system) && system->call.constraint_bias)) ||
+      (d->k > 0 && !system->tracked && (!system->call.gap_normal || !system->call.contact_bias));
+  return differs ? fmax(tol, 1e-9) : tol;
+}
+
 /* Multiplications by J for an island; 0: no limit but the solver's. A sweep of Gauss-Seidel takes
  * two and reaches no small tolerance. A median step of heaps and walls takes 10 to 100 sweeps; a
  * tenth of the default (NSDAE_SHARE_TO_TOL) are 500. A wall hit by a ball, 160 contacts, is left at
@@ -27,13 +37,7 @@ static double contact_budget(const nsdae_sim_options *o)
 void nsdae_stepper_prepare(nsdae_stepper *s)
 {
   const nsdae_sim_options *o = s->options;
-  /* Differences are good to about 1e-10, relative: an iteration does not settle below that. */
-  const nsdae_dims *d = &s->system->dims;
-  int differs =
-      (d->m > 0 && !(nsdae_system_has_jacobian(s->system) && s->system->call.constraint_bias)) ||
-      (d->k > 0 && !s->system->tracked &&
-       (!s->system->call.gap_normal || !s->system->call.contact_bias));
-  s->iteration_tol = differs ? fmax(o->iteration_tol, 1e-9) : o->iteration_tol;
+  s->iteration_tol = settled(s->system, o->iteration_tol);
   s->differences.system = s->system;
   nsdae_stepper_prepare_terms(s, &s->middle);
   int integrates = o->method == NSDAE_METHOD_EVENT || o->method == NSDAE_METHOD_PENALTY;

@@ -157,6 +157,22 @@ static int positions(const nsdae_step *step)
   return status < 0 ? status : nsdae_step_update(step, step->end);
 }
 
+/* v_1 = M(q_0)^-1 (M v_0 + h F - Phi_q(q_1)^T Lambda + W(q_1) Lambda_c); s->r holds M v_0 + h F. */
+static int velocity_at_end(const nsdae_step *step)
+{
+  nsdae_stepper *s = step->tools;
+  nsdae_problem_add_constraints(&s->problem, step->end, -1, 0, s->impulse, s->r);
+  nsdae_problem_add_impulse(&s->problem, step->end, 1, 0, s->r);
+  int status = nsdae_island_dispatch_solve_mass(&s->problem.dispatch, step->start, s->r);
+  /* where the matrices did not change, v_1 is v~ and not its rounding: a body at rest stays at rest
+   */
+  for (int i = 0; i < s->system->dims.nv; i++)
+    if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
+      s->r[i] = s->v[i];
+  nsdae_terms_set_velocity(step->end, s->r);
+  return status;
+}
+
 static int contact_step(const nsdae_step *step)
 {
   nsdae_memory *memory = &step->result->memory;
@@ -164,19 +180,7 @@ static int contact_step(const nsdae_step *step)
   int status = solve_at_start(step);
   if (status == NSDAE_OK) status = positions(step);
   if (status < 0) return status;
-  /* v_1 = M(q_0)^-1 (M v_0 + h F - Phi_q(q_1)^T Lambda + W(q_1) Lambda_c); s->r holds M v_0 + h F.
-   */
-  nsdae_stepper *s = step->tools;
-  nsdae_problem_add_constraints(&s->problem, step->end, -1, 0, s->impulse, s->r);
-  nsdae_problem_add_impulse(&s->problem, step->end, 1, 0, s->r);
-  status = nsdae_island_dispatch_solve_mass(&s->problem.dispatch, step->start, s->r);
-  /* where the matrices did not change, v_1 is v~ and not its rounding: a body at rest stays at rest
-   */
-  for (int i = 0; i < s->system->dims.nv; i++)
-    if (fabs(s->r[i] - s->v[i]) <= 64 * DBL_EPSILON * (fabs(s->size[i]) + fabs(s->v[i])))
-      s->r[i] = s->v[i];
-  nsdae_terms_set_velocity(step->end, s->r);
-
+  status = velocity_at_end(step);
   return status < 0 ? status : nsdae_step_end(step);
 }
 

@@ -156,12 +156,14 @@ static int add_given(const nsdae_terms *T, nsdae_newton_matrix *N, double d, dou
 {
   const nsdae_calls *call = &T->system->call;
   int status = NSDAE_OK;
-  if (call->force_damping) status = add_dense(T, N, call->force_damping, "force_damping", d);
-  if (call->force_damping_blocks)
+  if (call->force_damping)
+    status = add_dense(T, N, call->force_damping, "force_damping", d);
+  else if (call->force_damping_blocks)
     status = add_listed(T, N, call->force_damping_blocks, "force_damping_blocks", d);
-  if (status == NSDAE_OK && call->force_stiffness)
+  if (status < 0) return status;
+  if (call->force_stiffness)
     status = add_dense(T, N, call->force_stiffness, "force_stiffness", k);
-  if (status == NSDAE_OK && call->force_stiffness_blocks)
+  else if (call->force_stiffness_blocks)
     status = add_listed(T, N, call->force_stiffness_blocks, "force_stiffness_blocks", k);
   return status;
 }
