@@ -54,8 +54,23 @@ static int normal(double t, const double *q, double *W, int ldw, void *user)
   return 0;
 }
 
+static int one_block(double t, const double *q, double *M, void *user)
+{
+  return mass(t, q, M, 1, user);
+}
+
+static int by_list(double t, const double *q, const double *v, double reach,
+                   nsdae_contact_list *list, void *user)
+{
+  nsdae_contact c = {.block = {0, -1}, .gap = q[0], .e_n = 0.5};
+  (void)t, (void)v;
+  c.direction[0][0][0] = *(const double *)user;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
 /* Steps of 10 ms until one is not NSDAE_OK or NSDAE_EVENT, at most 1000. */
-static int first_word(nsdae_system *system, int method, nsdae_stats *stats, char *text)
+static int first_word(nsdae_system *system, int method, int projection, nsdae_stats *stats,
+                      char *text)
 {
   const double q0 = 1, v0 = 0;
   nsdae_sim_options options;
@@ -64,6 +79,7 @@ static int first_word(nsdae_system *system, int method, nsdae_stats *stats, char
   nsdae_sim_options_default(&options);
   options.method = method;
   options.dt = 0.01;
+  options.projection = projection;
   options.start_check = 0; /* the wrong normal is to get by */
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
@@ -90,7 +106,7 @@ static void test_energy(void **state)
       nsdae_system_set_user(system, &stiffness);
       nsdae_system_set_mass(system, mass);
       nsdae_system_set_force(system, spring);
-      int status = first_word(system, method, &stats, text);
+      int status = first_word(system, method, NSDAE_PROJECTION_AUTO, &stats, text);
       assert_int_equal(status, !fast                           ? NSDAE_OK
                                : method == NSDAE_METHOD_MOREAU ? NSDAE_WARN_ENERGY
                                                                : NSDAE_E_CONVERGENCE);
@@ -101,28 +117,41 @@ static void test_energy(void **state)
     }
 }
 
-static void test_penetration(void **state)
+static void expect_penetration(int listed, int projection)
 {
-  (void)state;
+  static const int one = 1;
   for (int wrong = 0; wrong < 2; wrong++)
     for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
-      const nsdae_dims dims = {.nq = 1, .k = 1};
+      const nsdae_dims dims = {.nq = 1, .k = !listed};
       double sign = wrong ? -1 : 1;
       nsdae_system *system;
       nsdae_stats stats;
       char text[256];
       assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
       nsdae_system_set_user(system, &sign);
-      nsdae_system_set_mass(system, mass);
+      if (listed) {
+        nsdae_system_set_blocks(system, 1, &one, &one);
+        nsdae_system_set_mass_blocks(system, one_block);
+        nsdae_system_set_contacts(system, by_list);
+      } else {
+        nsdae_system_set_mass(system, mass);
+        nsdae_system_set_gap(system, height);
+        nsdae_system_set_gap_normal(system, normal);
+        nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+      }
       nsdae_system_set_force(system, weight);
-      nsdae_system_set_gap(system, height);
-      nsdae_system_set_gap_normal(system, normal);
-      nsdae_system_set_contact(system, 0, 0, 0.5, 0);
-      int status = first_word(system, method, &stats, text);
+      int status = first_word(system, method, projection, &stats, text);
       assert_true(wrong ? status == NSDAE_WARN_PENETRATION : status >= 0 && status <= NSDAE_EVENT);
       assert_int_equal(stats.warnings, wrong ? 2 : 0);
       nsdae_system_destroy(&system);
     }
+}
+
+static void test_penetration(void **state)
+{
+  (void)state;
+  expect_penetration(0, NSDAE_PROJECTION_AUTO);
+  expect_penetration(1, NSDAE_PROJECTION_NONE);
 }
 
 /* A rod in absolute coordinates, long enough without the projection: moreau leaves its pivot by
