@@ -154,6 +154,45 @@ static void test_penetration(void **state)
   expect_penetration(1, NSDAE_PROJECTION_NONE);
 }
 
+static int press(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = -4000;
+  return 0;
+}
+
+/* A ball pressed down from 0.05 bounces with e = 1 after 5 and 15 ms: more often in a step of 20 ms
+ * than events_max = 1 allows, so that it is one of implicit, which sees no contact from rest: the
+ * ball ends at 0.05 - 4000 / 2 (20 ms)^2 = -0.75. */
+static void test_fallback(void **state)
+{
+  const nsdae_dims dims = {.nq = 1, .k = 1};
+  const double q = 0.05, v = 0;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  nsdae_record r;
+  (void)state;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, press);
+  nsdae_system_set_gap(system, height);
+  nsdae_system_set_contact(system, 0, 0, 1, 0);
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_EVENT;
+  options.dt = 0.02;
+  options.events_max = 1;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, &q, &v), NSDAE_OK);
+  assert_int_equal(nsdae_sim_step(sim), NSDAE_WARN_PENETRATION);
+  assert_non_null(strstr(nsdae_sim_error(sim)->text, "after a step of implicit in place of event"));
+  assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact 0"));
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.q[0], -0.75, 1e-12);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 /* A rod in absolute coordinates, long enough without the projection: moreau leaves its pivot by
  * more than ten steps' way, which is said once; the other methods stay, as does moreau with the
  * projection.
@@ -271,8 +310,9 @@ static void test_little_by_little(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_energy), cmocka_unit_test(test_penetration),
-      cmocka_unit_test(test_drift), cmocka_unit_test(test_little_by_little)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_energy),
+                                     cmocka_unit_test(test_penetration),
+                                     cmocka_unit_test(test_fallback), cmocka_unit_test(test_drift),
+                                     cmocka_unit_test(test_little_by_little)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
