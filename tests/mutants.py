@@ -19,6 +19,7 @@ import random
 import re
 import resource
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -180,9 +181,10 @@ class Tests:
         return target
 
     def run(self, name, extra=None):
-        """Whether the test passes, and the last of its output."""
+        """Whether the test passes (None: not known, for it may be a long one), and the last of its output."""
         program, (_, arguments, variables) = self.program(name, extra), self.tests[name]
-        most = int(min(60, 10 + 6 * self.costs.get(name, 10)))
+        known = name in self.costs
+        most = int(min(60, 10 + 6 * self.costs[name])) if known else 10
 
         def bounded():
             resource.setrlimit(resource.RLIMIT_CPU, (most, most + 1))
@@ -199,11 +201,11 @@ class Tests:
             except subprocess.TimeoutExpired:
                 return False, "no end"
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        passed = done.returncode in (0, 77)
-        if passed and not extra or passed and name not in self.costs:
+        passed, endless = done.returncode in (0, 77), done.returncode in (-signal.SIGXCPU, -signal.SIGKILL)
+        if not known and (passed or endless):
             self.costs[name] = round(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, 2)
             self.costs_file.write_text(json.dumps(self.costs, indent=0))
-        return passed, (done.stdout + done.stderr)[-400:].decode(errors="replace")
+        return None if endless and not known else passed, (done.stdout + done.stderr)[-400:].decode(errors="replace")
 
     def passes_without(self, name):
         if name not in self.passes:
@@ -243,12 +245,10 @@ def tried(tests, root, mutant, most):
         began = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         passes, said = tests.run(name, extra)
         spent += resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - began
-        if not passes and tests.passes_without(name):
+        if passes is False and tests.passes_without(name):
             return dict(result, verdict="killed", by=name, said=said, passed=len(passed))
         if passes:
             passed.append(name)
-        if spent > most:
-            break
     return dict(result, verdict="survived", passed=passed)
 
 
