@@ -213,11 +213,11 @@ class Tests:
     def order(self, path):
         """All tests, the nearest to a file first, of those the quick ones."""
         folder = path.split("/")[1]
-        near = [f"unit/{folder}/", *NEAR.get(folder, "").split(), "system/", "anomaly/", "conformance/"]
+        near = NEAR.get(folder, "-").split()
 
         def rank(name):
-            group = next((i for i, pattern in enumerate(near) if re.match(pattern, name)), len(near))
-            return min(group, 3), self.costs.get(name, 3 if group > 0 else 0.5)
+            unit, close = name.startswith(f"unit/{folder}/"), any(re.match(pattern, name) for pattern in near)
+            return 0 if unit else 1 if close else 2, self.costs.get(name, 1)
 
         return sorted(self.tests, key=rank)
 

@@ -1,6 +1,6 @@
 /* Newton's matrix M + D/cj + K/cj^2 of random systems against D and K by formula: callbacks and
  * coloured differences, dense and by blocks, and what callbacks do wrong. The residuals of the
- * equations of motion against their terms.
+ * equations of motion, and their solution with a border of forces, against their terms.
  *
  * Each link l couples two blocks r, c through x = w . q_r - u . q_c and its rate s:
  *   f = -(d (s + s^3/10) + k (x + x^3/10)),  F_r += f w,  F_c -= f u
@@ -301,18 +301,11 @@ static void end(fixture *f)
   nsdae_system_destroy(&f->system);
 }
 
-/* Largest |A - formula| of the matrix, over the largest entry. */
-static double error_of(const fixture *f, double cj)
+/* A [n x n] of the matrix by blocks. */
+static void assemble(const nsdae_blocks *blocks, const nsdae_newton_matrix *N, double *A)
 {
-  const model *p = &f->p;
-  const nsdae_newton_matrix *N = &f->newton;
-  static double D[NV * NV], K[NV * NV], A[NV * NV];
-  int n = p->first[BLOCKS];
-  double worst = 0, largest = 0;
-  memset(D, 0, sizeof D), memset(K, 0, sizeof K), memset(A, 0, sizeof A);
-  formula(p, 0, p->links, 0, f->q, f->v, D, n);
-  formula(p, 0, p->links, 1, f->q, f->v, K, n);
-  const nsdae_blocks *blocks = &f->system->blocks;
+  int n = blocks->first[blocks->count];
+  memset(A, 0, (size_t)(n * n) * sizeof *A);
   for (int b = 0; b < blocks->count; b++)
     for (int j = 0, size = nsdae_blocks_size(blocks, b); j < size; j++)
       for (int i = 0; i < size; i++)
@@ -326,6 +319,19 @@ static double error_of(const fixture *f, double cj)
       for (int i = blocks->first[r]; i < blocks->first[r + 1]; i++)
         A[i + j * n] = A[j + i * n] = *value++;
   }
+}
+
+/* Largest |A - formula| of the matrix, over the largest entry. */
+static double error_of(const fixture *f, double cj)
+{
+  const model *p = &f->p;
+  static double D[NV * NV], K[NV * NV], A[NV * NV];
+  int n = p->first[BLOCKS];
+  double worst = 0, largest = 0;
+  memset(D, 0, sizeof D), memset(K, 0, sizeof K);
+  formula(p, 0, p->links, 0, f->q, f->v, D, n);
+  formula(p, 0, p->links, 1, f->q, f->v, K, n);
+  assemble(&f->system->blocks, &f->newton, A);
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) {
       double exact = (i == j ? p->M[i] : 0) + (D[i + j * n] + D[j + i * n]) / (2 * cj) +
@@ -419,6 +425,83 @@ static void test_residual(void **state)
     for (int i = n; i < 2 * n + p->links; i++) assert_near(r[i], wanted[i], 1e-11);
     end(&f);
   }
+}
+
+/* ---- border */
+
+enum { FORCES = 4 };
+
+static void lay_out_border(void *object, nsdae_arena *arena)
+{
+  nsdae_newton_kkt *b = object;
+  nsdae_newton_kkt_layout(b, b->matrix.system, FORCES, 1e-8, arena);
+}
+
+/* A force on each of these blocks, whose row of G is its own and half of the one before in its
+ * island: residuals of A dv + J^T l - W phi = r, J dv = c and G dv + B phi = s. */
+static void expect_bordered(fixture *f, nsdae_newton_kkt *b, const nsdae_rows *W, int count,
+                            const int *force)
+{
+  const model *p = &f->p;
+  static double A[NV * NV];
+  double r[NV], c[LINKS], s[FORCES], dv[NV], l[LINKS], phi[FORCES];
+  const nsdae_blocks *blocks = &f->system->blocks;
+  random_state draws = {77};
+  int n = p->first[BLOCKS];
+  assert_int_equal(nsdae_newton_kkt_factor(b, &f->terms, 30, NULL, p->links), NSDAE_OK);
+  for (int a = 0; a < count; a++) {
+    assert_int_equal(nsdae_border_add(&b->border, W, force[a]), a);
+    nsdae_border_depend(&b->border, a, W, force[a], 1);
+    if (a > 0 && force[a] % 2) nsdae_border_depend(&b->border, a, W, force[a - 1], 0.5);
+    *nsdae_border_entry(&b->border, a, a) = 2 + a;
+  }
+  assert_int_equal(nsdae_border_factor(&b->border, &f->terms), NSDAE_OK);
+  for (int i = 0; i < n; i++) dv[i] = r[i] = random_number(&draws);
+  for (int i = 0; i < p->links; i++) l[i] = c[i] = random_number(&draws);
+  for (int a = 0; a < count; a++) phi[a] = s[a] = random_number(&draws);
+  assert_int_equal(nsdae_border_solve(&b->border, &f->terms, dv, l, phi), NSDAE_OK);
+  assemble(blocks, &b->matrix, A);
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) r[i] -= A[i + j * n] * dv[j];
+  for (int i = 0; i < p->links; i++) {
+    nsdae_rows_add(blocks, &f->terms.by.jacobian, i, -l[i], r);
+    assert_near(nsdae_rows_dot(blocks, &f->terms.by.jacobian, i, dv), c[i], 1e-10);
+  }
+  for (int a = 0; a < count; a++) {
+    nsdae_rows_add(blocks, W, force[a], phi[a], r);
+    double along = nsdae_rows_dot(blocks, W, force[a], dv);
+    if (a > 0 && force[a] % 2) along += 0.5 * nsdae_rows_dot(blocks, W, force[a - 1], dv);
+    assert_near(along + (2 + a) * phi[a], s[a], 1e-10);
+  }
+  for (int i = 0; i < n; i++) assert_near(r[i], 0, 1e-9); /* of entries up to 1e3 */
+}
+
+/* Forces on the halves of a chain that is cut in two, one after the other: what was a force of one
+ * half before is none now. */
+static void test_border(void **state)
+{
+  (void)state;
+  int first[FORCES + 1] = {0, 1, 2, 3, 4}, block[FORCES] = {1, 4, 7, 10};
+  size_t at[FORCES] = {0, SIZE, 2 * SIZE, 3 * SIZE};
+  double value[FORCES * SIZE];
+  const nsdae_rows W = {FORCES, first, block, at, 1, value};
+  const int phases[][1 + FORCES] = {{2, 0, 1}, {2, 0, 2}, {3, 0, 2, 3}, {4, 0, 1, 2, 3}, {1, 3}};
+  fixture f;
+  nsdae_arena arena = {0};
+  assert_int_equal(begin(&f, 7, CHAIN, BY_BLOCKS | DAMPING | STIFFNESS | ROWS), NSDAE_OK);
+  f.p.link[5].block[0] = 3;
+  random_state draws = {9};
+  for (int i = 0; i < FORCES * SIZE; i++) value[i] = random_number(&draws);
+  nsdae_newton_kkt b = {.matrix.system = f.system};
+  nsdae_terms_at(&f.terms, 0.6, f.q, f.v);
+  assert_int_equal(nsdae_arena_build(&arena, lay_out_border, &b), NSDAE_OK);
+  assert_int_equal(nsdae_newton_kkt_make(&b), NSDAE_OK);
+  assert_int_equal(nsdae_newton_kkt_start(&b, &f.terms), NSDAE_OK);
+  for (size_t i = 0; i < sizeof phases / sizeof *phases; i++)
+    expect_bordered(&f, &b, &W, phases[i][0], phases[i] + 1);
+  nsdae_newton_kkt_release(&b);
+  nsdae_arena_release(&arena);
+  end(&f);
 }
 
 /* A chain has three colours, whatever its length; one displacement of each velocity then gives D
@@ -573,10 +656,10 @@ static void test_check(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_agrees),      cmocka_unit_test(test_residual),
-      cmocka_unit_test(test_evaluations), cmocka_unit_test(test_growth),
-      cmocka_unit_test(test_memory),      cmocka_unit_test(test_failures),
-      cmocka_unit_test(test_check),
+      cmocka_unit_test(test_agrees),   cmocka_unit_test(test_residual),
+      cmocka_unit_test(test_border),   cmocka_unit_test(test_evaluations),
+      cmocka_unit_test(test_growth),   cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_failures), cmocka_unit_test(test_check),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
