@@ -166,7 +166,9 @@ class Tests:
         """The program of a test; extra: with this object before those of the library."""
         program = self.tests[name][0]
         if program not in self.links:
-            subprocess.run(["ninja", "-C", self.build, program], stdout=subprocess.DEVNULL, check=True)
+            built = subprocess.run(["ninja", "-C", self.build, program], capture_output=True, text=True, check=False)
+            if built.returncode != 0:
+                raise SystemExit(f"{program} cannot be built: {built.stdout[-400:]}")
             shown = subprocess.run(["ninja", "-C", self.build, "-t", "commands", "-s", program], capture_output=True, text=True, check=True)
             line = shown.stdout.strip().split("\n")[-1]
             self.links[program] = shlex.split(line.removeprefix(": && ").removesuffix(" && :"))
