@@ -220,6 +220,7 @@ static inline int measure_certificate(const nsdae_sim *sim, nsdae_point *point, 
   *c = none;
   /* ---- places */
   for (int i = 0; i < count; i++) worst(-gap[i], i, &c->penetration, &c->penetration_contact);
+  worst(r->entered.depth, -1, &c->penetration, &c->penetration_contact);
   for (int i = 0; i < s->dims.m; i++)
     worst(fabs(r->end.constraint.phi[i]), i, &c->constraint_drift, &c->drift_constraint);
   /* ---- energy */
@@ -277,8 +278,9 @@ int nsdae_certificate_follow(const nsdae_sim *sim, nsdae_point *before, nsdae_po
   most->dissipated = c->dissipated;
   most->unexplained = c->unexplained;
   if (c->cone_excess == 0 &&
-      (c->pull_contact & c->cone_contact & c->penetration_contact & c->drift_constraint &
-       c->rate_constraint & c->complementarity_contact) == -1)
+      c->penetration == 0 &&
+      (c->pull_contact & c->cone_contact & c->drift_constraint & c->rate_constraint &
+       c->complementarity_contact) == -1)
     return status; /* all are 0 */
   worst(c->pull, c->pull_contact, &most->pull, &most->pull_contact);
   worst(c->cone_excess, c->cone_contact, &most->cone_excess, &most->cone_contact);

@@ -46,6 +46,7 @@ typedef struct nsdae_monitors {
   double scale;    /* largest kinetic energy so far */
   double known;    /* the largest that came from somewhere */
   double kinetic;  /* of the start */
+  double reported; /* bound of the gain of the steps when it was first exceeded */
 } nsdae_monitors;
 
 typedef struct nsdae_observation {

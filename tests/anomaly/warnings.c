@@ -101,6 +101,39 @@ static void test_energy(void **state)
     }
 }
 
+/* q'' = -omega^2 q by moreau is unstable from omega h = 2 on: the run ends with an error soon after
+ * the warning. q'' = omega^2 q grows as well, by its forces: that is none. */
+static void test_growth(void **state)
+{
+  (void)state;
+  for (double way = 0.05; way < 100; way *= 1.37)
+    for (int sign = -1; sign <= 1; sign += 2) {
+      if (sign < 0 && way < 2) continue;
+      if (sign > 0 && way > 1) continue; /* e^(omega h) in a step */
+      const nsdae_dims dims = {.nq = 1};
+      const double q0 = 1, v0 = 0;
+      double stiffness = -sign * pow(way / 0.01, 2);
+      nsdae_system *system;
+      nsdae_sim_options options;
+      nsdae_sim *sim;
+      assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+      nsdae_system_set_user(system, &stiffness);
+      nsdae_system_set_mass(system, mass);
+      nsdae_system_set_force(system, spring);
+      nsdae_sim_options_default(&options);
+      options.method = NSDAE_METHOD_MOREAU;
+      options.dt = 0.01;
+      assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+      assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+      int status = nsdae_sim_run(sim, 0.01 * ceil(30 / way + 60)); /* e^30, or 60 steps and more */
+      if (sign > 0) assert_true(status >= 0);
+      if (sign < 0) assert_int_equal(status, NSDAE_E_CONVERGENCE);
+      if (sign < 0) assert_non_null(strstr(nsdae_sim_error(sim)->text, "unstable"));
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&system);
+    }
+}
+
 static void test_penetration(void **state)
 {
   (void)state;
@@ -242,8 +275,9 @@ static void test_little_by_little(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_energy), cmocka_unit_test(test_penetration),
-      cmocka_unit_test(test_drift), cmocka_unit_test(test_little_by_little)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_energy), cmocka_unit_test(test_growth),
+                                     cmocka_unit_test(test_penetration),
+                                     cmocka_unit_test(test_drift),
+                                     cmocka_unit_test(test_little_by_little)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
