@@ -198,7 +198,7 @@ static excess furthest(const nsdae_point *point)
 }
 
 /* A gain that goes on to 1e3 times the bound that it exceeded first, and is most of the energy: no
- * later step has a meaning. A step beyond stability gets there in some ten steps; a motion that
+ * later step has a meaning. Steps beyond stability reach it in some ten; a motion that
  * truly speeds up has a bound that grows with it. */
 static int judge_growth(const nsdae_sim *sim, nsdae_point *point)
 {
