@@ -70,6 +70,8 @@ static const rule rules[] = {
     {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy gain by contact impulses is",
      "Newton's law with e_N > 0 and friction or several contacts causes it; use a smaller e_N or "
      "mu, or method = event, which bounds it"},
+    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy loss by contacts whose normals turn is",
+     "it is proportional to dt: make dt ten times smaller, or use method = implicit or event"},
     {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "gap", "the penetration is",
      "make dt smaller, set projection = depths, and check gap and gap_normal"},
     {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "events_max",
@@ -77,7 +79,7 @@ static const rule rules[] = {
      "make dt smaller, or events_max larger"},
     {NSDAE_WARN_DRIFT, NSDAE_NAME_CONSTRAINT, "constraint", "the constraint violation is",
      "make dt smaller, or set projection = constraints"}};
-enum { OF_STEPS, OF_CONTACTS, OF_OVERLAP, OF_FALLBACK, OF_DRIFT };
+enum { OF_STEPS, OF_CONTACTS, OF_TURNS, OF_OVERLAP, OF_FALLBACK, OF_DRIFT };
 
 /* What is off most against its bound. */
 typedef struct excess {
@@ -118,6 +120,7 @@ static int report(nsdae_point *point, const excess *e, int status)
 static excess find_gain(nsdae_monitors *w, const nsdae_point *before, const nsdae_point *point)
 {
   double kinetic = point->record.kinetic, gained = point->work.gained;
+  double turned = point->work.turned;
   excess found = {OF_STEPS, 0, 0, -1};
   if (!before->result.located && !point->result.located)
     found = (excess){OF_STEPS, before->record.certificate.unexplained,
@@ -127,6 +130,7 @@ static excess find_gain(nsdae_monitors *w, const nsdae_point *before, const nsda
   double bound = energy_bound(w, &point->work);
   if (gained > 0 && gained - bound > found.value - found.bound)
     found = (excess){OF_CONTACTS, gained, bound, -1};
+  if (turned - bound > found.value - found.bound) found = (excess){OF_TURNS, turned, bound, -1};
   return found;
 }
 
