@@ -201,6 +201,20 @@ static excess furthest(const nsdae_point *point)
   return e;
 }
 
+/* What the forces at T give to bodies at rest in a step, (h F)^2 / 2 M with the diagonal of M: less
+ * than that is jitter of bodies at rest. */
+static double energy_of_forces(const nsdae_terms *T, double h)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double sum = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    int n = nsdae_blocks_size(blocks, b);
+    const double *M = T->M + blocks->square[b], *F = T->F + blocks->first[b];
+    for (int i = 0; i < n; i++) sum += F[i] * F[i] / M[(size_t)i * (size_t)(n + 1)];
+  }
+  return h * h / 2 * sum;
+}
+
 /* A gain that goes on to 1e3 times the bound that it exceeded first, and is most of the energy: no
  * later step has a meaning. Steps beyond stability reach it in some ten; a motion that
  * truly speeds up has a bound that grows with it. */
@@ -304,7 +318,10 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   if (r->constraint_drift > 0) all[found++] = furthest(point);
   for (int i = 0; i < found; i++)
     if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status))) {
-      if (all[i].rule == OF_STEPS) w->reported = nsdae_larger(all[i].bound, 0);
+      if (all[i].rule == OF_STEPS)
+        w->reported =
+            fmax(all[i].bound,
+                 energy_of_forces(&before->result.end, point->result.end.t - before->result.end.t));
       return report(point, &all[i], rules[all[i].rule].status);
     }
   status = judge_tunnelling(sim, before, point, new);
