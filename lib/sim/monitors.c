@@ -108,7 +108,7 @@ static int report(nsdae_point *point, const excess *e, int status)
                   "at t = %.12g %s %.3g, above the bound of the method (%.3g): %s",
                   nsdae_terms_time(end), r->what, e->value, e->bound, r->advice);
   end->error->time = nsdae_terms_time(end);
-  if (r->kind != NSDAE_NAME_CONTACT || !end->system->by_list)
+  if (r->kind != NSDAE_NAME_CONTACT || end->system->dims.k > 0)
     nsdae_system_name_item(end->system, r->kind, e->item, end->error);
   else
     nsdae_system_name_listed(end->system, closed_id(&point->result, e->item), end->error);

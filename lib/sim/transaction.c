@@ -305,7 +305,7 @@ static int look_at_end(nsdae_sim *sim, double length)
   const nsdae_contact_list *list = &r->end.by.list;
   const double *v[] = {sim->now->result.end.v, r->end.v};
   r->entered = (nsdae_entered){0};
-  if (!sim->method->closes || !s->by_list) return NSDAE_OK;
+  if (!sim->method->closes || nsdae_terms_most(s) != NSDAE_ANY_NUMBER) return NSDAE_OK;
   if (s->maker.may_enter && !s->maker.may_enter(v[0], length, s->user) &&
       !s->maker.may_enter(v[1], length, s->user))
     return NSDAE_OK;
