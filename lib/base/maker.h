@@ -80,6 +80,8 @@ typedef struct nsdae_maker {
    * of both bodies. NSDAE_OK or NSDAE_E_MEMORY. */
   int (*tunnelling)(const double *q, const double *v, double h, double share,
                     nsdae_tunnelling *worst, const void *user);
+  /* Whether a contact may get deeper in h than the slop, by these velocities. */
+  int (*may_enter)(const double *v, double h, const void *user);
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

@@ -338,6 +338,8 @@ double nsdae_solid_width(const nsdae_solid_of *solid);
 /* nsdae_maker.tunnelling */
 int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, double share,
                                  nsdae_tunnelling *worst, const void *user);
+/* nsdae_maker.may_enter */
+int nsdae_bodies_may_enter(const double *v, double h, const void *user);
 /* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* Blocks of bodies, and M. */

@@ -350,6 +350,7 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .control = b->force.target.at,
                        .fixed = nsdae_motor_fixed,
                        .tunnelling = nsdae_bodies_find_tunnelling,
+                       .may_enter = nsdae_bodies_may_enter,
                        .position = nsdae_motor_position,
                        .errors = nsdae_motor_errors};
   for (int i = 0; i < b->limit.count; i++)

@@ -37,12 +37,20 @@ typedef struct nsdae_twofold {
   double t, lambda;
 } nsdae_twofold;
 
+/* The deepest contact of a list that the step did not close and that overlaps at its end. */
+typedef struct nsdae_entered {
+  double depth; /* 0: none */
+  long id;
+  int block[2];
+} nsdae_entered;
+
 typedef struct nsdae_result {
   nsdae_terms end;         /* t, q, v where the step ended; a step that located its impacts may
                               end before the time asked for */
   double *multiplier;      /* m: mean bilateral force */
   nsdae_impulses impulses; /* by contact and frictional joint */
   nsdae_closed closed;     /* who they are, by list */
+  nsdae_entered entered;   /* who is to be closed by the next step */
   double carried;          /* of contacts by list: sum of Lambda w, the work of moving surfaces;
                               less that of position motors along xi_T */
   int given_up;            /* not a step of this method's: implicit is to do it instead */

@@ -46,6 +46,7 @@ typedef struct nsdae_monitors {
   double scale;    /* largest kinetic energy so far */
   double known;    /* the largest that came from somewhere */
   double kinetic;  /* of the start */
+  double reported; /* bound of the gain of the steps when it was first exceeded */
 } nsdae_monitors;
 
 typedef struct nsdae_observation {
@@ -71,6 +72,7 @@ typedef struct nsdae_work {
   double turnover, carried;       /* amounts, of forces and of driven in all steps */
   double unsure, rounding;        /* of the work of forces: what its quadrature may miss */
   double spent, gained;           /* by contact impulses: amounts; what they gave */
+  double turned;                  /* that lasting contacts took because their normals turn */
 } nsdae_work;
 
 /* What is kept of all steps so far, beside the last result. */

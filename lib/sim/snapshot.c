@@ -46,7 +46,7 @@ enum {
 };
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 6 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 7 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */

@@ -236,6 +236,8 @@ static inline double nsdae_system_time(const nsdae_system *system, double t)
 /* Gives the error an index, that of an item, and ends its text with what that is called:
  * ': contact 3 "stop"'. Nothing where error is NULL. */
 void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_error *error);
+/* The same of the contact of that id of a list; the index stays. */
+void nsdae_system_name_listed(const nsdae_system *system, long id, nsdae_error *error);
 
 /* Ends the error's text with what entry (row, column) of the callback's output [rows x columns]
  * belongs to: ', of contact 3 "stop"'. */
