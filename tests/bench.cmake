@@ -1,27 +1,30 @@
-# Benchmarks: built with the rest, run by the target bench (./run bench) alone. Those that have a peer
+# Benchmarks: built and run by the target bench (./run bench) alone. Those that have a peer
 # add what they measured to build/bench.json (bench/ratio.h); an empty list where none was found.
 set(bench_json ${PROJECT_BINARY_DIR}/bench.json)
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/bench_none.json "[\n]\n")
+set(bench_programs)
 set(bench_commands COMMAND ${CMAKE_COMMAND} -E copy ${CMAKE_CURRENT_BINARY_DIR}/bench_none.json ${bench_json})
 
 # nsdae_bench(NAME SOURCES file... ARGUMENTS word... LINKS library...): a program that the target bench runs
 function(nsdae_bench name)
   cmake_parse_arguments(ARG "" "" "SOURCES;ARGUMENTS;LINKS" ${ARGN})
-  add_executable(bench_${name} bench/${name}.c bench/ratio.c ${ARG_SOURCES})
+  add_executable(bench_${name} EXCLUDE_FROM_ALL bench/${name}.c bench/ratio.c ${ARG_SOURCES})
+  target_compile_options(bench_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
   target_link_libraries(bench_${name} PRIVATE nsdae_lib_static ${ARG_LINKS} m)
   set(bench_commands ${bench_commands} COMMAND ${CMAKE_COMMAND} -E env OPENBLAS_NUM_THREADS=1
     NSDAE_BENCH_JSON=${bench_json} $<TARGET_FILE:bench_${name}> ${ARG_ARGUMENTS} PARENT_SCOPE)
+  set(bench_programs ${bench_programs} bench_${name} PARENT_SCOPE)
 endfunction()
 
 # Siconos, the peer to be timed beside, where it is found (libsiconos-numerics-dev).
 find_path(SICONOS_INCLUDE_DIR LCP_Solvers.h PATH_SUFFIXES siconos/numerics)
 find_library(SICONOS_NUMERICS siconos_numerics)
 if(SICONOS_INCLUDE_DIR AND SICONOS_NUMERICS)
-  add_library(bench_rival OBJECT bench/lcp_siconos.c)
+  add_library(bench_rival OBJECT EXCLUDE_FROM_ALL bench/lcp_siconos.c)
   target_include_directories(bench_rival SYSTEM PRIVATE ${SICONOS_INCLUDE_DIR} ${SICONOS_INCLUDE_DIR}/..)
   target_link_libraries(bench_rival PUBLIC ${SICONOS_NUMERICS})
 else()
-  add_library(bench_rival OBJECT bench/lcp_alone.c)
+  add_library(bench_rival OBJECT EXCLUDE_FROM_ALL bench/lcp_alone.c)
 endif()
 
 nsdae_bench(lcp SOURCES bench/bench_lcp_families.c LINKS bench_rival)
@@ -29,13 +32,13 @@ nsdae_bench(lcp SOURCES bench/bench_lcp_families.c LINKS bench_rival)
 # Frictional contact: the problems of others where they are, and generated ones.
 if(NSDAE_HDF5)
   if(SICONOS_INCLUDE_DIR AND SICONOS_NUMERICS)
-    add_library(bench_friction_rival OBJECT bench/friction_siconos.c)
+    add_library(bench_friction_rival OBJECT EXCLUDE_FROM_ALL bench/friction_siconos.c)
     target_include_directories(bench_friction_rival SYSTEM PRIVATE
       ${SICONOS_INCLUDE_DIR} ${SICONOS_INCLUDE_DIR}/..)
     target_link_libraries(bench_friction_rival PUBLIC ${SICONOS_NUMERICS})
     target_include_directories(bench_friction_rival PRIVATE ${PROJECT_SOURCE_DIR}/include)
   else()
-    add_library(bench_friction_rival OBJECT bench/friction_alone.c)
+    add_library(bench_friction_rival OBJECT EXCLUDE_FROM_ALL bench/friction_alone.c)
     target_include_directories(bench_friction_rival PRIVATE ${PROJECT_SOURCE_DIR}/include)
   endif()
   set(piles ${NSDAE_SHARED_DIR}/friction)
@@ -64,7 +67,7 @@ find_path(SICONOS_KERNEL_INCLUDE_DIR SiconosKernel.hpp PATH_SUFFIXES siconos/ker
 find_library(SICONOS_KERNEL siconos_kernel)
 if(SICONOS_KERNEL_INCLUDE_DIR AND SICONOS_KERNEL AND SICONOS_NUMERICS AND CMAKE_CXX_COMPILER)
   foreach(peer steps disks)
-    add_library(bench_${peer}_siconos OBJECT bench/${peer}_siconos.cpp)
+    add_library(bench_${peer}_siconos OBJECT EXCLUDE_FROM_ALL bench/${peer}_siconos.cpp)
     target_include_directories(bench_${peer}_siconos SYSTEM PRIVATE
       ${SICONOS_KERNEL_INCLUDE_DIR} ${SICONOS_KERNEL_INCLUDE_DIR}/.. ${SICONOS_INCLUDE_DIR})
     target_compile_features(bench_${peer}_siconos PRIVATE cxx_std_17)
@@ -92,10 +95,10 @@ if(MUJOCO_INCLUDE_DIR AND mujoco_library)
   unset(CMAKE_REQUIRED_LIBRARIES)
 endif()
 if(NSDAE_HAS_MUJOCO)
-  add_library(bench_steps_mujoco OBJECT bench/steps_mujoco.c)
-  add_library(bench_heaps_mujoco OBJECT bench/heaps_mujoco.c)
-  add_library(bench_scenes_mujoco OBJECT bench/scenes_mujoco.c)
-  add_library(bench_walkers_mujoco OBJECT bench/walkers_mujoco.c)
+  add_library(bench_steps_mujoco OBJECT EXCLUDE_FROM_ALL bench/steps_mujoco.c)
+  add_library(bench_heaps_mujoco OBJECT EXCLUDE_FROM_ALL bench/heaps_mujoco.c)
+  add_library(bench_scenes_mujoco OBJECT EXCLUDE_FROM_ALL bench/scenes_mujoco.c)
+  add_library(bench_walkers_mujoco OBJECT EXCLUDE_FROM_ALL bench/walkers_mujoco.c)
   target_include_directories(bench_scenes_mujoco PRIVATE ${PROJECT_SOURCE_DIR}/include)
   foreach(peer bench_steps_mujoco bench_heaps_mujoco bench_scenes_mujoco bench_walkers_mujoco)
     target_include_directories(${peer} SYSTEM PRIVATE ${MUJOCO_INCLUDE_DIR})
@@ -142,7 +145,7 @@ endif()
 
 if(NSDAE_DRIVERS)
   # a step of a few bodies beside that of another build, in instructions: bench/cost.sh, by hand
-  add_executable(bench_cost bench/cost.c)
+  add_executable(bench_cost EXCLUDE_FROM_ALL bench/cost.c)
   target_link_libraries(bench_cost PRIVATE nsdae_driver_common)
   # 667 planar contacts of a granular flow on a wall, a problem of the Siconos project
   set(granular ${NSDAE_SHARED_DIR}/lcp_problems/fc2d_granularflowonwall_00667_00000.dat)
@@ -157,11 +160,11 @@ if(NSDAE_DRIVERS)
   nsdae_bench(dae LINKS nsdae_driver_common)
   target_compile_definitions(bench_dae PRIVATE _POSIX_C_SOURCE=200809L)
   # hashes of steps, to compare two builds: bench/bytes.sh, by hand
-  add_executable(bench_bytes bench/bytes.c support/disks.c support/random_system.c support/twin.c)
+  add_executable(bench_bytes EXCLUDE_FROM_ALL bench/bytes.c support/disks.c support/random_system.c support/twin.c)
   target_include_directories(bench_bytes PRIVATE support)
   target_link_libraries(bench_bytes PRIVATE nsdae_driver_common)
   # the event-driven method by each integrator: bench/phases.py, by hand
-  add_executable(bench_phases bench/phases.c bench/ratio.c)
+  add_executable(bench_phases EXCLUDE_FROM_ALL bench/phases.c bench/ratio.c)
   target_link_libraries(bench_phases PRIVATE nsdae_driver_common)
   if(NSDAE_SUNDIALS AND GSL_FOUND)
     nsdae_bench(precision LINKS nsdae_driver_common GSL::gsl GSL::gslcblas)
@@ -169,3 +172,4 @@ if(NSDAE_DRIVERS)
 endif()
 add_custom_target(bench ${bench_commands}
   COMMAND ${CMAKE_COMMAND} -E echo "ratios to peers, for programs to read: ${bench_json}" USES_TERMINAL)
+add_dependencies(bench ${bench_programs})

@@ -14,7 +14,7 @@ cp "$source/run" "$work/tree/"
 ln -s "$build" "$work/tree/build"
 cat >"$work/bin/cmake" <<END
 #!/bin/sh
-case \$1 in --workflow) echo "\$@" >>"$work/workflow" ;; *) exec "$(command -v cmake)" "\$@" ;; esac
+case \$1 in -S | --build) echo "\$@" >>"$work/built" ;; *) exec "$(command -v cmake)" "\$@" ;; esac
 END
 printf '#!/bin/sh\necho ok installed\n' >"$work/bin/dpkg-query"
 chmod +x "$work/bin/cmake" "$work/bin/dpkg-query"
@@ -25,7 +25,7 @@ installed() {
   folder=$1
   shift
   (cd "$work" && tree/run install "$@") >"$work/said"
-  grep -q -e '--preset build' "$work/workflow" # it is built first
+  grep -q -e '--build build --target installed' "$work/built" # it is built first
   grep '^  export ' "$work/said" >"$work/exports"
   (
     cd "$work"

@@ -136,7 +136,8 @@ static void compare(const couple *c, const double *q)
   const nsdae_solid *other = &c->solid[1];
   nsdae_touch touch = {.gap = {0, 0, 0}};
   double x[3] = {0}, R[9] = {0}, n[3], y[3], tol = 1e-13;
-  double gap = least_gap(c, q, &touch, x, R), plane = other->shape == NSDAE_SHAPE_PLANE;
+  double gap = least_gap(c, q, &touch, x, R);
+  int plane = other->shape == NSDAE_SHAPE_PLANE;
   /* n is from the base: from the plane, or from the smooth solid */
   for (int i = 0; i < 3; i++) n[i] = touch.normal.at[i].x;
   assert_near(nsdae_dot3(n, n), 1, tol);
