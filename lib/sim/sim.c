@@ -93,7 +93,7 @@ static int copy_system(nsdae_sim *sim)
 {
   const nsdae_system *from = sim->system;
   size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
-  memcpy(&sim->model, from, sizeof *from);
+  memcpy(&sim->model, from, offsetof(nsdae_system, owners));
   sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
   if (from->call.contacts && sim->method->tracks) {
     nsdae_system_track(&sim->model, &sim->tracked);
