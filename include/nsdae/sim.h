@@ -307,7 +307,11 @@ typedef struct nsdae_stats {
 NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options,
                                nsdae_sim **sim, nsdae_error *error);
 /* Frees the simulation and sets *sim to NULL; NULL and a pointer to NULL are allowed. While another
- * call on the simulation is in progress, nothing is freed and *sim is unchanged. */
+ * call on the simulation is in progress, nothing is freed and *sim is unchanged.
+ *
+ * A callback must return. After one that left by a C++ exception or longjmp, only this call is
+ * accepted; every other one is NSDAE_E_STATE. After longjmp it must be in the function that ran the
+ * simulation, or in a caller of that function. */
 NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
 
 /* Makes initial conditions consistent, by the least change in the metric of M. q0 [nq] is moved

@@ -53,7 +53,8 @@ typedef struct nsdae_tunnelling {
 } nsdae_tunnelling;
 
 typedef struct nsdae_maker {
-  const void *of; /* handed to each */
+  const void *of; /* handed to each; owned by the system */
+  void (*release)(const void *of);
   /* Whether the derivatives of row i of a kind (enum nsdae_name_kind) are the maker's formulas. */
   int (*exact)(const void *of, int kind, int i);
   /* The element of row i: "revolute joint 2 of bodies 0, 1". A contact of a list by its id. 0:

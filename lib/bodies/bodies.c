@@ -26,15 +26,16 @@ int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error
   nsdae_bodies *made = calloc(1, sizeof *made);
   if (!made) return nsdae_error_memory(error, "nsdae_bodies_create");
   made->dimension = dimension;
+  atomic_init(&made->life.owners, 1);
   nsdae_error_clear(&made->error);
   *bodies = made;
   return NSDAE_OK;
 }
 
-void nsdae_bodies_destroy(nsdae_bodies **bodies)
+void nsdae_bodies_let_go(const void *bodies)
 {
-  if (!bodies || !*bodies) return;
-  nsdae_bodies *b = *bodies;
+  nsdae_bodies *b = (nsdae_bodies *)(uintptr_t)bodies;
+  if (atomic_fetch_sub(&b->life.owners, 1) > 1) return;
   for (int i = 0; i < b->solid.count; i++) {
     free(nsdae_solid_at(b, i)->point);
     nsdae_hull_release(nsdae_solid_at(b, i)->hull);
@@ -47,6 +48,12 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);
+}
+
+void nsdae_bodies_destroy(nsdae_bodies **bodies)
+{
+  if (!bodies || !*bodies) return;
+  nsdae_bodies_let_go(*bodies);
   *bodies = NULL;
 }
 
@@ -84,7 +91,7 @@ int nsdae_bodies_open(nsdae_bodies *b, const void *given, const char *what)
 {
   if (!b) return NSDAE_E_ARGUMENT;
   if (b->error.status < 0) return b->error.status;
-  if (b->made)
+  if (b->life.made)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies", what,
                            "the system exists: add all objects before nsdae_bodies_system");
   if (!given)
@@ -391,6 +398,6 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
     nsdae_system_destroy(system);
     return status;
   }
-  b->made = 1;
+  b->life.made = 1;
   return nsdae_bodies_note(b);
 }
