@@ -29,7 +29,17 @@ endif()
 
 nsdae_bench(lcp SOURCES bench/bench_lcp_families.c LINKS bench_rival)
 
-# Frictional contact: the problems of others where they are, and generated ones.
+# Problems of others are no part of the benchmarks; they are solved too if this folder has them.
+set(NSDAE_BENCH_PROBLEMS "" CACHE PATH
+    "Folder with friction/*.hdf5 in the layout of FCLIB, and consecutive steps in friction/steps/step00.hdf5 and so on")
+set(piles)
+set(steps_of_pile)
+if(NSDAE_BENCH_PROBLEMS)
+  set(piles ${NSDAE_BENCH_PROBLEMS}/friction)
+  set(steps_of_pile ${NSDAE_BENCH_PROBLEMS}/friction/steps)
+endif()
+
+# Frictional contact: problems of a folder, and generated ones.
 if(NSDAE_HDF5)
   if(SICONOS_INCLUDE_DIR AND SICONOS_NUMERICS)
     add_library(bench_friction_rival OBJECT EXCLUDE_FROM_ALL bench/friction_siconos.c)
@@ -41,17 +51,9 @@ if(NSDAE_HDF5)
     add_library(bench_friction_rival OBJECT EXCLUDE_FROM_ALL bench/friction_alone.c)
     target_include_directories(bench_friction_rival PRIVATE ${PROJECT_SOURCE_DIR}/include)
   endif()
-  set(piles ${NSDAE_SHARED_DIR}/friction)
-  if(NOT IS_DIRECTORY ${piles})
-    set(piles)
-  endif()
   nsdae_bench(friction ARGUMENTS ${piles} LINKS test_friction_families bench_friction_rival)
   target_compile_definitions(bench_friction PRIVATE _DEFAULT_SOURCE _POSIX_C_SOURCE=200809L)
-  set(sequence ${NSDAE_SHARED_DIR}/friction/seq_mixed_1000)
-  if(NOT IS_DIRECTORY ${sequence})
-    set(sequence)
-  endif()
-  nsdae_bench(warm ARGUMENTS ${sequence} LINKS test_friction_families test_friction_sequence)
+  nsdae_bench(warm SOURCES bench/friction_sequence.c ARGUMENTS ${steps_of_pile} LINKS test_friction_families nsdae_hdf5)
 endif()
 
 # Sparse constraints of chains, trees, nets and ladders.
@@ -148,11 +150,8 @@ if(NSDAE_DRIVERS)
   add_executable(bench_cost EXCLUDE_FROM_ALL bench/cost.c)
   target_link_libraries(bench_cost PRIVATE nsdae_driver_common)
   # 667 planar contacts of a granular flow on a wall, a problem of the Siconos project
-  set(granular ${NSDAE_SHARED_DIR}/lcp_problems/fc2d_granularflowonwall_00667_00000.dat)
-  if(NOT EXISTS ${granular})
-    set(granular)
-  endif()
-  nsdae_bench(lcp_file ARGUMENTS ${granular} LINKS nsdae_driver_common bench_rival)
+  nsdae_bench(lcp_file ARGUMENTS ${CMAKE_CURRENT_SOURCE_DIR}/data/lcp/fc2d_granularflowonwall_00667_00000.dat
+    LINKS nsdae_driver_common bench_rival)
   nsdae_bench(orders LINKS nsdae_driver_common)
   # the wall, the arch and the dominoes beside the same by hand
   nsdae_bench(blocks LINKS nsdae_driver_common)

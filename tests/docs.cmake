@@ -16,8 +16,8 @@ if(Python3_FOUND)
     # after the package's test, whose wheel it takes
     add_test(NAME docs/site COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/docs/site.py ${PROJECT_SOURCE_DIR}
       ${PROJECT_BINARY_DIR})
-    set_tests_properties(docs/site PROPERTIES ENVIRONMENT "OPENBLAS_NUM_THREADS=1" TIMEOUT 600 SKIP_RETURN_CODE 77
-      DEPENDS python/package)
+    set_tests_properties(docs/site PROPERTIES ENVIRONMENT "OPENBLAS_NUM_THREADS=1" TIMEOUT 3600 SKIP_RETURN_CODE 77
+      DEPENDS python/package LABELS package)
   endif()
 endif()
 if(NSDAE_DRIVERS)
@@ -25,4 +25,5 @@ if(NSDAE_DRIVERS)
 endif()
 if(NSDAE_DRIVERS AND NSDAE_HDF5 AND NSDAE_SUNDIALS AND NOT NSDAE_SANITIZE) # cc has no sanitizer
   nsdae_docs_test(guide ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(docs/guide PROPERTIES TIMEOUT 1800 LABELS package)
 endif()

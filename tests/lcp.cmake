@@ -4,13 +4,9 @@ nsdae_unit_test(lcp exact)
 nsdae_unit_test(lcp proof)
 nsdae_unit_test(lcp warm)
 
-# Published problems are read where they lie; the test is skipped where they are not.
-set(NSDAE_SHARED_DIR "${PROJECT_SOURCE_DIR}/../shared" CACHE PATH
-    "Folder with lcp_problems/, the complementarity problems of others")
 if(NSDAE_DRIVERS)
   nsdae_test(system lcp_published LINKS nsdae_driver_common)
-  target_compile_definitions(test_system_lcp_published PRIVATE
-    NSDAE_SHARED_DIR="${NSDAE_SHARED_DIR}")
+  target_compile_definitions(test_system_lcp_published PRIVATE NSDAE_TEST_DATA="${CMAKE_CURRENT_SOURCE_DIR}/data")
 endif()
 foreach(name enumerate pgs principal)
   nsdae_unit_test(lcp ${name})

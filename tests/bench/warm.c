@@ -1,7 +1,7 @@
 /* Frictional contact problems to 1e-4 from the solution of an instant before, beside the same from
  * nothing: CPU time, each with a solver of its own, the best of three runs in turn. usage:
  * bench_warm [FOLDER] consecutive steps in a folder (step00.hdf5 and so on,
- * support/friction_sequence.h), each from the solution of the one before that was found from
+ * friction_sequence.h), each from the solution of the one before that was found from
  * nothing, then from that which was found so itself; and generated problems whose forces change by
  * 2 %, three times. */
 #include <math.h>

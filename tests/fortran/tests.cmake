@@ -30,7 +30,7 @@ function(nsdae_fortran_test name)
   set_target_properties(test_fortran_${name} PROPERTIES LINKER_LANGUAGE Fortran
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
     Fortran_MODULE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/modules/${name})
-  add_test(NAME fortran/${name} COMMAND test_fortran_${name} ${ARG_ARGUMENTS})
+  add_test(NAME fortran/${name} COMMAND ${own_folder} $<TARGET_FILE:test_fortran_${name}> ${ARG_ARGUMENTS})
   set_tests_properties(fortran/${name} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endfunction()
 

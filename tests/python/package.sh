@@ -1,8 +1,11 @@
 #!/bin/sh
 # The package for Python as a user gets it: a wheel of this source, installed into an empty environment, its first
-# picture, then its own tests there. usage: package.sh SOURCE_DIR BIN_DIR WORK_DIR
+# picture, then its own tests there. A test that pytest skips makes this a skipped test of CTest. The wheel is kept in WHEEL_DIR.
+# usage: package.sh SOURCE_DIR BIN_DIR WHEEL_DIR
 set -eu
-source=$1 bin=$2 work=$3
+source=$1 bin=$2 kept=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 python=${NSDAE_PYTHON:-python3}
 skip() {
   echo "skipped: $1"
@@ -15,8 +18,6 @@ skip() {
 # of the many modules that are installed those are compiled that are imported, and outside the source
 export PYTHONPYCACHEPREFIX="$work/compiled"
 export PIP_RETRIES=10 # an index that does not answer at once may yet
-rm -rf "$work"
-mkdir -p "$work"
 "$python" -m venv "$work/make"
 "$work/make/bin/pip" download -q --no-deps -d "$work/probe" nanobind >/dev/null 2>&1 ||
   skip "no package index to fetch nanobind from"
@@ -24,6 +25,10 @@ seconds() { echo "$1: $(($(date +%s) - begin)) s"; }
 
 begin=$(date +%s)
 "$work/make/bin/pip" wheel -q "$source" --no-deps -w "$work/wheel" --config-settings=build-dir="$work/build"
+mkdir -p "$kept"
+for wheel in "$work"/wheel/*.whl; do
+  cp "$wheel" "$kept/$$" && mv "$kept/$$" "$kept/${wheel##*/}"
+done
 seconds "wheel built"
 
 "$python" -m venv "$work/use"
@@ -55,4 +60,7 @@ optional="scipy cffi numba mpi4py joblib mypy pandas xarray h5netcdf viser trime
 "$work/use/bin/pip" install -q --no-compile --only-binary :all: $optional 2>/dev/null || for one in $optional; do
   "$work/use/bin/pip" install -q --no-compile --only-binary :all: $one || echo "left out: no $one here"
 done
-NSDAE_BIN=$bin "$use" -m pytest -q -p no:cacheprovider "$source/python/tests"
+NSDAE_BIN=$bin "$use" -m pytest -q -rs -p no:cacheprovider "$source/python/tests" >pytest.log 2>&1 || failed=1
+cat pytest.log
+[ -z "${failed:-}" ] || exit 1
+! grep -q '^SKIPPED ' pytest.log || exit 77
