@@ -1,6 +1,6 @@
 #include "blas.h"
 
-#include <stdatomic.h>
+#include <pthread.h>
 
 #ifdef NSDAE_OPENBLAS
 
@@ -20,36 +20,47 @@ static void (*const omp_set_num_threads)(int) = 0;
 
 enum { OPENMP = 2 }; /* of openblas_get_parallel */
 
-/* OpenBLAS with threads of its own has one number for the process, so what restores it is one, too.
- * The first of several callers sets it, the last restores it, unless the program has set it
- * meanwhile. Whatever their order, the last restores what the first found; a caller between two
- * others may have several threads. */
-static atomic_int callers, of_program;
+/* OpenBLAS with threads of its own has one number for the process, so what restores it is one, too:
+ * the first of several callers sets it, the last restores it, unless the program has set it
+ * meanwhile. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static int callers, of_program;
+
+static void enter_process(void)
+{
+  pthread_mutex_lock(&lock);
+  if (callers++ == 0) {
+    of_program = openblas_get_num_threads();
+    if (of_program > 1) openblas_set_num_threads(1);
+  }
+  pthread_mutex_unlock(&lock);
+}
+
+static void leave_process(void)
+{
+  pthread_mutex_lock(&lock);
+  if (--callers == 0 && of_program > 1 && openblas_get_num_threads() == 1)
+    openblas_set_num_threads(of_program);
+  pthread_mutex_unlock(&lock);
+}
 
 int nsdae_blas_enter(void)
 {
-  if (openblas_get_parallel() == OPENMP) {
-    int threads = omp_get_max_threads && omp_set_num_threads ? omp_get_max_threads() : 1;
-    if (threads > 1) omp_set_num_threads(1);
-    return threads > 1 ? threads : 0;
+  if (openblas_get_parallel() != OPENMP) {
+    enter_process();
+    return 0;
   }
-  if (atomic_fetch_add(&callers, 1) > 0) return 0;
-  int threads = openblas_get_num_threads();
-  if (threads <= 1) return 0;
-  atomic_store(&of_program, threads);
-  openblas_set_num_threads(1);
-  return 0;
+  int threads = omp_get_max_threads && omp_set_num_threads ? omp_get_max_threads() : 1;
+  if (threads > 1) omp_set_num_threads(1);
+  return threads > 1 ? threads : 0;
 }
 
 void nsdae_blas_leave(int program)
 {
-  if (openblas_get_parallel() == OPENMP) {
-    if (program > 0) omp_set_num_threads(program);
-    return;
-  }
-  if (atomic_fetch_sub(&callers, 1) > 1) return;
-  int threads = atomic_exchange(&of_program, 0);
-  if (threads > 1 && openblas_get_num_threads() == 1) openblas_set_num_threads(threads);
+  if (openblas_get_parallel() != OPENMP)
+    leave_process();
+  else if (program > 0)
+    omp_set_num_threads(program);
 }
 
 #else /* others have no threads, or no way to set them for one caller */
