@@ -3,6 +3,7 @@
  * replaced by these. */
 #include "check.h"
 
+#include <cblas.h>
 #include <pthread.h>
 #include <stdatomic.h>
 
@@ -44,6 +45,19 @@ int omp_get_max_threads(void)
 void omp_set_num_threads(int number)
 {
   openblas_set_num_threads(number);
+}
+
+static atomic_int products, several;
+
+/* In place of the product: the number of threads that it would have. */
+void cblas_dgemm(CBLAS_LAYOUT order, CBLAS_TRANSPOSE a, CBLAS_TRANSPOSE b, int m, int n, int k,
+                 double alpha, const double *A, int lda, const double *B, int ldb, double beta,
+                 double *C, int ldc)
+{
+  (void)order, (void)a, (void)b, (void)m, (void)n, (void)k, (void)alpha, (void)A, (void)lda;
+  (void)B, (void)ldb, (void)beta, (void)C, (void)ldc;
+  atomic_fetch_add(&products, 1);
+  if (openblas_get_num_threads() != 1) atomic_fetch_add(&several, 1);
 }
 
 static double A[N * N], B[N * N];
@@ -113,14 +127,18 @@ static void *work(void *none)
   return none;
 }
 
-/* Of several threads that call at the same time the last restores what the first found. */
+/* Of several threads that call at the same time each has one thread, and the last restores what the
+ * first found. */
 static void test_together(void **state)
 {
   (void)state;
   pthread_t thread[THREADS];
+  int before = products;
   for (int i = 0; i < THREADS; i++)
     assert_int_equal(pthread_create(&thread[i], NULL, work, NULL), 0);
   for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);
+  assert_int_equal(products, before + THREADS * 2000);
+  assert_int_equal(several, 0);
   assert_int_equal(threads, 7);
 }
 
