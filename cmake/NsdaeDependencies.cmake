@@ -61,6 +61,9 @@ add_library(nsdae_lapack INTERFACE)
 target_include_directories(nsdae_lapack SYSTEM INTERFACE
   ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE})
 target_link_libraries(nsdae_lapack INTERFACE ${libraries} m)
+if(NSDAE_CBLAS_LIBRARY MATCHES "openblas") # its threads are set around a call
+  target_compile_definitions(nsdae_lapack INTERFACE NSDAE_OPENBLAS)
+endif()
 if(NSDAE_CBLAS_LIBRARY MATCHES "\\.a$") # parts of it are Fortran, and it has threads
   foreach(part gfortran quadmath)
     execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=lib${part}.a

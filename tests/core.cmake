@@ -5,7 +5,7 @@ endforeach()
 
 target_compile_definitions(test_unit_base_params PRIVATE _POSIX_C_SOURCE=200809L)
 
-foreach(name dense multifrontal kkt rows sparse_kkt)
+foreach(name blas dense multifrontal kkt rows sparse_kkt)
   nsdae_unit_test(linalg ${name})
   target_link_libraries(test_unit_linalg_${name} PRIVATE nsdae_lapack)
 endforeach()

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
 #include "broad_phase.h"
 #include "errors.h"
 #include "bodies_impl.h"
@@ -163,6 +161,29 @@ int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double
   return status;
 }
 
+/* Eigenvalues of T, ascending, by cyclic Jacobi rotations (Golub and Van Loan, Matrix Computations,
+ * 8.5.3): a sweep squares what is off the diagonal once it is small, so six reach rounding. */
+static void principal_moments(double T[3][3], double moment[3])
+{
+  for (int turn = 0; turn < 18; turn++) {
+    int p = turn % 3 == 2, q = turn % 3 == 0 ? 1 : 2, r = 3 - p - q;
+    if (T[p][q] == 0) continue;
+    double c = (T[q][q] - T[p][p]) / 2, x = T[r][p], y = T[r][q];
+    double tangent = T[p][q] / (c + copysign(hypot(c, T[p][q]), c)),
+           cosine = 1 / sqrt(1 + tangent * tangent);
+    T[p][p] -= tangent * T[p][q];
+    T[q][q] += tangent * T[p][q];
+    T[p][q] = T[q][p] = 0;
+    T[r][p] = T[p][r] = cosine * (x - tangent * y);
+    T[r][q] = T[q][r] = cosine * (y + tangent * x);
+  }
+  for (int i = 0; i < 3; i++) {
+    int at = i;
+    for (; at > 0 && moment[at - 1] > T[i][i]; at--) moment[at] = moment[at - 1];
+    moment[at] = T[i][i];
+  }
+}
+
 /* The tensor J of a body is int (r.r 1 - r r^T) dm, so its principal moments are
  *
  *   J_i > 0,   J_2 <= J_0 + J_1,   ascending; equal if the mass lies in a plane
@@ -172,7 +193,7 @@ static int check_inertia(nsdae_bodies *b, int index, const nsdae_rigid_body *bod
 {
   const char *what = "body", *name = "inertia";
   const double *J = body->inertia, *P = body->product;
-  double T[9] = {J[0], P[0], P[1], P[0], J[1], P[2], P[1], P[2], J[2]}, principal[3], work[8];
+  double T[3][3] = {{J[0], P[0], P[1]}, {P[0], J[1], P[2]}, {P[1], P[2], J[2]}}, principal[3];
   for (int i = b->dimension == 2 ? 2 : 0; i < 3; i++)
     if (!(isfinite(J[i]) && J[i] > 0))
       return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, name, index,
@@ -183,9 +204,7 @@ static int check_inertia(nsdae_bodies *b, int index, const nsdae_rigid_body *bod
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "product", index,
                                "product (%g, %g, %g) in the plane must be 0", P[0], P[1], P[2]);
   if (b->dimension == 2) return NSDAE_OK;
-  if (LAPACKE_dsyev_work(LAPACK_COL_MAJOR, 'N', 'U', 3, T, 3, principal, work, 8) != 0)
-    return nsdae_bodies_refuse(b, NSDAE_E_CONVERGENCE, what, name, index,
-                               "the principal moments were not found");
+  principal_moments(T, principal);
   if (!(principal[0] > 0))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "product", index,
                                "the inertia tensor has the principal moment %g: it must be above 0",

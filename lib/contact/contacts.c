@@ -312,7 +312,7 @@ static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt
   int status = solve_equations(c, terms, kkt, c->columns, c->delassus.U, c->delassus.D);
   if (status < 0) return status;
   if (m > 0) clear_jammed(c, terms, kkt);
-  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
+  nsdae_la_multiply_transposed(n, c->columns, c->columns, 1, c->delassus.W, n, c->delassus.U, n, 0,
                                c->delassus.G, c->columns);
   for (int j = 0, l = c->columns - c->slides.count; j < c->slides.count; j++, l++)
     c->delassus.G[(size_t)l * (size_t)(c->columns + 1)] += nsdae_slides_beside(c, j).compliance;
