@@ -403,10 +403,9 @@ static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsd
 }
 
 /* A share of the work is for the tolerance; the rest for the residual that is taken instead. */
-static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
-                 double budget)
+static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work)
 {
-  const double share = NSDAE_SHARE_TO_TOL * budget;
+  const double budget = work->budget, share = NSDAE_SHARE_TO_TOL * budget;
   work->info = (nsdae_friction_info){0};
   int status = solve_to(c, work, work->tol, share);
   if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > work->accept)
@@ -555,9 +554,7 @@ static int change_sets(nsdae_cone_island *c, const nsdae_island_equations *w, in
 static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                       nsdae_cone_work *work)
 {
-  int joints = nsdae_members_count(&w->islands->joint, island), status, planar;
-  const double budget = nsdae_contacts_budget(
-      work->budget, nsdae_members_count(&w->islands->contact, island) + joints);
+  int status, planar;
   c->fastest = 0;
   gather(c, w, island, 0);
   planar = c->problem.contacts > c->contacts;
@@ -566,7 +563,7 @@ static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int
   for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
     if (planar) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
-    status = solve(c, w, work, budget);
+    status = solve(c, w, work);
     if (!planar || !reaches_limit(c, w)) return status;
   }
 }

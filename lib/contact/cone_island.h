@@ -60,7 +60,7 @@ int nsdae_cone_island_reserve(nsdae_cone_island *cones, const nsdae_system *syst
 typedef struct nsdae_cone_work {
   nsdae_friction_solver *solver;
   double *L, tol, accept; /* accept: the best point is accepted up to this residual */
-  double budget;          /* nsdae_contacts_budget */
+  double budget;          /* multiplications by J; 0: no limit but the solver's */
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_natural_residual residual;
