@@ -18,7 +18,7 @@ void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_err
   c->error = error;
   nsdae_lcp_options_default(&c->lcp.options);
   c->lcp.accuracy = *accuracy;
-  c->lcp.options.tol = nsdae_accuracy_tol(accuracy, 0);
+  c->lcp.options.tol = nsdae_accuracy_tol(accuracy);
   c->lcp.accept = nsdae_accuracy_accept(accuracy, c->lcp.options.tol);
   nsdae_contacts_laws(c, polygon_edges);
 }

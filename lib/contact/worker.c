@@ -112,7 +112,7 @@ static int solve_one_contact(nsdae_worker *w, const nsdae_island_equations *whol
   if (!nsdae_single_solve(&w->single, whole, island, &residual)) return NSDAE_NEXT;
   w->solved.lcps++;
   w->solved.single = &w->single;
-  add_residual(&w->solved, &residual, nsdae_accuracy_tol(&w->accuracy, 0));
+  add_residual(&w->solved, &residual, nsdae_accuracy_tol(&w->accuracy));
   return NSDAE_OK;
 }
 
@@ -248,17 +248,9 @@ static int cause_of(nsdae_worker *w, const nsdae_island_equations *whole, int is
 static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
-  const nsdae_contact_islands *is = whole->islands;
-  const int rows = nsdae_members_count(&is->row, island),
-            contacts =
-                nsdae_members_count(&is->contact, island) + nsdae_members_count(&is->joint, island);
-  const double tol = nsdae_accuracy_tol(&w->accuracy, contacts);
-  nsdae_cone_work work = {.solver = w->solver,
-                          .L = w->L,
-                          .tol = tol,
-                          .accept = nsdae_accuracy_accept(&w->accuracy, tol),
-                          .budget = nsdae_accuracy_budget(&w->accuracy, tol, contacts),
-                          .error = &w->error};
+  nsdae_cone_work work = {
+      .solver = w->solver, .L = w->L, .accuracy = &w->accuracy, .error = &w->error};
+  int rows = nsdae_members_count(&whole->islands->row, island);
   int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
   if (status < 0) return status;
   status = nsdae_cone_island_solve(island == whole->kept_island ? whole->kept : &w->cones, whole,
@@ -266,8 +258,8 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (status < 0) status = cause_of(w, whole, island, status);
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
-  add_residual(s, &work.residual, tol);
-  s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, tol));
+  add_residual(s, &work.residual, work.tol);
+  s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, work.tol));
   return status;
 }
 
