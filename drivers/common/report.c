@@ -174,8 +174,8 @@ void report_end(report *r, const nsdae_sim *sim)
   printf("\n%ld steps (%ld smooth, %ld with contact), %ld LCPs, %ld iterations, %ld impacts\n",
          stats.steps, stats.smooth_steps, stats.contact_steps, stats.lcps, stats.iterations,
          stats.impacts);
-  printf("worst LCP residual %.2e, constraint drift %.2e m, penetration %.2e m\n",
-         stats.worst_residual, stats.worst_drift, stats.worst_penetration);
+  printf("worst LCP residual %.2e (tolerance %.1e), constraint drift %.2e m, penetration %.2e m\n",
+         stats.worst_residual, stats.contact_tol, stats.worst_drift, stats.worst_penetration);
   print_certificate(&stats.certificate, &dims, stats.contact_capacity > 0);
   if (stats.rank < dims.m)
     printf("rank of the constraints %d of %d: redundant constraints have least-norm reactions\n",
@@ -197,7 +197,7 @@ void report_end(report *r, const nsdae_sim *sim)
     printf("%ld steps were taken by implicit: too many events, or events without progress\n",
            stats.fallback_steps);
   if (stats.inexact_steps > 0)
-    printf("%ld steps left a contact problem above contact_tol, see contact_give\n",
+    printf("%ld steps left a contact problem above its tolerance, see contact_give\n",
            stats.inexact_steps);
   if (stats.frozen_steps > 0)
     printf("%ld steps of implicit froze their contacts after 20 iterations\n", stats.frozen_steps);
