@@ -50,14 +50,20 @@ static inline void untested(const char *lack)
   skip();
 }
 
-/* A long family takes one in test_share() of its cases: 1, or NSDAE_TEST_SHARE. Tests that a
- * sanitizer, valgrind or gcov slows down get 7: a prime has no period in common with a family that
+/* The quick form of a long family takes one in test_share() of its cases, the whole form each of
+ * them (NSDAE_TEST_SHARE=1). The default is a prime: it has no period in common with a family that
  * alternates among 2, 3 or 5 kinds. */
 static inline int test_share(void)
 {
   const char *text = getenv("NSDAE_TEST_SHARE");
-  int share = text ? atoi(text) : 1;
+  int share = text ? atoi(text) : 7;
   return share > 1 ? share : 1;
+}
+
+/* The number of cases, of n that are drawn at random. */
+static inline int test_count(int n)
+{
+  return (n + test_share() - 1) / test_share();
 }
 
 static inline void check_near(double actual, double expected, double tol, const char *what,

@@ -12,8 +12,8 @@ foreach(standard 11 20)
   set_target_properties(test_cpp${standard} PROPERTIES CXX_STANDARD ${standard}
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   target_compile_definitions(test_cpp${standard} PRIVATE NSDAE_DATA_DIR="${PROJECT_SOURCE_DIR}/data")
-  target_link_libraries(test_cpp${standard} PRIVATE nsdae_lib_shared Threads::Threads m)
-  add_test(NAME cpp/handles-c++${standard} COMMAND test_cpp${standard} handles-${standard}.h5)
+  target_link_libraries(test_cpp${standard} PRIVATE test_own_folder nsdae_lib_shared Threads::Threads m)
+  add_test(NAME cpp/handles-c++${standard} COMMAND test_cpp${standard})
   set_tests_properties(cpp/handles-c++${standard} PROPERTIES
     ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endforeach()

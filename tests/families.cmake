@@ -4,7 +4,7 @@ function(nsdae_family test)
   string(REPLACE "/" "_" target test_${test})
   if(TARGET ${target})
     add_test(NAME families/${test} CONFIGURATIONS Families COMMAND ${own_folder} $<TARGET_FILE:${target}>)
-    set_tests_properties(families/${test} PROPERTIES ENVIRONMENT "OPENBLAS_NUM_THREADS=1;${ARGN}" TIMEOUT 28800)
+    set_tests_properties(families/${test} PROPERTIES ENVIRONMENT "OPENBLAS_NUM_THREADS=1;NSDAE_TEST_SHARE=1;${ARGN}" TIMEOUT 28800)
   endif()
 endfunction()
 

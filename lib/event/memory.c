@@ -129,13 +129,12 @@ void nsdae_event_save(nsdae_event_base *b, const nsdae_event_integrator *g, doub
   memcpy(b->y, g->y, n * sizeof *b->y);
   memcpy(b->direction, p->modes.direction, kt * sizeof *b->direction);
   /* What a slot keeps is of the contact in it: without one, zeros, as in a slot that was never
-   * used. */
+   * used. (A direction is zero when the slot is used again: nsdae_event_open_fresh.) */
   const nsdae_system *s = p->setting->system;
   const nsdae_tracked *tracked = s->tracked;
   for (int i = 0; tracked && i < s->dims.k; i++) {
     if (tracked->used[i]) continue;
     b->blur[i] = b->rattle.last[i] = b->rattle.count[i] = 0;
-    for (int j = i * s->dims.nt; j < (i + 1) * s->dims.nt; j++) b->direction[j] = 0;
   }
 }
 

@@ -56,8 +56,23 @@ static int normal(double t, const double *q, double *W, int ldw, void *user)
   return 0;
 }
 
+static int one_block(double t, const double *q, double *M, void *user)
+{
+  return mass(t, q, M, 1, user);
+}
+
+static int by_list(double t, const double *q, const double *v, double reach,
+                   nsdae_contact_list *list, void *user)
+{
+  nsdae_contact c = {.block = {0, -1}, .gap = q[0], .e_n = 0.5};
+  (void)t, (void)v;
+  c.direction[0][0][0] = *(const double *)user;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
 /* Steps of 10 ms until one is not NSDAE_OK or NSDAE_EVENT, at most 1000. */
-static int first_word(nsdae_system *system, int method, nsdae_stats *stats, char *text)
+static int first_word(nsdae_system *system, int method, int projection, nsdae_stats *stats,
+                      char *text)
 {
   const double q0 = 1, v0 = 0;
   nsdae_sim_options options;
@@ -66,6 +81,7 @@ static int first_word(nsdae_system *system, int method, nsdae_stats *stats, char
   nsdae_sim_options_default(&options);
   options.method = method;
   options.dt = 0.01;
+  options.projection = projection;
   options.start_check = 0; /* the wrong normal is to get by */
   assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
@@ -92,7 +108,7 @@ static void test_energy(void **state)
       nsdae_system_set_user(system, &stiffness);
       nsdae_system_set_mass(system, mass);
       nsdae_system_set_force(system, spring);
-      int status = first_word(system, method, &stats, text);
+      int status = first_word(system, method, NSDAE_PROJECTION_AUTO, &stats, text);
       assert_int_equal(status, !fast                           ? NSDAE_OK
                                : method == NSDAE_METHOD_MOREAU ? NSDAE_WARN_ENERGY
                                                                : NSDAE_E_CONVERGENCE);
@@ -188,28 +204,80 @@ static void test_turns(void **state)
   }
 }
 
-static void test_penetration(void **state)
+static void expect_penetration(int listed, int projection)
 {
-  (void)state;
+  static const int one = 1;
   for (int wrong = 0; wrong < 2; wrong++)
     for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
-      const nsdae_dims dims = {.nq = 1, .k = 1};
+      const nsdae_dims dims = {.nq = 1, .k = !listed};
       double sign = wrong ? -1 : 1;
       nsdae_system *system;
       nsdae_stats stats;
       char text[256];
       assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
       nsdae_system_set_user(system, &sign);
-      nsdae_system_set_mass(system, mass);
+      if (listed) {
+        nsdae_system_set_blocks(system, 1, &one, &one);
+        nsdae_system_set_mass_blocks(system, one_block);
+        nsdae_system_set_contacts(system, by_list);
+      } else {
+        nsdae_system_set_mass(system, mass);
+        nsdae_system_set_gap(system, height);
+        nsdae_system_set_gap_normal(system, normal);
+        nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+      }
       nsdae_system_set_force(system, weight);
-      nsdae_system_set_gap(system, height);
-      nsdae_system_set_gap_normal(system, normal);
-      nsdae_system_set_contact(system, 0, 0, 0.5, 0);
-      int status = first_word(system, method, &stats, text);
+      int status = first_word(system, method, projection, &stats, text);
       assert_true(wrong ? status == NSDAE_WARN_PENETRATION : status >= 0 && status <= NSDAE_EVENT);
       assert_int_equal(stats.warnings, wrong ? 2 : 0);
       nsdae_system_destroy(&system);
     }
+}
+
+static void test_penetration(void **state)
+{
+  (void)state;
+  expect_penetration(0, NSDAE_PROJECTION_AUTO);
+  expect_penetration(1, NSDAE_PROJECTION_NONE);
+}
+
+static int press(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = -4000;
+  return 0;
+}
+
+/* A ball pressed down from 0.05 bounces with e = 1 after 5 and 15 ms: more often in a step of 20 ms
+ * than events_max = 1 allows, so that it is one of implicit, which sees no contact from rest: the
+ * ball ends at 0.05 - 4000 / 2 (20 ms)^2 = -0.75. */
+static void test_fallback(void **state)
+{
+  const nsdae_dims dims = {.nq = 1, .k = 1};
+  const double q = 0.05, v = 0;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  nsdae_record r;
+  (void)state;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, press);
+  nsdae_system_set_gap(system, height);
+  nsdae_system_set_contact(system, 0, 0, 1, 0);
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_EVENT;
+  options.dt = 0.02;
+  options.events_max = 1;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, &q, &v), NSDAE_OK);
+  assert_int_equal(nsdae_sim_step(sim), NSDAE_WARN_PENETRATION);
+  assert_non_null(strstr(nsdae_sim_error(sim)->text, "after a step of implicit in place of event"));
+  assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact 0"));
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.q[0], -0.75, 1e-12);
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
 }
 
 /* A rod in absolute coordinates, long enough without the projection: moreau leaves its pivot by
@@ -330,8 +398,9 @@ static void test_little_by_little(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_energy), cmocka_unit_test(test_growth),
-      cmocka_unit_test(test_turns),  cmocka_unit_test(test_penetration),
-      cmocka_unit_test(test_drift),  cmocka_unit_test(test_little_by_little)};
+      cmocka_unit_test(test_energy),          cmocka_unit_test(test_growth),
+      cmocka_unit_test(test_turns),           cmocka_unit_test(test_fallback),
+      cmocka_unit_test(test_penetration),     cmocka_unit_test(test_drift),
+      cmocka_unit_test(test_little_by_little)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

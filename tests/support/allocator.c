@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 allocator the_allocator = {.fail_at = -1};
+call_places the_allocations;
 
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
@@ -18,8 +19,16 @@ void allocator_reset(long fail_at)
   the_allocator = (allocator){.fail_at = fail_at};
 }
 
-static int fails(void)
+void allocator_list(int addresses)
 {
+  the_allocator = (allocator){.fail_at = -1, .listing = addresses};
+  the_allocations.count = 0;
+}
+
+__attribute__((noinline)) static int fails(void)
+{
+  if (the_allocator.listing && the_allocations.count < CALL_PLACES)
+    the_allocations.at[the_allocations.count++] = call_place(the_allocator.listing);
   return the_allocator.calls++ == the_allocator.fail_at;
 }
 

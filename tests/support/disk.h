@@ -3,6 +3,8 @@
 #ifndef NSDAE_TESTS_DISK_H
 #define NSDAE_TESTS_DISK_H
 
+#include <stddef.h>
+
 enum disk_fault {
   DISK_WHOLE,
   DISK_FAILS,      /* this call and all after it, with code */
@@ -20,7 +22,39 @@ typedef struct disk {
 
 extern disk the_disk;
 
+/* The seconds of every clock: a run flushes without being asked if more than 0.25 s have passed since the
+ * last record. */
+extern double the_disk_clock;
+
 /* From here on. */
 void disk_reset(int fault, long at, int code);
+
+/* The calls of a run without a fault: a file as it was before, with the first n of them applied, is
+ * that of a program that was killed before call n. In memory that a forked process shares. */
+enum { DISK_CALLS = 2048, DISK_BYTES = 1 << 25 };
+
+enum disk_effect { DISK_WRITE, DISK_LENGTH, DISK_ROOM }; /* bytes; a length; at least a length */
+
+typedef struct disk_call {
+  int effect;
+  long at; /* of the first byte; the length */
+  size_t size, from;
+} disk_call;
+
+typedef struct disk_log {
+  long count;
+  size_t used;
+  disk_call call[DISK_CALLS];
+  unsigned char bytes[DISK_BYTES];
+} disk_log;
+
+/* NULL: calls are not noted. */
+extern disk_log *the_disk_log;
+
+/* Of a write: the bytes before the last page of it, which it has in one piece; 0 if that is all. */
+size_t disk_torn(const disk_call *call);
+
+/* Applies a call to a file; of a write the first `size` bytes. */
+void disk_apply(const disk_log *log, long call, size_t size, const char *path);
 
 #endif

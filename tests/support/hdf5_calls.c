@@ -2,7 +2,6 @@
  * what closes, which closes and fails. */
 #include "hdf5_calls.h"
 
-#include <execinfo.h>
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
@@ -15,19 +14,10 @@ void hdf5_calls_reset(long fail_at)
   the_hdf5.failed = NULL;
 }
 
-/* A number of the addresses that the call returns to, and the functions that led to it. */
-static unsigned long place(void)
+__attribute__((noinline)) static int fails(const char *name)
 {
-  void *at[5];
-  int n = backtrace(at, 5);
-  unsigned long sum = 0;
-  for (int i = 0; i < n; i++) sum = 31 * sum + (unsigned long)at[i];
-  return sum;
-}
-
-static int fails(const char *name)
-{
-  if (the_hdf5.listing && the_hdf5.calls < HDF5_CALLS) the_hdf5.place[the_hdf5.calls] = place();
+  if (the_hdf5.listing && the_hdf5.places.count < CALL_PLACES)
+    the_hdf5.places.at[the_hdf5.places.count++] = call_place(the_hdf5.listing);
   if (the_hdf5.calls++ != the_hdf5.fail_at) return 0;
   the_hdf5.failed = name;
   return 1;

@@ -2,14 +2,14 @@
 #ifndef NSDAE_TESTS_HDF5_CALLS_H
 #define NSDAE_TESTS_HDF5_CALLS_H
 
-enum { HDF5_CALLS = 8192 };
+#include "call_places.h"
 
 typedef struct hdf5_calls {
   long calls;
   long fail_at;       /* the number, from 0, of the call that fails; -1: none */
   const char *failed; /* the function whose call did; NULL: none */
-  int listing;        /* whether places are noted: of the call and what led to it */
-  unsigned long place[HDF5_CALLS];
+  int listing;        /* addresses that tell a place (call_places.h) of those to note; 0: none */
+  call_places places;
 } hdf5_calls;
 
 extern hdf5_calls the_hdf5;

@@ -88,7 +88,7 @@ static long run(uint64_t seed, double work)
 static void test_bound_holds(void **state)
 {
   (void)state;
-  for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+  for (uint64_t seed = 1; seed <= (uint64_t)test_count(SEEDS); seed++) {
     long little = run(seed, 1e4), enough = run(seed, 1e5);
     assert_true(little > enough);
   }
@@ -126,7 +126,7 @@ static void test_wall(void **state)
         .position = {(i % COLUMNS + row % 2 * 0.5) * 0.2, 0, 0.05 + 0.1 * row}};
     nsdae_solid solid = {.shape = NSDAE_SHAPE_BOX, .length = {0.2, 0.1, 0.1}, .material = 1};
     if (ball) {
-      body = (nsdae_rigid_body){.position = {0.5, -1, 0.3}, .velocity = {0, 5, 0}};
+      body = (nsdae_rigid_body){.position = {0.5, -0.3, 0.3}, .velocity = {0, 5, 0}};
       solid = (nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1, .material = 1};
     }
     assert_int_equal(nsdae_body_from_solids(1, &solid, &density, &body, NULL), NSDAE_OK);
@@ -140,7 +140,7 @@ static void test_wall(void **state)
   o.contact_tol = 1e-6;
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
-  if (nsdae_sim_run(sim, 0.4) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+  if (nsdae_sim_run(sim, 0.2) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
   nsdae_sim_get_stats(sim, &stats);
   assert_int_equal(stats.inexact_steps, 0);
   nsdae_sim_destroy(&sim);
@@ -148,9 +148,60 @@ static void test_wall(void **state)
   nsdae_bodies_destroy(&b);
 }
 
+/* Boxes of edge 0.2 in a row that touch each other and the floor, with this velocity. */
+static nsdae_sim *row_of_boxes(int count, const double *velocity, const nsdae_sim_options *o,
+                               nsdae_bodies **b, nsdae_system **system)
+{
+  nsdae_solid solid = {.shape = NSDAE_SHAPE_BOX, .length = {0.2, 0.2, 0.2}, .material = 1};
+  const double density = 1000;
+  double q[7 * 4], v[6 * 4];
+  nsdae_sim *sim;
+  *b = floor_and_walls(0.5, 0, 0, 9.81);
+  for (int i = 0; i < count; i++) {
+    nsdae_rigid_body body = {.position = {0.2 * i, 0, 0.1},
+                             .velocity = {velocity[0], velocity[1], velocity[2]}};
+    assert_int_equal(nsdae_body_from_solids(1, &solid, &density, &body, NULL), NSDAE_OK);
+    nsdae_bodies_add_solid(*b, nsdae_bodies_add(*b, &body), &solid);
+  }
+  assert_int_equal(nsdae_bodies_get_start(*b, q, v), NSDAE_OK);
+  assert_int_equal(nsdae_bodies_system(*b, system), NSDAE_OK);
+  assert_int_equal(nsdae_sim_create(*system, o, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  return sim;
+}
+
+/* Ten multiplications do not solve the impact of a row of boxes: contact_give = 1 ends the run, and
+ * else the residual that is left is above the tolerance. */
+static void test_unsolved(void **state)
+{
+  static const double down[3] = {0.3, 0.2, -1};
+  (void)state;
+  for (int give = 0; give < 2; give++) {
+    nsdae_bodies *b;
+    nsdae_system *system;
+    nsdae_sim_options o;
+    nsdae_stats stats;
+    nsdae_record r;
+    nsdae_sim_options_default(&o);
+    o.method = NSDAE_METHOD_MOREAU;
+    o.contact_tol = 1e-10;
+    o.contact_work = 10;
+    o.contact_give = give ? 1e10 : 1;
+    nsdae_sim *sim = row_of_boxes(4, down, &o, &b, &system);
+    assert_int_equal(nsdae_sim_step(sim), give ? NSDAE_WARN_CONTACT : NSDAE_E_LCP);
+    nsdae_sim_get_stats(sim, &stats);
+    nsdae_sim_get_record(sim, &r);
+    assert_int_equal(stats.inexact_steps, give);
+    assert_true(!give || r.lcp_residual > o.contact_tol);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_wall),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_unsolved), cmocka_unit_test(test_wall),
                                      cmocka_unit_test(test_bound_holds),
                                      cmocka_unit_test(test_option)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -486,7 +486,7 @@ static void test_discs(void **state)
     for (int j = 0; j < count; j++) nsdae_system_set_friction_bound(s, j, j == 0 ? 1e4 : b);
     nsdae_sim_options_default(&o);
     o.method = methods[i];
-    o.dt = 1.0 / 16;
+    o.dt = 1.0 / 8;
     assert_int_equal(nsdae_sim_create(s, &o, &sim, NULL), NSDAE_OK);
     nsdae_system_destroy(&s);
     assert_int_equal(nsdae_sim_init(sim, 0, rest, rest), NSDAE_OK);

@@ -368,6 +368,87 @@ static void test_pieces(void **state)
   }
 }
 
+/* ---- slots that are free */
+
+enum { POINTS = 3 };
+
+static int points_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  for (int i = 0; i < POINTS; i++)
+    for (int j = 0; j < 3; j++) M[9 * i + 4 * j] = 1;
+  return 0;
+}
+
+static int points_weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  for (int i = 0; i < POINTS; i++) F[3 * i + 2] = -9.81;
+  return 0;
+}
+
+static int floor_below(double t, const double *q, const double *v, double reach,
+                       nsdae_contact_list *list, void *user)
+{
+  (void)t, (void)v, (void)user;
+  for (int i = 0; i < POINTS; i++) {
+    nsdae_contact c = {.id = i, .block = {i, -1}, .gap = q[3 * i + 2], .mu = 0.3, .e_n = i == 2};
+    c.direction[0][0][2] = c.direction[0][1][0] = c.direction[0][2][1] = 1;
+    if (c.gap <= reach && nsdae_contact_add(list, &c) < 0) return -1;
+  }
+  return 0;
+}
+
+/* Two points slide by v / (2 mu g) and stop at v / (mu g) = 0.34 s, as a third one bounces at 0.143
+ * s alone. A second simulation goes on at 0.2 s from the state block, which holds the directions of
+ * the slides: with the same bits. */
+static void test_state_of_slides(void **state)
+{
+  (void)state;
+  static const int sizes[POINTS] = {3, 3, 3};
+  static const double q0[3 * POINTS] = {0, 0, 0, 5, 0, 0, 9, 0, 0.1},
+                             v0[3 * POINTS] = {0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 0};
+  const nsdae_dims dims = {.nq = 3 * POINTS, .nt = 2};
+  nsdae_system *s;
+  nsdae_sim *first, *second;
+  nsdae_sim_options o;
+  nsdae_record r;
+  double q[3 * POINTS];
+  size_t size;
+  assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+  nsdae_system_set_blocks(s, POINTS, sizes, sizes);
+  nsdae_system_set_mass_blocks(s, points_mass);
+  nsdae_system_set_force(s, points_weight);
+  nsdae_system_set_contacts(s, floor_below);
+  set_options(&o);
+  assert_int_equal(nsdae_sim_create(s, &o, &first, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_create(s, &o, &second, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(first, 0, q0, v0), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(first, 0.2), NSDAE_OK);
+  assert_int_equal(nsdae_sim_state_size(first, &size), NSDAE_OK);
+  void *block = malloc(size);
+  assert_non_null(block);
+  assert_int_equal(nsdae_sim_get_state(first, block, size), NSDAE_OK);
+  assert_int_equal(nsdae_sim_set_state(second, block, size), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(first, 0.4), NSDAE_OK);
+  assert_int_equal(nsdae_sim_run(second, 0.4), NSDAE_OK);
+  nsdae_sim_get_record(first, &r);
+  memcpy(q, r.q, sizeof q);
+  nsdae_sim_get_record(second, &r);
+  assert_memory_equal(r.q, q, sizeof q);
+  double way = 1 / (2 * 0.3 * 9.81);
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 3; j++) {
+      /* 1e-10 of rtol, and no slower than 1e-10 when it stops */
+      assert_near(r.q[3 * i + j], q0[3 * i + j] + way * v0[3 * i + j], 1e-9);
+      assert_near(r.v[3 * i + j], 0, 1e-9);
+    }
+  free(block);
+  nsdae_sim_destroy(&first);
+  nsdae_sim_destroy(&second);
+  nsdae_system_destroy(&s);
+}
+
 /* ---- an id of two pairs of bodies */
 
 static int two_masses(double t, const double *q, double *M, void *user)
@@ -431,10 +512,10 @@ static void test_moved_id(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_same_order), cmocka_unit_test(test_bounded),
-      cmocka_unit_test(test_estimated),  cmocka_unit_test(test_too_slow),
-      cmocka_unit_test(test_hidden),     cmocka_unit_test(test_pieces),
-      cmocka_unit_test(test_moved_id),
+      cmocka_unit_test(test_same_order),      cmocka_unit_test(test_bounded),
+      cmocka_unit_test(test_estimated),       cmocka_unit_test(test_too_slow),
+      cmocka_unit_test(test_hidden),          cmocka_unit_test(test_pieces),
+      cmocka_unit_test(test_state_of_slides), cmocka_unit_test(test_moved_id),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -137,11 +137,13 @@ static double difference(const ending *a, const ending *b)
   return most;
 }
 
+/* In the quick form a scene by a method has one of the shifts, another one for each. */
 static void compare(const struct scene *s, int method, double dt)
 {
   static const double shifts[] = {300, 1000, 1e4};
   ending here = go(s, method, dt, 0, 0);
   for (int i = 0; i < 3; i++) {
+    if (test_share() > 1 && i != (s - scenes + method) % 3) continue;
     double u = 2 * DBL_EPSILON * shifts[i];
     ending there = go(s, method, dt, shifts[i], 0), changed = go(s, method, dt, 0, u);
     double off = difference(&here, &there), grown = difference(&here, &changed);
@@ -156,7 +158,7 @@ static void test_far(void **state)
 {
   (void)state;
   for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
-    for (double dt = 1e-3; dt > 4e-4; dt /= 2) {
+    for (double dt = 1e-3; dt > (test_share() > 1 ? 9e-4 : 4e-4); dt /= 2) {
       compare(&scenes[i], NSDAE_METHOD_IMPLICIT, dt);
       compare(&scenes[i], NSDAE_METHOD_MOREAU, dt);
     }

@@ -249,7 +249,7 @@ static void boxes_do_not_sink(void **state)
   enum { SEEDS = 6, SIDE = 2 };
   long frozen = 0;
   (void)state;
-  for (int run = 0; run < METHODS * SEEDS; run++) {
+  for (int run = 0; run < METHODS * SEEDS; run += test_share()) {
     int method = methods[run % METHODS];
     nsdae_bodies *b = drop_boxes((uint64_t)(run / METHODS) + 7, SIDE);
     nsdae_system *system;
@@ -307,7 +307,7 @@ static void drops_end(void **state)
   const char *asked = getenv("NSDAE_LONG");
   int drops = asked ? 200 : 20;
   (void)state;
-  for (int i = 0; i < drops; i++) {
+  for (int i = 0; i < drops; i += test_share()) {
     uint64_t seed = (uint64_t)i * 7919 + 1;
     double mu = random_uniform(&seed);
     double e = random_uniform(&seed) < 0.5 ? 0 : random_between(&seed, 0, 0.8);
@@ -551,6 +551,7 @@ static void slow_iteration(void **state)
  * one warning, a count, and the residual in the record. */
 static void give(void **state)
 {
+  enum { STEPS = 12 };
   (void)state;
   for (int m = 0; m < METHODS; m++)
     for (int give = 0; give < 2; give++) {
@@ -567,7 +568,7 @@ static void give(void **state)
       nsdae_sim *sim = start(b, &o, &system);
       int status = 0, warned = 0, steps = 0;
       double worst = 0;
-      for (; steps < 30 && status >= 0; steps++) {
+      for (; steps < STEPS && status >= 0; steps++) {
         status = nsdae_sim_step(sim);
         warned += status == NSDAE_WARN_CONTACT;
         nsdae_sim_get_record(sim, &r);
@@ -577,7 +578,7 @@ static void give(void **state)
       if (give) {
         if (status < 0) fail_msg("step %d: %s", steps, nsdae_sim_error(sim)->text);
         assert_int_equal(warned, 1);
-        assert_true(stats.inexact_steps > 0 && stats.inexact_steps < 30);
+        assert_true(stats.inexact_steps > 0 && stats.inexact_steps < STEPS);
         assert_true(stats.warnings & 64);
         assert_near(stats.worst_residual, worst, 0);
         assert_at_most(worst, 1e10 * DBL_EPSILON);

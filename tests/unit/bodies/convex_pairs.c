@@ -147,7 +147,7 @@ static void new_pose(nsdae_pose *pose, double spread)
   *pose = nsdae_pose_of(3, q, NULL);
 }
 
-/* The duality gap of 1e5 poses of a pair that are apart. */
+/* The duality gap of 1e5 poses of a pair (or its share) that are apart. */
 static void test_apart(void **state)
 {
   enum { SOLIDS = 100, POSES = 1000 };
@@ -156,7 +156,7 @@ static void test_apart(void **state)
     double worst = 0, off = 0, inside = 0;
     clock_t begin = clock();
     int count = 0;
-    for (int i = 0; i < SOLIDS; i++) {
+    for (int i = 0; i < SOLIDS; i += test_share()) {
       shape s[2];
       nsdae_pose pose[2];
       nsdae_bodies *b = couple(kinds_of[k], s, pose, 1);
@@ -200,13 +200,13 @@ static void test_apart(void **state)
  * maximum, and that of all but a few is the largest. */
 static void test_overlap(void **state)
 {
-  enum { POSES = 200 };
   static const double depths[] = {1e-7, 4e-5, 1e-2};
+  const int poses = test_count(200);
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     double off = 0;
     int deep = 0, missed = 0;
-    for (int i = 0; i < POSES; i++) {
+    for (int i = 0; i < poses; i++) {
       shape s[2];
       nsdae_pose pose[2];
       nsdae_bodies *b = couple(kinds_of[k], s, pose, 0.5);
@@ -224,9 +224,9 @@ static void test_overlap(void **state)
       nsdae_bodies_destroy(&b);
     }
     print_message("pair %d: depth off by %.1e m; another maximum at %d of %d, of random poses %d\n",
-                  k, off, missed, 3 * POSES, deep);
-    assert_true(missed <= 3 * POSES / 50);
-    assert_true(deep <= POSES / 10);
+                  k, off, missed, 3 * poses, deep);
+    assert_true(missed <= 3 * poses / 50);
+    assert_true(deep <= poses / 10);
   }
 }
 
@@ -346,7 +346,7 @@ static void test_rates(void **state)
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     int kinds[4] = {0}, checked = 0;
-    for (int n = 0; n < POSES; n++) {
+    for (int n = 0; n < POSES; n += test_share()) {
       shape s[2];
       nsdae_pose pose[2];
       nsdae_manifold m;
@@ -384,7 +384,7 @@ static void test_rates(void **state)
     }
     print_message("pair %d: %d contacts with smooth gaps, %d sharp, %d jump, %d alone; %d poses\n",
                   k, kinds[0], kinds[1], kinds[2], kinds[3], checked);
-    assert_true(kinds[SMOOTH] > 1000 && checked > POSES / 8);
+    assert_true(kinds[SMOOTH] > test_count(1000) && checked > test_count(POSES) / 8);
     assert_true(kinds[ALONE] <= 3); /* in 1e-6 of 1 m, of the 2e4 cases here */
   }
 }

@@ -339,7 +339,7 @@ static void keeps(int d, int kind, int flags, int rows)
 static void test_meaning(void **state)
 {
   (void)state;
-  for (int again = 0; again < 5; again++)
+  for (int again = 0; again < 5; again += test_share())
     for (size_t i = 0; i < sizeof meaning / sizeof *meaning; i++)
       keeps(meaning[i].d, meaning[i].kind, meaning[i].keeps, meaning[i].rows);
 }

@@ -490,7 +490,7 @@ static double arm(int method, double rtol)
   nsdae_bodies_get_start(b, q, v);
   nsdae_sim_options_default(&o);
   o.method = method;
-  o.dt = method == NSDAE_METHOD_EVENT ? 1e-3 : 1e-4;
+  o.dt = method == NSDAE_METHOD_EVENT ? 0.05 : 1e-4; /* of event: of the records */
   o.rtol = rtol;
   o.atol = rtol / 100;
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);

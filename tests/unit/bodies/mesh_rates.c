@@ -225,32 +225,35 @@ static int is_sharp(scene *s, const double *q, int kinds[KINDS])
 /* Of poses that are not sharp. */
 static void test_rates(void **state)
 {
-  enum { POSES = 3000 };
+  enum { SCENES = 30 };
   (void)state;
   for (int k = 0; k < SHAPES; k++) {
     int checked = 0, kinds[KINDS] = {0};
     scene s;
-    for (int pose = 0; pose < POSES; pose++) {
-      double q[7], v[6];
-      nsdae_check worst;
-      if (pose % 100 == 0) make_scene(&s, &shapes[k]);
-      random_pose(q);
-      for (int i = 0; i < 6; i++) v[i] = uniform(-0.5, 0.5);
-      if (!is_sharp(&s, q, kinds)) {
+    for (int number = 0; number < SCENES; number++) {
+      make_scene(&s, &shapes[k]);
+      for (int pose = 0; pose < test_count(100); pose++) {
+        double q[7], v[6];
+        nsdae_check worst;
+        random_pose(q);
+        for (int i = 0; i < 6; i++) v[i] = uniform(-0.5, 0.5);
+        if (is_sharp(&s, q, kinds)) continue;
         checked++;
         if (nsdae_system_check(s.system, 0, q, v, 1e-7, &worst) < 0)
-          fail_msg("pose %d of a %s: %s", pose, nsdae_solid_name(shapes[k].shape),
+          fail_msg("scene %d, pose %d of a %s: %s", number, pose, nsdae_solid_name(shapes[k].shape),
                    nsdae_system_error(s.system)->text);
       }
-      if (pose % 100 == 99) end_scene(&s);
+      end_scene(&s);
     }
     print_message(
         "%s: %d poses, of the mesh faces %d, edges and corners %d, corners on the solid %d,"
         " two edges %d\n",
         nsdae_solid_name(shapes[k].shape), checked, kinds[FACE], kinds[SHARP], kinds[ON_SOLID],
         kinds[EDGES]);
-    assert_true(checked > POSES / 20 && kinds[FACE] > 100 && kinds[SHARP] > 5);
-    assert_true(shapes[k].length[2] == 0 || (kinds[ON_SOLID] > 5 && kinds[EDGES] > 5));
+    int few = test_count(6) - 1; /* more than these of each kind */
+    assert_true(checked > SCENES * test_count(100) / 20);
+    assert_true(kinds[FACE] > test_count(100) && kinds[SHARP] > few);
+    assert_true(shapes[k].length[2] == 0 || (kinds[ON_SOLID] > few && kinds[EDGES] > few));
   }
 }
 
@@ -308,21 +311,21 @@ static int follow(scene *s, double gap, double depth)
 
 static void test_continuity(void **state)
 {
-  enum { PATHS = 300 };
+  enum { SCENES = 3 };
   static const double gap[] = {0.02, -5e-5}, depth[] = {0, 1e-4};
   (void)state;
   for (int k = 0; k < SHAPES; k++)
     for (int n = 0; n < 2; n++) {
       int steps = 0;
       scene s;
-      for (int path = 0; path < PATHS; path++) {
-        if (path % 100 == 0) make_scene(&s, &shapes[k]);
-        steps += follow(&s, gap[n], depth[n]);
-        if (path % 100 == 99) end_scene(&s);
+      for (int number = 0; number < SCENES; number++) {
+        make_scene(&s, &shapes[k]);
+        for (int path = 0; path < test_count(100); path++) steps += follow(&s, gap[n], depth[n]);
+        end_scene(&s);
       }
       print_message("%s from a gap of %g: %d steps\n", nsdae_solid_name(shapes[k].shape), gap[n],
                     steps);
-      assert_true(steps > 50 * PATHS);
+      assert_true(steps > 50 * SCENES * test_count(100));
     }
 }
 

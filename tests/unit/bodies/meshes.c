@@ -157,7 +157,7 @@ static void compare(const nsdae_solid *solid, int poses, const char *name)
     assert_int_equal(nsdae_bodies_add_solid(b, 0, solid), 1);
     const nsdae_solid_of *s = b->solid.at;
     const nsdae_pose still = nsdae_pose_ground();
-    for (int i = 0; i < poses / 10; i++) {
+    for (int i = 0; i < poses / 10; i += test_share()) {
       double q[7];
       for (int j = 0; j < 7; j++) q[j] = random_between(&seed, -1, 1) * (j < 2 ? 0.7 : 1);
       if (i % 3 == 0) q[3] = 1, q[4] = q[5] = q[6] = 0; /* upright: edges along those of the grid */
@@ -197,7 +197,7 @@ static void compare(const nsdae_solid *solid, int poses, const char *name)
   print_message("%s: %d poses apart, %d contacts, largest error of the gap %.1e of the bound\n",
                 name, apart, contacts, worst);
   assert_true(worst < 1);
-  assert_true(apart > poses / (smooth ? 12 : 10));
+  assert_true(apart > test_count(poses) / (smooth ? 12 : 10));
 }
 
 static const int smooth_shapes[] = {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CONE, NSDAE_SHAPE_ELLIPSOID,
@@ -368,7 +368,7 @@ static void test_refused(void **state)
 static void test_soup(void **state)
 {
   (void)state;
-  for (int round = 0; round < 300; round++) {
+  for (int round = 0; round < 300; round += test_share()) {
     double point[36];
     int triangle[60], count = 0;
     nsdae_bodies *b;

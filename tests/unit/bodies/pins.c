@@ -192,7 +192,7 @@ static double sled(int method, double dt)
   nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_BOX, .length = {0.6, 0.4, 0.2}});
   nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
   nsdae_bodies_add_contact(b, 1, 0, 0.2, 0, 0);
-  return run(b, method, dt, 0.5).v[10];
+  return run(b, method, dt, 0.25).v[10];
 }
 
 static void test_sled(void **state)

@@ -192,7 +192,7 @@ static void test_gaps(void **state)
   (void)state;
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < (smooth[i] == NSDAE_SHAPE_DISC ? 2 : 3); j++)
-      for (int k = 0; k < 100; k++) { /* 1e5 poses of each pair */
+      for (int k = 0; k < 100; k += test_share()) { /* 1e5 poses of each pair */
         couple c;
         double q[14];
         make_couple(&c, smooth[i], others[j]);
@@ -242,7 +242,7 @@ static void test_derivatives(void **state)
 {
   int checked = 0;
   (void)state;
-  for (int k = 0; k < 4000; k++) {
+  for (int k = 0; k < 4000; k += test_share()) {
     int shape = smooth[k % 4], other = others[k / 4 % (shape == NSDAE_SHAPE_DISC ? 2 : 3)];
     couple c;
     nsdae_check worst;
@@ -258,7 +258,7 @@ static void test_derivatives(void **state)
     }
     end_couple(&c);
   }
-  assert_true(checked > 400);
+  assert_true(checked > test_count(400));
 }
 
 /* ---- inertia */

@@ -59,7 +59,8 @@ static void copy_block(sample *s, int i, int j, double *block)
           s->A[(size_t)(s->place[j] + c) * (size_t)s->order + (size_t)(s->place[i] + r)];
 }
 
-/* Random entries; symmetric ones are mirrored; the diagonal makes both kinds regular. */
+/* Random entries; symmetric ones are mirrored; the diagonal makes both kinds regular, and the part
+ * of the blocks from f->negative on negative definite. */
 static void draw_values(sample *s, nsdae_multifrontal *f, int symmetric)
 {
   memset(s->A, 0, sizeof s->A);
@@ -68,12 +69,13 @@ static void draw_values(sample *s, nsdae_multifrontal *f, int symmetric)
     for (int a = s->first[i]; a < s->first[i + 1]; a++)
       draw_block(s, s->index[a], i, f->A + f->graph.at[a]);
   }
+  int negative = f->negative > 0 && f->negative < s->n ? s->place[f->negative] : s->order;
   for (int j = 0; j < s->order; j++)
     for (int i = 0; i <= j; i++) {
       double *upper = s->A + (size_t)j * (size_t)s->order + i;
       double *lower = s->A + (size_t)i * (size_t)s->order + j;
       if (symmetric) *upper = *lower;
-      if (i == j) *upper += s->order;
+      if (i == j) *upper += j < negative ? s->order : -s->order;
     }
   for (int i = 0; i < s->n; i++) {
     copy_block(s, i, i, f->A + f->graph.diagonal[i]);
@@ -107,6 +109,20 @@ static void test_random(void **state)
     draw_graph(&s, random_int(&state_of_draws, 1, MOST), k % 5 * 0.05);
     check(&s, &f, 0);
     check(&s, &f, 1); /* the same graph: not analysed again */
+  }
+  nsdae_multifrontal_release(&f);
+}
+
+/* L S L^T of quasi-definite matrices. */
+static void test_negative(void **state)
+{
+  (void)state;
+  static sample s;
+  nsdae_multifrontal f = {0};
+  for (int k = 0; k < 60; k++) {
+    draw_graph(&s, random_int(&state_of_draws, 1, MOST), k % 5 * 0.05);
+    f.negative = (s.n + 1) / 2; /* of n alone: a graph that is kept has the same */
+    check(&s, &f, 1);
   }
   nsdae_multifrontal_release(&f);
 }
@@ -151,7 +167,7 @@ static void test_lost(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_random), cmocka_unit_test(test_singular),
-                                     cmocka_unit_test(test_lost)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_random), cmocka_unit_test(test_negative),
+                                     cmocka_unit_test(test_singular), cmocka_unit_test(test_lost)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

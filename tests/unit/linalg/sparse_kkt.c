@@ -167,6 +167,28 @@ static void test_loops(void **state)
   expect_solved(LADDER, 999, 1, 0, 1);
 }
 
+/* Equations that contradict each other by 3e-6. With rank_tol = 1e-6 that is within what redundant
+ * rows may miss, 1e-6 of the size of the row times that of x; with 1e-8 it is not. */
+static void test_contradiction(void **state)
+{
+  (void)state;
+  const double rank_tols[] = {1e-6, 1e-8};
+  const int statuses[] = {NSDAE_OK, NSDAE_E_CONVERGENCE};
+  for (int i = 0; i < 2; i++) {
+    joint_family f;
+    family_make(&f, RING, 12, 1, 0, 3);
+    vectors w = make_vectors(&f);
+    nsdae_sparse_kkt k = {.rank_tol = rank_tols[i]};
+    assert_int_equal(factor(&k, &f), NSDAE_OK);
+    assert_int_equal(k.rank.count, f.rank);
+    for (int row = 1; row <= f.rows; row++) w.c[row] += 3e-6 * random_number(&f.random);
+    assert_int_equal(solve(&k, &f, &w), statuses[i]);
+    nsdae_sparse_kkt_release(&k);
+    release_vectors(&w);
+    family_release(&f);
+  }
+}
+
 /* [M J^T; J 0] of the part, [nv + rows] squared, and its right-hand side. */
 static int whole(const joint_family *f, const vectors *w, double *K, double *b)
 {
@@ -706,11 +728,17 @@ static void test_patterns_in_turn(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_families),         cmocka_unit_test(test_loops),
-      cmocka_unit_test(test_against_dgelsd),   cmocka_unit_test(test_minimal_coordinates),
-      cmocka_unit_test(test_one_interface),    cmocka_unit_test(test_couplings),
-      cmocka_unit_test(test_refusals),         cmocka_unit_test(test_near_dependent),
-      cmocka_unit_test(test_zero_row),         cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_families),
+      cmocka_unit_test(test_loops),
+      cmocka_unit_test(test_contradiction),
+      cmocka_unit_test(test_against_dgelsd),
+      cmocka_unit_test(test_minimal_coordinates),
+      cmocka_unit_test(test_one_interface),
+      cmocka_unit_test(test_couplings),
+      cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_near_dependent),
+      cmocka_unit_test(test_zero_row),
+      cmocka_unit_test(test_memory),
       cmocka_unit_test(test_patterns_in_turn),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -176,12 +176,47 @@ static void test_codes(void **state)
   end(&f);
 }
 
+/* Without any derivative that is missing there is nothing to tune; with any that is, there is. */
+static void test_used(void **state)
+{
+  (void)state;
+  enum { JACOBIAN, BIAS, NORMAL, CONTACT_BIAS, ACCELERATION, NONE };
+  for (int contacts = 0; contacts < 2; contacts++)
+    for (int missing = 0; missing <= NONE; missing++) {
+      const nsdae_dims dims = {.nq = PLANAR_NQ,
+                               .nv = PLANAR_NV,
+                               .m = PLANAR_M,
+                               .k = contacts ? PLANAR_K : 0,
+                               .nt = contacts};
+      nsdae_system *s;
+      assert_int_equal(nsdae_system_create(&dims, &s, NULL), NSDAE_OK);
+      nsdae_system_set_kinematics(s, planar_kinematics);
+      nsdae_system_set_mass(s, planar_mass);
+      nsdae_system_set_force(s, planar_force);
+      nsdae_system_set_constraint(s, planar_constraint);
+      if (missing != JACOBIAN) nsdae_system_set_constraint_jacobian(s, planar_jacobian);
+      if (missing != BIAS) nsdae_system_set_constraint_bias(s, planar_bias);
+      if (contacts) {
+        nsdae_system_set_gap(s, planar_gap);
+        nsdae_system_set_gap_tangent(s, planar_tangent);
+        if (missing != NORMAL) nsdae_system_set_gap_normal(s, planar_normal);
+        if (missing != CONTACT_BIAS) nsdae_system_set_contact_bias(s, planar_contact_bias);
+        if (missing != ACCELERATION) nsdae_system_set_contact_acceleration(s, planar_acceleration);
+      }
+      assert_int_equal(nsdae_system_complete(s, NULL), NSDAE_OK);
+      int used = missing < (contacts ? NONE : NORMAL);
+      assert_int_equal(nsdae_differences_used(s), used);
+      nsdae_system_destroy(&s);
+    }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_velocity),      cmocka_unit_test(test_time_and_second),
       cmocka_unit_test(test_slow_and_fast), cmocka_unit_test(test_kinematics),
       cmocka_unit_test(test_late),          cmocka_unit_test(test_codes),
+      cmocka_unit_test(test_used),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

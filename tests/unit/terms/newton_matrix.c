@@ -1,5 +1,6 @@
 /* Newton's matrix M + D/cj + K/cj^2 of random systems against D and K by formula: callbacks and
- * coloured differences, dense and by blocks, and what callbacks do wrong.
+ * coloured differences, dense and by blocks, and what callbacks do wrong. The residuals of the
+ * equations of motion against their terms.
  *
  * Each link l couples two blocks r, c through x = w . q_r - u . q_c and its rate s:
  *   f = -(d (s + s^3/10) + k (x + x^3/10)),  F_r += f w,  F_c -= f u
@@ -196,6 +197,16 @@ static int rows(double t, const double *q, nsdae_row_list *list, void *user)
   return 0;
 }
 
+/* Of no constraint in particular: the residual takes them as they are. */
+static int bias(double t, const double *q, const double *v, double *phi_t, double *omega,
+                void *user)
+{
+  const model *p = user;
+  (void)t, (void)q, (void)v;
+  for (int e = 0; e < p->links; e++) phi_t[e] = 0.5 * e - 3, omega[e] = 7 - 2 * e;
+  return 0;
+}
+
 /* ---- random systems */
 
 enum shape { CHAIN, RANDOM, STAR };
@@ -241,7 +252,7 @@ static void layout(void *object, nsdae_arena *arena)
   nsdae_newton_matrix_layout(&f->newton, arena);
 }
 
-enum { BY_BLOCKS = 1, DAMPING = 2, STIFFNESS = 4, ROWS = 8 };
+enum { BY_BLOCKS = 1, DAMPING = 2, STIFFNESS = 4, ROWS = 8, BIAS = 16 };
 
 static int begin(fixture *f, uint64_t seed, int shape, int with)
 {
@@ -265,6 +276,7 @@ static int begin(fixture *f, uint64_t seed, int shape, int with)
     if (with & STIFFNESS) nsdae_system_set_force_stiffness(f->system, stiffness);
   }
   if (with & ROWS) nsdae_system_set_constraint(f->system, constraint);
+  if (with & BIAS) nsdae_system_set_constraint_bias(f->system, bias);
   assert_int_equal(nsdae_system_complete(f->system, &f->error), NSDAE_OK);
   f->differences.system = f->terms.system = f->newton.system = f->system;
   f->terms.differences = &f->differences;
@@ -359,6 +371,54 @@ static void test_agrees(void **state)
         }
         end(&f);
       }
+}
+
+/* r_q = q' - H v and q* = q - r_q / cj; at q* r_v = M v' + Phi_q^T lambda - F and r_lambda = Phi_q
+ * v'
+ * + omega + 2 alpha (Phi_q v + phi_t) + beta^2 Phi. */
+static void test_residual(void **state)
+{
+  (void)state;
+  const double cj = 30, alpha = 3, beta = 5;
+  for (uint64_t seed = 0; seed < SEEDS; seed++) {
+    fixture f;
+    double y[2 * NV + LINKS], ydot[2 * NV], room[2 * NV], r[2 * NV + LINKS], H_v[NV], H_a[NV];
+    assert_int_equal(begin(&f, seed, RANDOM, BY_BLOCKS | ROWS | BIAS), NSDAE_OK);
+    model *p = &f.p;
+    int n = p->first[BLOCKS];
+    random_state draws = {seed + 2000};
+    for (int i = 0; i < 2 * n + LINKS; i++) y[i] = random_number(&draws);
+    for (int i = 0; i < 2 * n; i++) ydot[i] = random_number(&draws);
+    kinematics(0, y, y + n, H_v, p);
+    kinematics(0, y, ydot + n, H_a, p);
+    assert_int_equal(nsdae_newton_kkt_move(&f.terms, 0.5, y, ydot, cj, room, r), NSDAE_OK);
+    for (int i = 0; i < n; i++) {
+      assert_near(r[i], ydot[i] - H_v[i], 1e-14);
+      assert_near(room[i], y[i] - (ydot[i] - H_v[i]) / cj, 1e-14);
+      assert_true(room[n + i] == y[n + i]);
+    }
+    nsdae_terms_at(&f.terms, 0.5, room, room + n);
+    assert_int_equal(nsdae_terms_need(&f.terms, NSDAE_TERM_MASS | NSDAE_TERM_FORCE |
+                                                    NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
+                                                    NSDAE_TERM_PHI_T | NSDAE_TERM_OMEGA),
+                     NSDAE_OK);
+    nsdae_newton_kkt_residual(&f.terms, alpha, beta, y, ydot, r);
+    double wanted[2 * NV + LINKS] = {0}, F[NV] = {0}, *of = wanted + 2 * n;
+    force(0, room, y + n, F, p);
+    for (int i = 0; i < n; i++) wanted[n + i] = p->M[i] * ydot[n + i] - F[i];
+    for (int e = 0; e < p->links; e++) {
+      const link *l = &p->link[e];
+      of[e] = along(p, l, H_a) + 7 - 2 * e + 2 * alpha * (along(p, l, H_v) + 0.5 * e - 3) +
+              beta * beta * along(p, l, room);
+      for (int side = 0; side < 2; side++)
+        for (int j = 0; j < p->sizes[l->block[side]]; j++)
+          wanted[n + p->first[l->block[side]] + j] +=
+              y[2 * n + e] * (l->w[side][j] + (j > 0 ? l->w[side][j - 1] / 3 : 0));
+    }
+    /* forces up to 1e3, in sums of some hundred terms */
+    for (int i = n; i < 2 * n + p->links; i++) assert_near(r[i], wanted[i], 1e-11);
+    end(&f);
+  }
 }
 
 /* A chain has three colours, whatever its length; one displacement of each velocity then gives D
@@ -513,9 +573,10 @@ static void test_check(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_agrees),   cmocka_unit_test(test_evaluations),
-      cmocka_unit_test(test_growth),   cmocka_unit_test(test_memory),
-      cmocka_unit_test(test_failures), cmocka_unit_test(test_check),
+      cmocka_unit_test(test_agrees),      cmocka_unit_test(test_residual),
+      cmocka_unit_test(test_evaluations), cmocka_unit_test(test_growth),
+      cmocka_unit_test(test_memory),      cmocka_unit_test(test_failures),
+      cmocka_unit_test(test_check),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
