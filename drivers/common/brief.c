@@ -43,8 +43,7 @@ static driver_figure figure_of(const brief *b, const nsdae_stats *stats, const n
     return (driver_figure){"impulse of the first impact", "N s", b->first_impulse,
                            first.normal_impulse};
   if (b->state.time > 0) {
-    const char *named =
-        nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, b->state.coordinate);
+    const char *named = nsdae_system_get_name(system, NSDAE_NAME_COORDINATE, b->state.coordinate);
     snprintf(name, size, "%s at %g s", named ? named : "coordinate", b->state.time);
     return (driver_figure){name, "", b->at_state, b->state.value};
   }
