@@ -48,6 +48,7 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim)
                 .contacts = dims.k,
                 .tangents = dims.nt,
                 .exact = s->model->exact && s->model->exact(s->model->base, 0, &first)};
+  brief_begin(&r->brief, s);
   bar_begin(&r->bar, s->quiet);
   r->bar.begin = part_of(s, sim);
   if (s->quiet) return;
@@ -86,6 +87,7 @@ int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
   const driver_model *model = r->settings->model;
   (void)error;
   if (model->follow) model->follow(model->base, record);
+  if (r->settings->brief) brief_observe(&r->brief, record);
   if (r->settings->quiet) return 0;
   if (record->impacts > 0) bar_clear(&r->bar);
   for (int i = 0; i < record->impacts; i++) {
@@ -161,13 +163,14 @@ static void print_remarks(const report *r, const nsdae_stats *stats)
   printf("a smaller --dt reduces both errors, --method event locates the impacts\n");
 }
 
-void report_end(report *r, const nsdae_sim *sim)
+void report_end(report *r, const nsdae_sim *sim, const nsdae_system *system)
 {
   nsdae_stats stats;
   nsdae_dims dims;
   nsdae_sim_get_stats(sim, &stats);
   nsdae_sim_get_dims(sim, &dims);
   bar_clear(&r->bar);
+  if (r->settings->brief) brief_end(&r->brief, sim, system);
   if (r->settings->quiet) return;
   if (r->contacts > 0 && r->rows > ROWS_MAX) printf("  ... and %d more\n", r->rows - ROWS_MAX);
   if (r->contacts > 0 && r->rows == 0) printf("  none\n");

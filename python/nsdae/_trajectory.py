@@ -333,7 +333,7 @@ class Trajectory(ContactColumns):
         if unknown:
             raise ValueError(f"no panel is called '{unknown[0]}': they are {', '.join(plot.PANELS)}")
         with self._opened() as file:
-            return plot.draw(file, plot.panels(file, only), title or plot.title_of(file))
+            return plot.draw(file, plot.panels(file, only), title or plot.title_of(file), asked=only)
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Any:
         """Animates the bodies, as nsdae-animate does. It needs shapes, or the option ``point``.

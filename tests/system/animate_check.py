@@ -14,8 +14,9 @@ import h5py
 import numpy as np
 import tools
 from bodies import COLOURS, Body, extent
+from painter import FINE, SHADOW, Faces
 from PIL import Image
-from raster import FINE, Drawing
+from raster import Drawing
 from scene import Styles, drawn_bodies
 
 STEM = ""  # of an example's .h5, .gif, .html and .mp4
@@ -184,9 +185,8 @@ def check_camera(a, centre, radius):
 def check_shadow(a, drawing, centre, radius, number):
     """A point is in the shadow of a ball if the line to the light passes the centre within the radius."""
     (ball,) = [b for b in a.scene["bodies"] if not b["plane"]]
-    parts = [(a.scene["styles"][style], points) for style, *points in ball["parts"]]
-    ((_, _, faces),) = drawing.shadows(parts, drawing.seen(ball, number), number)
-    pixels = np.concatenate([points for _, points in faces])
+    parts = Faces(drawing.painter, ball).parts(number)
+    pixels = np.concatenate([np.reshape(corners, (-1, 2)) for layer, _, _, corners, *_ in parts if layer == SHADOW])
     flat = (pixels / FINE - np.array([drawing.size[0], drawing.area[1]]) / 2) / drawing.scale * [1, -1] + (drawing.low + drawing.high) / 2
     points = flat @ drawing.axes[:2] + a.scene["camera"][number]
     points -= np.outer(points[:, 2] / drawing.axes[2, 2], drawing.axes[2])  # along the view onto the ground
