@@ -61,6 +61,9 @@ add_library(nsdae_lapack INTERFACE)
 target_include_directories(nsdae_lapack SYSTEM INTERFACE
   ${NSDAE_LAPACKE_INCLUDE} ${NSDAE_CBLAS_INCLUDE})
 target_link_libraries(nsdae_lapack INTERFACE ${libraries} m)
+if(NSDAE_CBLAS_LIBRARY MATCHES "openblas") # its threads are set around a call
+  target_compile_definitions(nsdae_lapack INTERFACE NSDAE_OPENBLAS)
+endif()
 if(NSDAE_CBLAS_LIBRARY MATCHES "\\.a$") # parts of it are Fortran, and it has threads
   foreach(part gfortran quadmath)
     execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=lib${part}.a
@@ -118,10 +121,17 @@ if(NSDAE_SUNDIALS)
     add_library(OpenMP::OpenMP_C INTERFACE IMPORTED)
   endif()
   find_package(SUNDIALS QUIET COMPONENTS ${modules})
-  if(NOT SUNDIALS_FOUND)
+  if(SUNDIALS_FOUND)
+    set(NSDAE_SUNDIALS ON)
+  elseif(NSDAE_SUNDIALS STREQUAL AUTO)
+    message(STATUS "SUNDIALS (libsundials-dev) was not found: ida, the integrator for stiff phases, is not built")
+    set(NSDAE_SUNDIALS OFF)
+  else()
     message(FATAL_ERROR "nsdae needs SUNDIALS (libsundials-dev) for stiff phases; "
                         "-DNSDAE_SUNDIALS=OFF builds without. ${SUNDIALS_NOT_FOUND_MESSAGE}")
   endif()
+endif()
+if(NSDAE_SUNDIALS)
   set(NSDAE_SUNDIALS_VERSION ${SUNDIALS_VERSION})
   add_library(nsdae_sundials INTERFACE)
   foreach(module ${modules} core)

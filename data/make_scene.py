@@ -6,7 +6,7 @@ The scenes of this folder:
     make_scene.py grid --count 64 --shapes box --seed 1 > scene_boxes.csv
     make_scene.py grid --count 64 --shapes sphere,capsule,box --seed 2 > scene_mixed.csv
     make_scene.py grid --count 64 --shapes tetrahedron,octahedron,icosahedron,dodecahedron,cylinder,cone,ellipsoid --seed 3 > scene_shapes.csv
-    make_scene.py wall --length 6 --courses 7 --ball 4 > scene_wall.csv
+    make_scene.py wall --length 6 --courses 7 --ball 8 > scene_wall.csv
 """
 import argparse
 import math

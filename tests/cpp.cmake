@@ -17,3 +17,10 @@ foreach(standard 11 20)
   set_tests_properties(cpp/handles-c++${standard} PROPERTIES
     ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endforeach()
+
+add_executable(test_anomaly_jumps anomaly/jumps.cpp)
+set_target_properties(test_anomaly_jumps PROPERTIES CXX_STANDARD 11
+  RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+target_link_libraries(test_anomaly_jumps PRIVATE nsdae_lib_shared)
+add_test(NAME anomaly/jumps COMMAND test_anomaly_jumps)
+set_tests_properties(anomaly/jumps PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)

@@ -155,9 +155,9 @@ def number(low, high, whole=False):
 
 def parse(argv):
     parser = Parser(prog="nsdae-animate", description=__doc__)
-    parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", action="append", metavar="OUT",
-                        help=".gif, .mp4 or .html; repeatable; default FILE.gif, FILE.html and, with ffmpeg, FILE.mp4")
+                        help=".gif, .mp4 or .html, of one file; repeatable; default FILE.gif, FILE.html and, with ffmpeg, FILE.mp4")
     parser.add_argument("--speed", type=number(1e-9, 1e9), metavar="X",
                         help="speed of the motion: 0.1 is a tenth of real time (default: a duration of a few seconds)")
     parser.add_argument("--fps", type=number(1, 50), default=25, metavar="N", help="frames per second, 1 to 50 (default 25)")
@@ -173,12 +173,19 @@ def parse(argv):
                         "- for none; repeatable")
     parser.add_argument("--version", action="version", version="nsdae-animate @PROJECT_VERSION@")
     arguments = parser.parse_args(argv)
-    stem = os.path.splitext(arguments.file)[0]
-    arguments.output = arguments.output or [stem + end for end in FORMATS if end != ".mp4" or shutil.which("ffmpeg")]
-    for output in arguments.output:
+    if arguments.output and len(arguments.files) > 1:
+        parser.error(f"--output is for one file, not {len(arguments.files)}")
+    for output in arguments.output or ():
         if not output.lower().endswith(FORMATS):
             parser.error(f"--output '{output}' must end with {', '.join(FORMATS)}")
+    arguments.file = arguments.files[0]
     return arguments
+
+
+def outputs_of(arguments):
+    """Of the file: those named, or all formats."""
+    stem = os.path.splitext(arguments.file)[0]
+    return arguments.output or [stem + end for end in FORMATS if end != ".mp4" or shutil.which("ffmpeg")]
 
 
 def write(output, file, time, first, last, arguments):
@@ -207,17 +214,23 @@ def write(output, file, time, first, last, arguments):
     return len(frames), len(bodies)
 
 
+def animate(arguments):
+    """All animations of a file."""
+    with open_trajectory(arguments.file) as file:
+        if arguments.forces and not (has_forces(file) or has_list(file)):
+            raise Problem(f"'{arguments.file}' has no contact forces and no contact list for --forces")
+        time = times_of(file)
+        first, last = shown(time, arguments.start, arguments.end, arguments.file)
+        for output in outputs_of(arguments):
+            frames, bodies = write(output, file, time, first, last, arguments)
+            tell(f"{frames} frames of {bodies} bodies in {output}")
+
+
 def main(argv):
     arguments = parse(argv)
     try:
-        with open_trajectory(arguments.file) as file:
-            if arguments.forces and not (has_forces(file) or has_list(file)):
-                raise Problem(f"'{arguments.file}' has no contact forces and no contact list for --forces")
-            time = times_of(file)
-            first, last = shown(time, arguments.start, arguments.end, arguments.file)
-            for output in arguments.output:
-                frames, bodies = write(output, file, time, first, last, arguments)
-                tell(f"{frames} frames of {bodies} bodies in {output}")
+        for arguments.file in arguments.files:
+            animate(arguments)
     except Problem as problem:
         print(f"nsdae-animate: error: {problem}", file=sys.stderr)
         return 1

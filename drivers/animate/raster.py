@@ -5,14 +5,12 @@ import os
 
 import matplotlib
 import numpy as np
+from painter import FINE, Painter
 from PIL import Image, ImageDraw, ImageFont
-from scene import BACKGROUND, INK, shaded
-from shapes import normals_of
+from scene import BACKGROUND, INK
 
-FINE = 2  # how much finer is drawn than shown
 MARGIN = 8
 TEXT = 12  # height of the font in pixels
-GROUND, SHADOW, GRID, BODY = range(4)  # the order in which they are drawn
 STRIP, STRIP_GAP, STRIPS_MAX = 7, 3, 8
 
 
@@ -36,7 +34,6 @@ class Drawing:
     def __init__(self, scene, width, title, speed):
         self.scene, self.title, self.speed = scene, title, speed
         self.axes = view_axes(*scene["view"]) if scene["spatial"] else np.eye(3)
-        self.light = self.axes @ scene["light"]
         self.low, self.high = self.box()
         reach = self.high - self.low
         self.top, self.bottom = TEXT + 2 * MARGIN, TEXT + 2 * MARGIN + self.strips_height()
@@ -46,7 +43,9 @@ class Drawing:
         self.area = (inner, self.size[1] - self.top - self.bottom)
         self.scale = min(self.area[0] / reach[0], self.area[1] / reach[1])
         self.font = font(TEXT)
-        self.frame_around = self.around()
+        self.painter = Painter(scene, self.axes, self.low, self.high, self.scale, (self.size[0] * FINE, self.area[1] * FINE))
+        self.fine = self.around()
+        self.shown = self.fine.reduce(FINE)
 
     def box(self):
         """Of what is to be seen, in the picture's plane."""
@@ -57,11 +56,6 @@ class Drawing:
 
     def strips_height(self):
         return min(len(self.scene["strips"]), STRIPS_MAX) * (STRIP + STRIP_GAP)
-
-    def pixels(self, points):
-        """Of points [..., 2] in the picture's plane, from the corner of the bodies' part."""
-        middle = np.array([self.size[0], self.area[1]]) / 2
-        return FINE * (middle + self.scale * (points - (self.low + self.high) / 2) * [1, -1])
 
     def around(self):
         """What is above and below the bodies and stays: title, legend, strips."""
@@ -74,93 +68,25 @@ class Drawing:
         return image
 
     def frame(self, number):
-        image = self.frame_around.copy()
-        middle = (self.size[0] * FINE, self.area[1] * FINE)
-        bodies = Image.new("RGB", middle, BACKGROUND)
-        self.bodies(ImageDraw.Draw(bodies), number)
-        image.paste(bodies, (0, self.top * FINE))
-        self.clock(ImageDraw.Draw(image), number)
-        return image.reduce(FINE)
+        """Only what changes is drawn again and scaled down: the bodies, and what is below them."""
+        image = self.shown.copy()
+        image.paste(self.painter.image(number).reduce(FINE), (0, self.top))
+        below = self.top + self.area[1]
+        foot = self.fine.crop((0, below * FINE, self.size[0] * FINE, self.size[1] * FINE))
+        self.clock(ImageDraw.Draw(foot), number, below)
+        image.paste(foot.reduce(FINE), (0, below))
+        return image
 
-    def bodies(self, draw, number):
-        """Planes first, their shadows and grids, then bodies from far to near; forces of a contact list on top."""
-        drawn = []
-        for body in self.scene["bodies"]:
-            seen = self.seen(body, number)
-            flat = self.pixels(seen[:, :2])
-            parts = [(self.scene["styles"][style], points) for style, *points in body["parts"]]
-            if "lit" in parts[0][0]:
-                drawn += self.faces(body, parts, seen, flat)
-                drawn += [] if body["plane"] else self.shadows(parts, seen, number)
-            else:
-                drawn.append((BODY, seen[0, 2], [(style, flat[points]) for style, points in parts]))
-        for *_, parts in sorted(drawn, key=lambda d: d[:2]) if self.scene["spatial"] else drawn:
-            for style, points in parts:
-                self.part(draw, style, points)
-        force = self.scene["force"]
-        for *ends, weight in self.scene["forces"][number] if self.scene["forces"] else ():
-            width = min(max(force["width"] * weight, 0.5), 2 * force["width"])
-            self.part(draw, {**force, "width": width, "round": 0}, self.pixels(self.turned(np.reshape(ends, (2, 3)), number)[:, :2]))
-
-    def turned(self, points, number):
-        """Of points [..., 3] in space: to the right, upwards, to the eye, from where the camera is."""
-        return (points - (self.scene["camera"][number] if self.scene["camera"] else 0)) @ self.axes.T
-
-    def seen(self, body, number):
-        """Its points [p, 3]: to the right, upwards, to the eye."""
-        pose = body["pose"][min(number, len(body["pose"]) - 1)]
-        points = np.array(body["points"])
-        if not self.scene["spatial"]:
-            x, y, a, b = pose
-            return np.column_stack([points @ [[a, b], [-b, a]] + [x, y], np.zeros(len(points))])
-        pose = np.array(pose)
-        return self.turned(pose[:3] + (points @ pose[3:].reshape(3, 3).T if len(pose) > 3 else points), number)
-
-    def faces(self, body, parts, seen, flat):
-        """Those that look this way; a plane's lines if its surface, the second face, does."""
-        normals = normals_of(seen, [face if "lit" in style else parts[1][1] for style, face in parts])
-        lights = 0.6 + 0.4 * np.maximum(0, normals @ self.light)
-        for i in np.flatnonzero(normals[:, 2] > 0):
-            (style, face), light = parts[i], lights[i]
-            if "lit" not in style:
-                yield GRID, 0.0, [(style, flat[face])]
-            else:
-                yield GROUND if body["plane"] else BODY, seen[face, 2].mean(), [({"fill": shaded(style["fill"], light)}, flat[face])]
-
-    def shadows(self, parts, seen, number):
-        """Of the faces that look at the light, along it onto each plane."""
-        faces = [face for _, face in parts]
-        faces = [faces[i] for i in np.flatnonzero(normals_of(seen, faces) @ self.light > 0)]
-        for normal, point in self.scene["shadows"]:
-            normal, point = self.axes @ normal, self.turned(np.array(point), number)
-            flat = self.pixels((seen - np.outer((seen - point) @ normal / (normal @ self.light), self.light))[:, :2])
-            yield SHADOW, 0.0, [({"fill": self.scene["shadow"]}, flat[face]) for face in faces]
-
-    def part(self, draw, style, points):
-        fill, edge, corners = style.get("fill"), style.get("edge"), [tuple(p) for p in points]
-        width = round(max(style.get("metres", 0) * self.scale, style.get("width", 0)) * FINE)
-        if "radius" in style:
-            radius, hole = max(style["radius"] * self.scale, style["least"]) * FINE, style["hole"] * self.scale * FINE
-            if hole > 0:  # a ring as a thick line: what is behind its hole stays to be seen
-                fill, edge, width = None, fill, max(round(radius - hole), 1)
-            disc(draw, points[0], radius, fill=fill, outline=edge, width=width)
-            return
-        if fill:
-            draw.polygon(corners, fill=fill)
-        if edge:
-            draw.line(corners + corners[: 1 if fill else 0], fill=edge, width=width, joint="curve" if style.get("round") else None)
-            for end in points[[0, -1]] if style.get("round") else ():
-                disc(draw, end, width / 2, fill=edge)
-
-    def clock(self, draw, number):
+    def clock(self, draw, number, above):
+        """In an image whose top is that far below that of the frame."""
         time = self.scene["time"]
         words = f"t = {time[number]:.3f} s"
         if self.speed != 1:
             words += f"  x 1/{1 / self.speed:g}" if self.speed < 1 else f"  x {self.speed:g}"
-        draw.text((MARGIN * FINE, self.footer() * FINE), words, fill=INK, font=self.font)
+        draw.text((MARGIN * FINE, (self.footer() - above) * FINE), words, fill=INK, font=self.font)
         if self.scene["strips"]:
-            x, top = self.along(time[number]), (self.size[1] - MARGIN / 2 - self.strips_height()) * FINE
-            draw.line([x, top - 3 * FINE, x, (self.size[1] - MARGIN / 2) * FINE], fill=INK, width=2 * FINE)
+            x, bottom = self.along(time[number]), (self.size[1] - MARGIN / 2 - above) * FINE
+            draw.line([x, bottom - (self.strips_height() + 3) * FINE, x, bottom], fill=INK, width=2 * FINE)
 
     def footer(self):
         return self.size[1] - self.bottom + MARGIN / 2
@@ -194,7 +120,3 @@ class Drawing:
 def even(number):
     """As the formats of films want it."""
     return int(number) + int(number) % 2
-
-
-def disc(draw, centre, radius, **look):
-    draw.ellipse([*(centre - radius), *(centre + radius)], **look)

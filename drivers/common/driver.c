@@ -115,7 +115,7 @@ static int run(job *j)
   interrupt_catch();
   report_begin(&j->report, &j->settings, j->sim);
   int status = simulation_run(j->sim, j->settings.t_end, &j->error);
-  report_end(&j->report, j->sim);
+  report_end(&j->report, j->sim, j->system);
   dump_end(&kept, status);
   return status;
 }

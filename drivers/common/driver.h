@@ -16,6 +16,12 @@ typedef struct driver_state {
   int coordinate;
 } driver_state;
 
+/* A result of a run beside its exact value, or that of a theory. unit: "" is none. */
+typedef struct driver_figure {
+  const char *name, *unit;
+  double value, exact;
+} driver_figure;
+
 struct settings;
 
 typedef struct driver_model {
@@ -24,10 +30,10 @@ typedef struct driver_model {
   const nsdae_params *parameters;
   void *base; /* the struct that the table describes; user pointer of the callbacks */
   double t_end;
-  double dt;          /* the step by default; 0: the library's */
-  int method;         /* by default; enum nsdae_method */
-  double contact_tol; /* by default; 0: the library's */
-  int projection;     /* by default, with implicit-printed and moreau; enum nsdae_projection */
+  double dt;                        /* the step by default; 0: the library's */
+  int method;                       /* by default; enum nsdae_method */
+  double contact_tol, contact_work; /* by default; 0: the library's */
+  int projection; /* by default, with implicit-printed and moreau; enum nsdae_projection */
   /* Reads the file of the parameter "file", which the command line names by a plain word. *dt, NULL
    * if the user gave one: its step. NULL: the model has no file. */
   int (*read)(void *base, double *dt, nsdae_error *error);
@@ -45,6 +51,9 @@ typedef struct driver_model {
   int (*state)(const void *base, int number, driver_state *state);
   /* Called with every record of a run; NULL: not needed. */
   void (*follow)(void *base, const nsdae_record *record);
+  /* The result that shows best whether a run is right; returns 0 if there is none. NULL: the first
+   * impact, the last reference state or the energy, see brief.c. */
+  int (*figure)(const void *base, driver_figure *figure);
   /* Prints results beside their references after the summary; NULL: nothing. */
   void (*conclude)(const void *base);
   int coordinates; /* number of coordinates of the reference states, at most 8 */

@@ -48,6 +48,7 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim)
                 .contacts = dims.k,
                 .tangents = dims.nt,
                 .exact = s->model->exact && s->model->exact(s->model->base, 0, &first)};
+  brief_begin(&r->brief, s);
   bar_begin(&r->bar, s->quiet);
   r->bar.begin = part_of(s, sim);
   if (s->quiet) return;
@@ -86,6 +87,7 @@ int report_observe(const nsdae_record *record, nsdae_error *error, void *user)
   const driver_model *model = r->settings->model;
   (void)error;
   if (model->follow) model->follow(model->base, record);
+  if (r->settings->brief) brief_observe(&r->brief, record);
   if (r->settings->quiet) return 0;
   if (record->impacts > 0) bar_clear(&r->bar);
   for (int i = 0; i < record->impacts; i++) {
@@ -161,21 +163,22 @@ static void print_remarks(const report *r, const nsdae_stats *stats)
   printf("a smaller --dt reduces both errors, --method event locates the impacts\n");
 }
 
-void report_end(report *r, const nsdae_sim *sim)
+void report_end(report *r, const nsdae_sim *sim, const nsdae_system *system)
 {
   nsdae_stats stats;
   nsdae_dims dims;
   nsdae_sim_get_stats(sim, &stats);
   nsdae_sim_get_dims(sim, &dims);
   bar_clear(&r->bar);
+  if (r->settings->brief) brief_end(&r->brief, sim, system);
   if (r->settings->quiet) return;
   if (r->contacts > 0 && r->rows > ROWS_MAX) printf("  ... and %d more\n", r->rows - ROWS_MAX);
   if (r->contacts > 0 && r->rows == 0) printf("  none\n");
   printf("\n%ld steps (%ld smooth, %ld with contact), %ld LCPs, %ld iterations, %ld impacts\n",
          stats.steps, stats.smooth_steps, stats.contact_steps, stats.lcps, stats.iterations,
          stats.impacts);
-  printf("worst LCP residual %.2e, constraint drift %.2e m, penetration %.2e m\n",
-         stats.worst_residual, stats.worst_drift, stats.worst_penetration);
+  printf("worst LCP residual %.2e (tolerance %.1e), constraint drift %.2e m, penetration %.2e m\n",
+         stats.worst_residual, stats.contact_tol, stats.worst_drift, stats.worst_penetration);
   print_certificate(&stats.certificate, &dims, stats.contact_capacity > 0);
   if (stats.rank < dims.m)
     printf("rank of the constraints %d of %d: redundant constraints have least-norm reactions\n",
@@ -197,7 +200,7 @@ void report_end(report *r, const nsdae_sim *sim)
     printf("%ld steps were taken by implicit: too many events, or events without progress\n",
            stats.fallback_steps);
   if (stats.inexact_steps > 0)
-    printf("%ld steps left a contact problem above contact_tol, see contact_give\n",
+    printf("%ld steps left a contact problem above its tolerance, see contact_give\n",
            stats.inexact_steps);
   if (stats.frozen_steps > 0)
     printf("%ld steps of implicit froze their contacts after 20 iterations\n", stats.frozen_steps);

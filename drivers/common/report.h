@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 
+#include "brief.h"
 #include "progress.h"
 #include "settings.h"
 
@@ -13,6 +14,7 @@ typedef struct report {
   int rows;               /* of the impact table so far */
   int exact;              /* something is known of the impacts */
   double fastest;         /* closing velocity of them [m/s] */
+  brief brief;
   bar bar;
 } report;
 
@@ -21,6 +23,6 @@ void report_begin(report *r, const settings *s, const nsdae_sim *sim);
 /* Observer: adds impacts to the table and moves the progress bar. user is the report. */
 int report_observe(const nsdae_record *record, nsdae_error *error, void *user);
 
-void report_end(report *r, const nsdae_sim *sim);
+void report_end(report *r, const nsdae_sim *sim, const nsdae_system *system);
 
 #endif

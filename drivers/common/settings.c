@@ -42,6 +42,7 @@ void settings_default(settings *s, const driver_model *model)
   if (model->dt > 0) s->options.dt = model->dt;
   settings_choose_method(s, model->method, &s->options);
   if (model->contact_tol > 0) s->options.contact_tol = model->contact_tol;
+  if (model->contact_work > 0) s->options.contact_work = model->contact_work;
   s->t_end = model->t_end;
   s->every = 1;
   snprintf(s->output, sizeof s->output, "%s.h5", model->name);
@@ -164,7 +165,7 @@ int settings_read(settings *s, const char *path, nsdae_error *error)
 }
 
 /* Options of the command line. */
-enum action { SET, ASSIGN, PARAMS, RESTART, NO_OUTPUT, COMPARE, QUIET, LIVE, HELP, VERSION };
+enum action { SET, ASSIGN, PARAMS, RESTART, NO_OUTPUT, COMPARE, QUIET, BRIEF, LIVE, HELP, VERSION };
 
 typedef struct flag {
   const char *name, *value; /* value: placeholder of its value, or NULL */
@@ -189,6 +190,7 @@ static const flag flags[] = {
     {"--compare", NULL, COMPARE, NULL, "also run all methods and compare them with a reference"},
     {"--live", NULL, LIVE, NULL, "allow concurrent readers of the trajectory (SWMR)"},
     {"--quiet", NULL, QUIET, NULL, "print errors only"},
+    {"--brief", NULL, BRIEF, NULL, "print one line: steps, impacts, a result, its exact value"},
     {"--help", NULL, HELP, NULL, "this text"},
     {"--version", NULL, VERSION, NULL, "version and build"},
 };
@@ -230,6 +232,10 @@ static int act(settings *s, const flag *f, char *value, nsdae_error *error)
     return assign(s, value, error);
   case NO_OUTPUT:
     s->output[0] = '\0';
+    break;
+  case BRIEF:
+    s->brief = 1;
+    s->quiet = 1;
     break;
   case QUIET:
     s->quiet = 1;

@@ -17,6 +17,7 @@ typedef struct settings {
   char friction_dump[NSDAE_PARAM_TEXT_SIZE];
   int friction_step;
   int quiet, live, compare;
+  int brief; /* one line; then quiet is set too */
   int help, version;
 } settings;
 

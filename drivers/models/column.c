@@ -54,6 +54,13 @@ static void conclude(const void *base)
          p->carried, p->weight, p->weight > 0 ? p->carried / p->weight - 1 : 0, p->fastest);
 }
 
+static int figure(const void *base, driver_figure *f)
+{
+  const column *p = base;
+  *f = (driver_figure){"force of the floor", "N", p->carried, p->weight};
+  return 1;
+}
+
 #define AT(field) offsetof(column, field)
 
 static const nsdae_param entries[] = {
@@ -81,4 +88,5 @@ const driver_model column_model = {.name = "column",
                                    .build = build,
                                    .start = start,
                                    .follow = follow,
+                                   .figure = figure,
                                    .conclude = conclude};

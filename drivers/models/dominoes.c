@@ -147,6 +147,13 @@ static void conclude(const void *base)
          theory, theory / scale);
 }
 
+static int figure(const void *base, driver_figure *f)
+{
+  const dominoes *p = base;
+  *f = (driver_figure){"speed of the wave", "m/s", p->speed, dominoes_theory(p)};
+  return p->speed > 0;
+}
+
 #define AT(field) offsetof(dominoes, field)
 
 static const nsdae_param entries[] = {
@@ -176,4 +183,5 @@ const driver_model dominoes_model = {.name = "dominoes",
                                      .build = build,
                                      .start = start,
                                      .follow = follow,
+                                     .figure = figure,
                                      .conclude = conclude};

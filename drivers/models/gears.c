@@ -143,6 +143,14 @@ static void conclude(const void *base)
          (double)p->teeth[0] / p->teeth[1], p->error, gears_bound(p, p->depth));
 }
 
+static int figure(const void *base, driver_figure *f)
+{
+  const gears *p = base;
+  *f = (driver_figure){"ratio of the gears", "", -p->turned[1] / p->turned[0],
+                       (double)p->teeth[0] / p->teeth[1]};
+  return 1;
+}
+
 #define AT(field) offsetof(gears, field)
 
 static const nsdae_param entries[] = {
@@ -178,4 +186,5 @@ const driver_model gears_model = {.name = "gears",
                                   .build = build,
                                   .start = start,
                                   .follow = follow,
+                                  .figure = figure,
                                   .conclude = conclude};

@@ -152,13 +152,17 @@ void newtons_cradle_exact(const newtons_cradle *p, int impact, double *v)
   for (int i = 1; i < p->n; i++) v[i] = (s + power) * p->v0 / p->n;
 }
 
-/* Of contact 0, the first that closes with a velocity; later impacts: see the file head. */
+/* Of contact 0, the first that closes with a velocity; later impacts: see the file head. Over a gap
+ * the first ball swings alone, and hits one ball of its mass. */
 static int exact(const void *base, int number, driver_exact *impact)
 {
   const newtons_cradle *p = base;
-  impact->time = 0;
+  const double rate = sqrt(p->g / p->L), part = p->gap * rate / p->v0;
+  impact->time = p->gap / p->v0;
   impact->normal_impulse = (p->n - 1) * p->m * (1 + p->e_N) * p->v0 / p->n;
-  return p->gap == 0 && number == 0;
+  if (p->gap > 0) impact->normal_impulse = p->m * (1 + p->e_N) / 2 * p->v0 * sqrt(1 - part * part);
+  if (p->gap > 0 && p->g > 0) impact->time = asin(part) / rate;
+  return part < 1 && number == 0;
 }
 
 /* Of ball or string number i. */

@@ -36,9 +36,14 @@ static const part parts[PARTS] = {
     {TORSO, CROSS, {-0.09, -0.32}, {-0.09, -0.76}, 0.07, {-0.09, -0.31}, {-0.5, -0.8}, {2, 0.3}},
     {RIGHT_LEG, HINGE, {-0.09, -0.78}, {-0.09, -1.2}, 0.055, {-0.09, -0.77}, {-2.4}, {0.05}}};
 
+static const char *const names[PARTS] = {"torso",     "head",       "left_arm", "left_hand",
+                                         "right_arm", "right_hand", "left_leg", "left_foot",
+                                         "right_leg", "right_foot"};
+
 /* A capsule of density 1000 kg/m^3, from end to end along z or x. */
-static int add_part(ragdoll *p, const part *a, double height)
+static int add_part(ragdoll *p, int i, double height)
 {
+  const part *a = &parts[i];
   double x = a->to[0] - a->from[0], z = a->to[1] - a->from[1], half = atan2(x, z) / 2;
   nsdae_solid solid = {.shape = NSDAE_SHAPE_CAPSULE,
                        .radius = a->radius,
@@ -50,7 +55,8 @@ static int add_part(ragdoll *p, const part *a, double height)
       .velocity = {0, -p->push, 0}};
   int status = nsdae_solid_inertia(&solid, 1000, &body.mass, body.inertia, NULL);
   if (status < 0) return status;
-  return nsdae_bodies_add_solid(p->world, nsdae_bodies_add(p->world, &body), &solid);
+  nsdae_bodies_add_solid(p->world, nsdae_bodies_add(p->world, &body), &solid);
+  return nsdae_bodies_set_name(p->world, NSDAE_NAMED_BODY, i, names[i]);
 }
 
 static void add_joint(ragdoll *p, int number, double height)
@@ -110,7 +116,7 @@ static int build(void *base, nsdae_system **system, nsdae_error *error)
   if (status < 0) return status;
   p->drift = p->growth = p->start = 0;
   if (p->steps > 0) status = add_stairs(p);
-  for (int i = 0; i < PARTS && status >= 0; i++) status = add_part(p, &parts[i], height);
+  for (int i = 0; i < PARTS && status >= 0; i++) status = add_part(p, i, height);
   for (int i = HEAD; i < PARTS && status >= 0; i++) add_joint(p, i, height);
   return world_end(p->world, status, system, error);
 }

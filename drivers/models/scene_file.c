@@ -8,6 +8,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "scene.h"
+
 static int read_scene(void *base, double *dt, nsdae_error *error)
 {
   scene_file *p = base;
@@ -88,6 +90,32 @@ static double cpu_now(void)
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* The floor is the only body below: its impulse is the weight times the time plus the change of
+ * momentum along z. */
+static void balance(scene_file *p, const nsdae_record *r)
+{
+  double momentum = 0, weight = 0;
+  for (int i = 0; i < p->scene.bodies; i++) {
+    momentum += p->scene.body[i].mass * r->v[6 * i + 2];
+    weight += p->scene.body[i].mass * p->scene.g;
+  }
+  if (p->steps < 0) {
+    p->impulse = p->given = 0;
+    p->momentum = momentum;
+    return;
+  }
+  p->impulse += world_ground_impulse(r);
+  p->given += weight * r->duration + momentum - p->momentum;
+  p->momentum = momentum;
+}
+
+static int figure(const void *base, driver_figure *f)
+{
+  const scene_file *p = base;
+  *f = (driver_figure){"impulse of the floor", "N s", p->impulse, p->given};
+  return !isfinite(p->scene.wall[0]); /* that of walls is not along z */
+}
+
 /* The first record, of the start or of a continued run, starts the clock. */
 static void follow(void *base, const nsdae_record *r)
 {
@@ -97,6 +125,7 @@ static void follow(void *base, const nsdae_record *r)
   p->deepest = r->penetration;
   p->deepest_ever = fmax(p->deepest_ever, r->penetration);
   p->raised = r->projection_energy;
+  balance(p, r);
   if (p->steps++ < 0) return;
   p->cpu += step;
   if (step <= p->cpu_worst) return;
@@ -132,9 +161,11 @@ const driver_model scene_file_model = {.name = "scene",
                                        .dt = 2e-3,
                                        .method = NSDAE_METHOD_MOREAU,
                                        .contact_tol = 1e-4,
+                                       .contact_work = 1e5, /* few steps need it, none more */
                                        .projection = NSDAE_PROJECTION_AUTO,
                                        .read = read_scene,
                                        .build = build,
                                        .start = start,
                                        .follow = follow,
+                                       .figure = figure,
                                        .conclude = conclude};

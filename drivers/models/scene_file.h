@@ -10,6 +10,8 @@ typedef struct scene_file {
   nsdae_bodies *world;
   double deepest, deepest_ever; /* penetration now, and the largest so far [m] */
   double raised;                /* energy that the projection added [J] */
+  double impulse, given;        /* of the floor, and as it follows from the momentum [N s] */
+  double momentum;              /* of all bodies along z at the start [N s] */
   double clock;                 /* CPU time of this thread at the last record [s] */
   double cpu, cpu_worst;        /* of all steps and of the worst [s] */
   long steps, worst;            /* number of steps, number of the worst */

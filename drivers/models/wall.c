@@ -69,6 +69,13 @@ static void conclude(const void *base)
          p->weight > 0 ? p->carried / p->weight - 1 : 0);
 }
 
+static int figure(const void *base, driver_figure *f)
+{
+  const wall *p = base;
+  *f = (driver_figure){"force of the floor", "N", p->carried, p->weight};
+  return 1;
+}
+
 #define AT(field) offsetof(wall, field)
 
 static const nsdae_param entries[] = {
@@ -98,4 +105,5 @@ const driver_model wall_model = {.name = "wall",
                                  .build = build,
                                  .start = start,
                                  .follow = follow,
+                                 .figure = figure,
                                  .conclude = conclude};

@@ -131,8 +131,9 @@ static const model_name names[] = {
 
 static int build(void *base, nsdae_system **system, nsdae_error *error)
 {
-  const woodpecker *p = base;
+  woodpecker *p = base;
   const nsdae_dims dims = {.nq = 3, .k = 3, .nt = 1};
+  p->pecks = 0;
   int status = nsdae_system_create(&dims, system, error);
   if (status < 0) return status;
   nsdae_system_set_user(*system, base);
@@ -160,6 +161,41 @@ static void start(const void *base, double *q0, double *v0)
   v0[2] = p->omega_S;
 }
 
+static void follow(void *base, const nsdae_record *r)
+{
+  woodpecker *p = base;
+  for (int i = 0; i < r->impacts; i++) {
+    if (r->impact[i].contact != WOODPECKER_BEAK) continue;
+    if (p->pecks++ == WOODPECKER_SETTLED) p->settled = r->impact[i].time;
+    p->last = r->impact[i].time;
+  }
+}
+
+/* The period of the limit cycle, as the event-driven method has it to 1e-6 s. */
+static int figure(const void *base, driver_figure *f)
+{
+  const woodpecker *p = base;
+  int cycles = p->pecks - 1 - WOODPECKER_SETTLED;
+  *f = (driver_figure){"mean period of a peck", "s", (p->last - p->settled) / cycles, 0.145976};
+  return cycles > 0;
+}
+
+enum { OVAL = 16 };
+
+/* An oval part of the bird about (x, y), of these half axes, in units of l_S and h_S; it leans with
+ * its top to the pole. */
+static void oval(const woodpecker *p, double x, double y, double high, double wide,
+                 double corner[3 * OVAL])
+{
+  for (int i = 0; i < OVAL; i++) {
+    double angle = 2 * 3.14159265358979323846 * i / OVAL;
+    double up = high * sin(angle), aside = wide * cos(angle);
+    corner[3 * i] = p->l_S * (x + 0.95 * aside - 0.3 * up);
+    corner[3 * i + 1] = p->h_S * (y + 0.3 * aside + 0.95 * up);
+    corner[3 * i + 2] = 0;
+  }
+}
+
 /* Tilts are small in the model, and real rotations here. So that what touches in the model touches
  * in the picture, the sleeve turns by asin(phi_M) and moves by r_M (1 - cos) along x, which leaves
  * the edges of its right wall at r_M +- h_M phi_M, and the bird moves so that its beak, at (-l_S,
@@ -168,8 +204,12 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
 {
   const woodpecker *p = base;
   double left[12], right[12];
-  const double bird[] = {-p->l_S,      p->h_S,        0, -0.1 * p->l_S, -p->h_S, 0,
-                         0.5 * p->l_S, -0.8 * p->h_S, 0, 0.3 * p->l_S,  p->h_S,  0};
+  const double beak[9] = {-p->l_S,        p->h_S, 0, -0.15 * p->l_S, 0.8 * p->h_S, 0,
+                          -0.15 * p->l_S, p->h_S, 0};
+  double bird[3 * OVAL], head[3 * OVAL], wing[3 * OVAL];
+  oval(p, 0.3, -0.1, 1.1, 0.4, bird);
+  oval(p, -0.12, 0.88, 0.38, 0.34, head);
+  oval(p, 0.42, -0.25, 0.75, 0.22, wing);
   outline_box(-1.25 * p->r_M, 0, 0.5 * p->r_M, 2 * p->h_M, left);
   outline_box(1.25 * p->r_M, 0, 0.5 * p->r_M, 2 * p->h_M, right);
   nsdae_body wall = {.shape = NSDAE_SHAPE_POLYGON,
@@ -189,18 +229,22 @@ static int bodies(const void *base, nsdae_trajectory *file, nsdae_error *error)
        .size = {p->r_0 / 2},
        .position = {"l_M", "y+l_M*phi_M"},
        .end = {"l_M+l_G", "y+l_M*phi_M+l_G*phi_S"}},
-      {.name = "bird",
-       .shape = NSDAE_SHAPE_POLYGON,
-       .points = 4,
-       .point = bird,
-       .position = {"l_M+l_G+l_S*(cos(phi_S)-1)+h_S*(sin(phi_S)-phi_S)", "y+l_M*phi_M+l_G*phi_S"},
-       .angle = "phi_S"},
+      {.name = "bird", .points = OVAL, .point = bird, .colour = "#39424e"},
+      {.name = "beak", .points = 3, .point = beak, .colour = "#d9a441"},
+      {.name = "head", .points = OVAL, .point = head, .colour = "#b0302a"},
+      {.name = "wing", .points = OVAL, .point = wing, .colour = "#8fa0b3"},
   };
+  for (int i = 4; i < 8; i++) {
+    body[i].shape = NSDAE_SHAPE_POLYGON;
+    body[i].position[0] = "l_M+l_G+l_S*(cos(phi_S)-1)+h_S*(sin(phi_S)-phi_S)";
+    body[i].position[1] = "y+l_M*phi_M+l_G*phi_S";
+    body[i].angle = "phi_S";
+  }
   body[1].name = "sleeve, left";
   body[1].point = left;
   body[2].name = "sleeve, right";
   body[2].point = right;
-  return nsdae_trajectory_set_bodies(file, 5, body, error);
+  return nsdae_trajectory_set_bodies(file, 8, body, error);
 }
 
 #define AT(field) offsetof(woodpecker, field)
@@ -255,4 +299,6 @@ const driver_model woodpecker_model = {.name = "woodpecker",
                                        .dt = 1e-4,
                                        .build = build,
                                        .start = start,
-                                       .bodies = bodies};
+                                       .bodies = bodies,
+                                       .follow = follow,
+                                       .figure = figure};

@@ -13,6 +13,7 @@ import numpy as np
 
 import sweeps
 from bodies import COLOURS, WHOLE, bodies_of, colours_of, names_of, read_rows
+from choice import BAND, LEGEND_MAX, Choice
 from contacts import contacts_of, step_length
 from formula import evaluate
 from modes import MODE_COLOURS, MODES, has_strips, kinds_of, strips
@@ -21,11 +22,9 @@ from trajectory import Parser, Problem, has_list, heading, names_of_rows, open_t
 FORMATS = (".png", ".svg", ".pdf")
 NEEDED = ("v", "energy/kinetic", "energy/dissipated", "certificate", "impact/time")
 POINTS_MAX = 20000  # more than this of a line are drawn as an image within an SVG or PDF
-LEGEND_MAX = 12  # lines in a legend
 COLUMN_MAX = 8  # of them beside a row of its height
 STRIPS_MAX = 24
 IMPACTS_MAX = 100  # drawn impacts
-LINES_MAX = 48  # drawn lines
 NAMES_MAX = 12  # in a message
 RECORDS_MAX = 240  # of a large system's
 DOTS_MAX = 20000
@@ -36,8 +35,8 @@ HEIGHT, LOW, STRIP_HEIGHT = 1.8, 1.2, 0.26  # inches
 class Row:
     """A row of the picture: its axis has one unit."""
 
-    def __init__(self, title, draw, height=HEIGHT):
-        self.title, self.draw, self.height = title, draw, height
+    def __init__(self, title, draw, height=HEIGHT, note=""):
+        self.title, self.draw, self.height, self.note = title, draw, height, note
 
 
 def titled(name, unit):
@@ -94,38 +93,51 @@ def coordinate_of(file, column):
     return 7 * body + min(entry, 3) if nq * 6 == nv * 7 else None
 
 
-def by_unit(file, time, kind, path, title):
+def rows_of(title, when, values, names, units, kind, choice, look):
+    """A row for each unit of the columns: lines, or of very many a band. look(i, used): of a column."""
+    rows = []
+    for unit in dict.fromkeys(units):
+        mine = [i for i in range(len(names)) if units[i] == unit]
+        if choice.banded(len(mine)):
+            rows.append(Row(titled(title, unit), lambda axes, mine=mine: band(axes, when, values[:, mine], kind)))
+            continue
+        drawn, note = choice.of([names[i] for i in mine], values[:, mine])
+        drawn = [mine[i] for i in drawn]
+
+        def lines(axes, drawn=drawn):
+            used = []
+            for i in drawn:
+                line(axes, when, values[:, i], names[i], **look(i, used))
+
+        rows += [Row(titled(title, unit), lines, note=note)] if drawn else []
+    return rows
+
+
+def by_unit(file, time, kind, path, title, choice):
     """A row for each unit of the columns of a dataset."""
     records = some(file[path], time)
     values, when = read_rows(file[path], records), time[records]
-    colours = looks_of(file) if values.shape[1] <= LINES_MAX else {}
+    colours = looks_of(file) if values.shape[1] <= 4 * BAND else {}
     names = names_of_rows(file, kind, values.shape[1])
     units = [text(u) for u in file.get(f"{kind}_unit", [])][: len(names)]
     units += [text(file[path].attrs.get("units", ""))] * (len(names) - len(units))
 
-    def draw(unit):
-        mine = [i for i in range(len(names)) if units[i] == unit]
+    def look(i, used):
+        colour = colours.get(i if kind == "coordinate" else coordinate_of(file, i))
+        used.append(colour)
+        return look_of(colour, used.count(colour) - 1)
 
-        def lines(axes):
-            if len(mine) > LINES_MAX:
-                return band(axes, when, values[:, mine], kind)
-            used = []
-            for i in mine:
-                colour = colours.get(i if kind == "coordinate" else coordinate_of(file, i))
-                line(axes, when, values[:, i], names[i], **look_of(colour, used.count(colour)))
-                used.append(colour)
-
-        return lines
-
-    return [Row(titled(title, unit), draw(unit)) for unit in dict.fromkeys(units)]
+    few = len(names) <= LEGEND_MAX or choice.names  # of many bodies no entries of quaternions
+    rows = rows_of(title, when, values, names, units, kind, choice, look)
+    return [row for row in rows if few or row.title != title]
 
 
-def coordinates(file, time):
-    return by_unit(file, time, "coordinate", "q", "coordinates")
+def coordinates(file, time, choice):
+    return by_unit(file, time, "coordinate", "q", "coordinates", choice)
 
 
-def velocities(file, time):
-    return by_unit(file, time, "velocity", "v", "velocities")
+def velocities(file, time, choice):
+    return by_unit(file, time, "velocity", "v", "velocities", choice)
 
 
 def steps(file, time):
@@ -145,28 +157,18 @@ def struck(file, time):
 FORCE = {"m": "N", "rad": "N m", "1": "N m"}  # of a constraint of that unit: their product is a work
 
 
-def multipliers(file, time):
+def multipliers(file, time, choice):
     """A row for each unit. Steps with an impact, whose multipliers are impulses, and the start are left out."""
     records = some(file["multiplier"], time)
     left_out = struck(file, time) | (steps(file, time) <= 0)
-    records = records[~left_out[records]] if file["multiplier"].shape[1] > LINES_MAX else records
+    records = records[~left_out[records]] if file["multiplier"].shape[1] > BAND else records
     values = np.where(left_out[records, None], np.nan, read_rows(file["multiplier"], records))
     names = names_of_rows(file, "constraint", values.shape[1])
+    if len(names) <= BAND and choice.leaves_out("multipliers", len(names), "forces of constraints"):
+        return []
     units = [FORCE.get(text(u), "") for u in file.get("constraint_unit", [])][: len(names)]
     units += [""] * (len(names) - len(units))
-
-    def draw(unit):
-        mine = [i for i in range(len(names)) if units[i] == unit]
-
-        def lines(axes):
-            if len(mine) > LINES_MAX:
-                return band(axes, time[records], values[:, mine], "constraint")
-            for i in mine:
-                line(axes, time[records], values[:, i], names[i])
-
-        return lines
-
-    return [Row(titled("mean forces of\nconstraints", unit), draw(unit)) for unit in dict.fromkeys(units)]
+    return rows_of("mean forces of\nconstraints", time[records], values, names, units, "constraint", choice, lambda i, used: {})
 
 
 def impacts(file, *names):
@@ -175,9 +177,10 @@ def impacts(file, *names):
     return [column[:min(map(len, columns))] for column in columns]
 
 
-def modes(file, time):
+def modes(file, time, choice):
     """Stick, slip and open as a strip for each contact; impacts are ticks in it."""
-    shown = strips(file, time, np.unique(np.linspace(0, len(time) - 1, 2000).astype(int)))[:STRIPS_MAX]
+    shown = strips(file, time, np.unique(np.linspace(0, len(time) - 1, 2000).astype(int)))
+    shown = [strip for strip in shown if not choice.names or choice.asks_for(strip["name"])][:STRIPS_MAX]
     when, which = impacts(file, "time", "id")
 
     def draw(axes):
@@ -197,7 +200,7 @@ def modes(file, time):
     return [Row("", draw, max(STRIP_HEIGHT * (len(shown) + 1), 0.9))]
 
 
-def forces(file, time):
+def forces(file, time, choice):
     """Mean forces of contacts and frictional joints between impacts: the impulse of a step over its length. Steps with an
     impact are left out, because an impact elsewhere also causes impulses in closed contacts."""
     step, hit = steps(file, time), struck(file, time)
@@ -214,17 +217,21 @@ def forces(file, time):
                 number = f" {j}" if rest.shape[2] > 1 else ""
                 lines.append((rest[:, i, j], f"{row}, {symbol}{number}", "-" if symbol == "normal" else "--"))
 
+    lines = [one for one in lines if np.any(one[0][~hit] != 0)]
+    if choice.leaves_out("forces", len(lines), "forces of contacts and friction"):
+        return []
+    means = np.array([np.divide(values, step, out=np.full(len(time), np.nan), where=(step > 0) & ~hit) for values, *_ in lines])
+    drawn, note = choice.of([name for _, name, _ in lines], means.T) if lines else ([], "")
+
     def draw(axes):
-        for values, name, style in lines:
-            mean = np.divide(values, step, out=np.full(len(time), np.nan), where=(step > 0) & ~hit)
-            line(axes, time, mean, name, linestyle=style, linewidth=1)
+        for i in drawn:
+            line(axes, time, means[i], lines[i][1], linestyle=lines[i][2], linewidth=1)
         axes.axhline(0, color="0.8", linewidth=0.6, zorder=0)
 
-    lines = [one for one in lines if np.any(one[0][~hit] != 0)]
-    return [Row("mean contact\nforces [N]", draw)] if lines else []
+    return [Row("mean contact\nforces [N]", draw, note=note)] if drawn else []
 
 
-def listed(file, time):
+def listed(file, time, choice):
     """Of a contact list the number of closed contacts and their mean forces over a step. Steps with an impact are left
     out, as above, unless they are the majority."""
     records, dt = some(file["contacts/id"], time), step_length(file)
@@ -261,7 +268,7 @@ def listed_impulses(file, time):
     return [Row("impulses of\nimpacts [N s]", draw)]
 
 
-def impulses(file, time):
+def impulses(file, time, choice):
     """Of impacts, as they are."""
     if has_list(file):
         return listed_impulses(file, time)
@@ -287,7 +294,7 @@ def impulses(file, time):
     return [Row("impulses of\nimpacts [N s]", draw)]
 
 
-def energy(file, time):
+def energy(file, time, choice):
     """The potential is counted from the start: only its changes mean something."""
     values = {name: dataset[: len(time)] for name, dataset in file["energy"].items()}
 
@@ -302,7 +309,7 @@ def energy(file, time):
     return [Row("energy [J]", draw)]
 
 
-def certificate(file, time):
+def certificate(file, time, choice):
     """What rounding alone explains is drawn at rounding."""
     group = file["certificate"]
     reach = max(float(np.max(np.abs(read_rows(file["q"], some(file["q"], time))), initial=0)), 1e-300)
@@ -392,9 +399,11 @@ def grows(dataset):
     return dataset.maxshape[:1] == (None,)
 
 
-def draw(file, names, title):
-    time = file["time"][: records(file)]
-    rows = [row for name in names for row in PANELS[name][0](file, time)]
+def draw(file, names, title, wanted=None, asked=None):
+    """wanted, asked: patterns of the names of what is drawn, panels that were asked for, see Choice."""
+    time, choice = file["time"][: records(file)], Choice(wanted, asked)
+    rows = [row for name in names for row in PANELS[name][0](file, time, choice)]
+    choice.check()
     if not rows:
         raise Problem(f"the trajectory has nothing for {', '.join(names)}")
     heights = [row.height for row in rows]
@@ -409,8 +418,9 @@ def draw(file, names, title):
             drawn.set_rasterized(len(time) > POINTS_MAX)
         axis.spines[["top", "right"]].set_visible(False)
         if axis.get_legend() is None and 0 < len(axis.get_legend_handles_labels()[0]) <= LEGEND_MAX:
-            outside(axis)
-    axes[-1, 0].set_xlabel("time [s]")
+            outside(axis, title=row.note or None, title_fontsize="small", alignment="left")
+    left_out = f"\nleft out: {', '.join(choice.left_out)}" if choice.left_out else ""
+    axes[-1, 0].set_xlabel("time [s]" + left_out)
     figure.suptitle(title)
     figure.align_ylabels()
     return figure
@@ -492,10 +502,13 @@ parameter_at.__name__ = "value of a parameter (NAME=VALUE)"  # argparse quotes i
 
 def parse(argv):
     parser = Parser(prog="nsdae-plot", description=__doc__)
-    parser.add_argument("file", help="trajectory, e.g. pendulum.h5")
-    parser.add_argument("-o", "--output", help="picture: .png, .svg or .pdf; default FILE.png")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="trajectory, e.g. pendulum.h5")
+    parser.add_argument("-o", "--output", help="picture of one file: .png, .svg or .pdf; default FILE.png")
     parser.add_argument("--only", action="append", metavar="PANEL",
                         help=f"draw this panel ({', '.join(PANELS)}), or this quantity of a sweep, e.g. final/q; repeatable")
+    parser.add_argument("--name", action="append", metavar="PATTERN",
+                        help="draw these coordinates, velocities, constraints and contacts, e.g. 'z*'; repeatable; "
+                        "default all, or of more than 12 the 6 that vary most")
     parser.add_argument("--at", action="append", default=[], type=parameter_at, metavar="NAME=VALUE",
                         help="for a sweep: the runs with the nearest value of this parameter; repeatable")
     parser.add_argument("--certificate", action="store_true", help="energy and certificate in place of motion and forces")
@@ -512,19 +525,21 @@ def parse(argv):
     unknown = [name for name in arguments.only or () if name not in PANELS and "/" not in name]
     if unknown:
         parser.error(f"--only '{unknown[0]}': a panel is one of {', '.join(PANELS)}; a sweep's quantity has a '/'")
-    if arguments.output is None:
-        arguments.output = os.path.splitext(arguments.file)[0] + ".png"
-    elif not arguments.output.lower().endswith(FORMATS):
+    if arguments.output and len(arguments.files) > 1:
+        parser.error(f"--output is for one file, not {len(arguments.files)}")
+    if arguments.output is not None and not arguments.output.lower().endswith(FORMATS):
         parser.error(f"--output '{arguments.output}' must end with {', '.join(FORMATS)}")
+    arguments.file = arguments.files[0]
     return arguments
 
 
-def picture(figure, arguments):
+def picture(figure, output, dpi):
     """The file's bytes."""
     whole = io.BytesIO()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of names with characters that the font has not
-        figure.savefig(whole, format=arguments.output[-3:].lower(), dpi=arguments.dpi)
+        figure.savefig(whole, format=output[-3:].lower(), dpi=dpi)
+    plt.close(figure)
     return whole.getbuffer()
 
 
@@ -545,16 +560,17 @@ def figure_of(arguments):
         title = arguments.title or title_of(file, arguments.file)
         if arguments.phase or arguments.path:
             return portraits(file, arguments.phase, arguments.path, title)
-        return draw(file, panels(file, arguments.only, arguments.certificate), title)
+        return draw(file, panels(file, arguments.only, arguments.certificate), title, arguments.name, arguments.only)
 
 
 def main(argv):
     arguments = parse(argv)
     matplotlib.use("Agg")  # no window, whatever the user's own choice is
     try:
-        figure = figure_of(arguments)
-        replace(arguments.output, picture(figure, arguments))
-        tell(f"picture in {arguments.output}")
+        for arguments.file in arguments.files:
+            output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
+            replace(output, picture(figure_of(arguments), output, arguments.dpi))
+            tell(f"picture in {output}")
     except Problem as problem:
         print(f"nsdae-plot: error: {problem}", file=sys.stderr)
         return 1

@@ -184,12 +184,28 @@ def placed(solid, records):
     return np.broadcast_to(position + points, (len(records), *solid.shape.points.shape))
 
 
-def normals_of(points, polygons):
-    """Of polygons of these points, by Newell's sum; of length one, or zero if it has no area."""
-    normals, corners = np.zeros((len(polygons), 3)), np.array([len(polygon) for polygon in polygons])
-    for count in set(corners):  # all of as many corners at once
+def faces_by_corners(polygons):
+    """Polygons by their number of corners: their numbers [n], and their points [n, corners]."""
+    corners = np.array([len(polygon) for polygon in polygons])
+    for count in sorted(set(corners)):
         mine = np.flatnonzero(corners == count)
-        loops = points[np.array([polygons[i] for i in mine])]
-        normals[mine] = np.cross(loops, np.roll(loops, -1, axis=1)).sum(axis=1)
+        yield mine, np.array([polygons[i] for i in mine])
+
+
+def normals_of_loops(loops):
+    """Of polygons [n, corners, 3], by Newell's sum; of length one, or zero if it has no area."""
+    loops = loops - loops[:, :1]  # no cancellation far from the origin
+    ahead = np.roll(loops, -1, axis=1)
+    # sums of a x b over the edges a b: (y z' - z y', z x' - x z', x y' - y x')
+    normals = np.stack([np.einsum("nc,nc->n", loops[..., j], ahead[..., k]) - np.einsum("nc,nc->n", loops[..., k], ahead[..., j])
+                        for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / np.where(length > 0, length, 1)
+
+
+def normals_of(points, polygons):
+    """Of polygons of these points, as above."""
+    normals = np.zeros((len(polygons), 3))
+    for mine, faces in faces_by_corners(polygons):
+        normals[mine] = normals_of_loops(points[faces])
+    return normals

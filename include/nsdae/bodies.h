@@ -397,7 +397,8 @@ typedef struct nsdae_user_rows {
 /* Creates an empty model of dimension 2 or 3. error may be NULL. NSDAE_E_ARGUMENT, NSDAE_E_MEMORY.
  */
 NSDAE_API int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error);
-/* Frees the model and sets *bodies to NULL. Destroy its system first. */
+/* Sets *bodies to NULL. A system made of the model keeps what it reads: handles can be destroyed in
+ * any order, before, during and after a run. */
 NSDAE_API void nsdae_bodies_destroy(nsdae_bodies **bodies);
 
 /* Each function adds one object and returns its number, or a status < 0. The first failure is
@@ -480,8 +481,8 @@ NSDAE_API int nsdae_bodies_set_gravity(nsdae_bodies *bodies, const double *gravi
 NSDAE_API int nsdae_bodies_set_user_rows(nsdae_bodies *bodies, const nsdae_user_rows *own);
 
 /* Makes the system. Each body is a block of v, the user velocities are the last block
- * (nsdae/system.h: large systems). No object can be added later. bodies must outlive the system;
- * the caller destroys the system. Returns NSDAE_OK or:
+ * (nsdae/system.h: large systems). No object can be added later. The system keeps the model;
+ * the caller destroys both, in any order. Returns NSDAE_OK or:
  *
  * - NSDAE_WARN_MODEL: the system is made; nsdae_bodies_error names a likely mistake, such as a
  *  body whose solids touch nothing (docs/guide/mistakes.md)

@@ -164,7 +164,7 @@ struct system_guts {
   system_guts(const system_guts &) = delete;
   system_guts &operator=(const system_guts &) = delete;
   ~system_guts() { nsdae_system_destroy(&c); }
-  std::shared_ptr<void> world; /* the model that c is made of; outlives c */
+  std::shared_ptr<void> world; /* with the drives and loads that c calls; outlives c */
 };
 
 /* nsdae_bodies with the drives and forces that it calls. */
@@ -869,7 +869,7 @@ public:
     return *this;
   }
 
-  /* nsdae_bodies_system; the system keeps this object alive. A warning is in last_error. */
+  /* nsdae_bodies_system; the system keeps the model and its callbacks. A warning is in last_error. */
   nsdae::system system() const
   {
     nsdae::system made;

@@ -91,14 +91,18 @@ typedef struct nsdae_sim_options {
   int redundant;                          /* enum nsdae_redundant */
   double rank_tol;                        /* sine of the angle to the other rows below which a
                                              constraint is redundant */
-  double contact_tol;                     /* tolerance of the scaled natural residual of contact
-                                             problems */
+  double contact_tol;  /* tolerance of the scaled natural residual of contact problems; 0 ("auto",
+                          the default): 1e-10, and 1e-4 for islands of more than 11 contacts and
+                          frictional joints with second-order cones. contact_tol of the record is
+                          the tolerance that was used */
   double contact_work; /* multiplications by J that the contact problem of an island may take: a
-                          tenth of it to reach contact_tol, all to reach contact_give times that.
+                          tenth of it to reach contact_tol, all to reach the bound of contact_give.
                           An island of fewer than 100 contacts counts as one of 100. 0 (default):
-                          1e4 if contact_tol >= 1e-5, else the budget of nsdae_friction_options */
+                          1e4 to a tolerance of 1e-5 or more; else 1e6, and a tenth of it is at
+                          most the budget of nsdae_friction_options */
   double contact_give; /* a step goes on with the best point if its residual is at most this times
-                          contact_tol; 1: it fails */
+                          contact_tol, or times 1e-4 if that is more; 1: it fails above
+                          contact_tol */
   int polygon; /* edges of the friction polygon for nt = 2: 3 .. 32; 0: second-order Coulomb cone */
   double impact_velocity;   /* a slower closing velocity is no impact [m/s] */
   double rtol, atol;        /* tolerances of the integrator of penalty and event */
@@ -234,6 +238,8 @@ typedef struct nsdae_record {
   double lcp_residual;        /* scaled natural residual of the contact problem, 0 without one;
                                  time stepping: that of friction.h over all contacts of the step;
                                  event: the largest of its complementarity problems */
+  double contact_tol;         /* the largest tolerance of these problems, 0 without one: the option,
+                                 or what auto chose */
   double constraint_drift;    /* max |Phi| */
   double penetration;         /* max(0, -g_N) of all contacts */
   const nsdae_impact *impact; /* [impacts] */
@@ -272,7 +278,8 @@ typedef struct nsdae_stats {
   long impacts;                                 /* as recorded */
   long events, accumulations;                   /* method event: events; closed accumulations */
   long fallback_steps;                          /* method event: dt taken by implicit instead */
-  long inexact_steps; /* steps that went on with a residual above contact_tol, see contact_give */
+  long inexact_steps; /* steps with an island whose residual is above its tolerance, see
+                         contact_give */
   long frozen_steps;  /* implicit: steps whose contacts were frozen, as their iteration stagnated */
   long accumulations_early; /* method event: accumulations closed before accumulation_time,
                                because the velocity is below rtol and atol or chattering lasted
@@ -282,6 +289,7 @@ typedef struct nsdae_stats {
   double rank_discarded; /* of discarded (redundant) rows: the largest; 0 if none */
   int rank, rank_most;   /* smallest and largest rank of Phi_q; if they differ, see rank_tol */
   double worst_residual; /* of all contact problems */
+  double contact_tol;    /* the largest tolerance of them; 0: there was none */
   double worst_drift;    /* max |Phi| [in its units] */
   double worst_penetration; /* max(0, -g_N) [m] */
   double energy_start;      /* kinetic + potential at the start [J] */
@@ -307,7 +315,11 @@ typedef struct nsdae_stats {
 NSDAE_API int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *options,
                                nsdae_sim **sim, nsdae_error *error);
 /* Frees the simulation and sets *sim to NULL; NULL and a pointer to NULL are allowed. While another
- * call on the simulation is in progress, nothing is freed and *sim is unchanged. */
+ * call on the simulation is in progress, nothing is freed and *sim is unchanged.
+ *
+ * A callback must return. After one that left by a C++ exception or longjmp, only this call is
+ * accepted; every other one is NSDAE_E_STATE. After longjmp it must be in the function that ran the
+ * simulation, or in a caller of that function. */
 NSDAE_API void nsdae_sim_destroy(nsdae_sim **sim);
 
 /* Makes initial conditions consistent, by the least change in the metric of M. q0 [nq] is moved

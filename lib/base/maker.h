@@ -53,7 +53,8 @@ typedef struct nsdae_tunnelling {
 } nsdae_tunnelling;
 
 typedef struct nsdae_maker {
-  const void *of; /* handed to each */
+  const void *of; /* handed to each; owned by the system */
+  void (*release)(const void *of);
   /* Whether the derivatives of row i of a kind (enum nsdae_name_kind) are the maker's formulas. */
   int (*exact)(const void *of, int kind, int i);
   /* The element of row i: "revolute joint 2 of bodies 0, 1". A contact of a list by its id. 0:
@@ -80,6 +81,8 @@ typedef struct nsdae_maker {
    * of both bodies. NSDAE_OK or NSDAE_E_MEMORY. */
   int (*tunnelling)(const double *q, const double *v, double h, double share,
                     nsdae_tunnelling *worst, const void *user);
+  /* Whether a contact may get deeper in h than the slop, by these velocities. */
+  int (*may_enter)(const double *v, double h, const void *user);
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

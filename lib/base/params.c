@@ -68,10 +68,18 @@ static void list_choices(const nsdae_param *param, const char *last, char *text,
   }
 }
 
+/* The word for zero; NULL: none. */
+static const char *word_of_zero(const nsdae_param *param)
+{
+  return param->type != NSDAE_PARAM_CHOICE && param->open & NSDAE_OR_ZERO && param->choices
+             ? param->choices[0]
+             : NULL;
+}
+
 void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
 {
   const char *low = param->open & NSDAE_OPEN_MIN ? "greater than" : "at least";
-  const char *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
+  const char *zero = word_of_zero(param), *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
   if (size > 0) text[0] = '\0';
   if (param->type == NSDAE_PARAM_TEXT) return;
   if (param->type == NSDAE_PARAM_CHOICE)
@@ -83,8 +91,9 @@ void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
   else if (isinf(param->min))
     snprintf(text, size, "%s %g", high, param->max);
   else
-    snprintf(text, size, "%s%s %g and %s %g", param->open & NSDAE_OR_ZERO ? "0, or " : "", low,
-             param->min, high, param->max);
+    snprintf(text, size, "%s%s%s %g and %s %g", zero ? zero : "",
+             !(param->open & NSDAE_OR_ZERO) ? "" : zero ? ", or " : "0, or ", low, param->min, high,
+             param->max);
 }
 
 static int check_number(const nsdae_param *param, double value, nsdae_error *error)
@@ -188,10 +197,12 @@ static int set_text(const nsdae_param *param, void *base, const char *value, nsd
 
 static int set_number(const nsdae_param *param, void *base, const char *value, nsdae_error *error)
 {
-  double number;
-  if (!nsdae_number_read(value, &number))
+  double number = 0;
+  const char *zero = word_of_zero(param);
+  if (!(zero && strcmp(value, zero) == 0) && !nsdae_number_read(value, &number))
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
-                           "%s = '%s' is not a number", param->key, value);
+                           "%s = '%s' is not a number%s%s", param->key, value, zero ? ", nor " : "",
+                           zero ? zero : "");
   int whole = number >= INT_MIN && number <= INT_MAX && number == floor(number);
   if (param->type == NSDAE_PARAM_INT && isfinite(number) && !whole)
     return nsdae_error_set(error, NSDAE_E_ARGUMENT, "nsdae_params", param->key,
@@ -222,8 +233,11 @@ void nsdae_params_format(const nsdae_param *param, const void *base, char *text,
     return;
   }
   double value = number_at(param, base);
+  const char *zero = word_of_zero(param);
   if (param->type == NSDAE_PARAM_CHOICE)
     snprintf(text, size, "%s", param->choices[(int)value]);
+  else if (zero && value == 0)
+    snprintf(text, size, "%s", zero);
   else if (param->type == NSDAE_PARAM_INT)
     snprintf(text, size, "%d", (int)value);
   else

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <lapacke.h>
-
 #include "broad_phase.h"
 #include "errors.h"
 #include "bodies_impl.h"
@@ -26,15 +24,16 @@ int nsdae_bodies_create(int dimension, nsdae_bodies **bodies, nsdae_error *error
   nsdae_bodies *made = calloc(1, sizeof *made);
   if (!made) return nsdae_error_memory(error, "nsdae_bodies_create");
   made->dimension = dimension;
+  atomic_init(&made->life.owners, 1);
   nsdae_error_clear(&made->error);
   *bodies = made;
   return NSDAE_OK;
 }
 
-void nsdae_bodies_destroy(nsdae_bodies **bodies)
+void nsdae_bodies_let_go(const void *bodies)
 {
-  if (!bodies || !*bodies) return;
-  nsdae_bodies *b = *bodies;
+  nsdae_bodies *b = (nsdae_bodies *)(uintptr_t)bodies;
+  if (atomic_fetch_sub(&b->life.owners, 1) > 1) return;
   for (int i = 0; i < b->solid.count; i++) {
     free(nsdae_solid_at(b, i)->point);
     nsdae_hull_release(nsdae_solid_at(b, i)->hull);
@@ -47,6 +46,12 @@ void nsdae_bodies_destroy(nsdae_bodies **bodies)
   for (int i = 0; i < NSDAE_BROADS; i++) nsdae_broad_release(b->broad[i]);
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]->at);
   free(b);
+}
+
+void nsdae_bodies_destroy(nsdae_bodies **bodies)
+{
+  if (!bodies || !*bodies) return;
+  nsdae_bodies_let_go(*bodies);
   *bodies = NULL;
 }
 
@@ -84,7 +89,7 @@ int nsdae_bodies_open(nsdae_bodies *b, const void *given, const char *what)
 {
   if (!b) return NSDAE_E_ARGUMENT;
   if (b->error.status < 0) return b->error.status;
-  if (b->made)
+  if (b->life.made)
     return nsdae_error_set(&b->error, NSDAE_E_STATE, "nsdae_bodies", what,
                            "the system exists: add all objects before nsdae_bodies_system");
   if (!given)
@@ -156,6 +161,29 @@ int nsdae_bodies_check_turn(nsdae_bodies *b, const char *what, int index, double
   return status;
 }
 
+/* Eigenvalues of T, ascending, by cyclic Jacobi rotations (Golub and Van Loan, Matrix Computations,
+ * 8.5.3): a sweep squares what is off the diagonal once it is small, so six reach rounding. */
+static void principal_moments(double T[3][3], double moment[3])
+{
+  for (int turn = 0; turn < 18; turn++) {
+    int p = turn % 3 == 2, q = turn % 3 == 0 ? 1 : 2, r = 3 - p - q;
+    if (T[p][q] == 0) continue;
+    double c = (T[q][q] - T[p][p]) / 2, x = T[r][p], y = T[r][q];
+    double tangent = T[p][q] / (c + copysign(hypot(c, T[p][q]), c)),
+           cosine = 1 / sqrt(1 + tangent * tangent);
+    T[p][p] -= tangent * T[p][q];
+    T[q][q] += tangent * T[p][q];
+    T[p][q] = T[q][p] = 0;
+    T[r][p] = T[p][r] = cosine * (x - tangent * y);
+    T[r][q] = T[q][r] = cosine * (y + tangent * x);
+  }
+  for (int i = 0; i < 3; i++) {
+    int at = i;
+    for (; at > 0 && moment[at - 1] > T[i][i]; at--) moment[at] = moment[at - 1];
+    moment[at] = T[i][i];
+  }
+}
+
 /* The tensor J of a body is int (r.r 1 - r r^T) dm, so its principal moments are
  *
  *   J_i > 0,   J_2 <= J_0 + J_1,   ascending; equal if the mass lies in a plane
@@ -165,7 +193,7 @@ static int check_inertia(nsdae_bodies *b, int index, const nsdae_rigid_body *bod
 {
   const char *what = "body", *name = "inertia";
   const double *J = body->inertia, *P = body->product;
-  double T[9] = {J[0], P[0], P[1], P[0], J[1], P[2], P[1], P[2], J[2]}, principal[3], work[8];
+  double T[3][3] = {{J[0], P[0], P[1]}, {P[0], J[1], P[2]}, {P[1], P[2], J[2]}}, principal[3];
   for (int i = b->dimension == 2 ? 2 : 0; i < 3; i++)
     if (!(isfinite(J[i]) && J[i] > 0))
       return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, name, index,
@@ -176,9 +204,7 @@ static int check_inertia(nsdae_bodies *b, int index, const nsdae_rigid_body *bod
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "product", index,
                                "product (%g, %g, %g) in the plane must be 0", P[0], P[1], P[2]);
   if (b->dimension == 2) return NSDAE_OK;
-  if (LAPACKE_dsyev_work(LAPACK_COL_MAJOR, 'N', 'U', 3, T, 3, principal, work, 8) != 0)
-    return nsdae_bodies_refuse(b, NSDAE_E_CONVERGENCE, what, name, index,
-                               "the principal moments were not found");
+  principal_moments(T, principal);
   if (!(principal[0] > 0))
     return nsdae_bodies_refuse(b, NSDAE_E_ARGUMENT, what, "product", index,
                                "the inertia tensor has the principal moment %g: it must be above 0",
@@ -391,6 +417,6 @@ int nsdae_bodies_system(nsdae_bodies *b, nsdae_system **system)
     nsdae_system_destroy(system);
     return status;
   }
-  b->made = 1;
+  b->life.made = 1;
   return nsdae_bodies_note(b);
 }

@@ -117,9 +117,15 @@ typedef struct nsdae_bodies_forces {
   nsdae_maker_user user; /* of the system */
 } nsdae_bodies_forces;
 
+/* The handle of the user and the system made of it read the same object; the last one frees it. */
+typedef struct nsdae_bodies_life {
+  int made; /* the system was */
+  atomic_int owners;
+} nsdae_bodies_life;
+
 struct nsdae_bodies {
   int dimension;
-  int made;          /* the system was */
+  nsdae_bodies_life life;
   nsdae_error error; /* of the first call that failed */
   nsdae_bodies_forces force;
   nsdae_list body;                            /* nsdae_rigid_body */
@@ -303,8 +309,10 @@ static inline void nsdae_body_momentum(const nsdae_rigid_body *body, const doubl
 /* Likely mistakes of the whole: NSDAE_OK, or NSDAE_WARN_MODEL with the first one in the record. */
 int nsdae_bodies_note(nsdae_bodies *bodies);
 
-/* Makes the bodies the maker of the system: see maker.h. */
-void nsdae_bodies_sign(const nsdae_bodies *bodies, nsdae_system *system);
+/* Makes the bodies the maker of the system, which becomes an owner of them: see maker.h. */
+void nsdae_bodies_sign(nsdae_bodies *bodies, nsdae_system *system);
+/* nsdae_maker.release: gives up an owner. */
+void nsdae_bodies_let_go(const void *bodies);
 
 /* Names of sensors; what the maker knows of them. */
 int nsdae_bodies_name_sensors(const nsdae_bodies *bodies, nsdae_system *system);
@@ -338,6 +346,8 @@ double nsdae_solid_width(const nsdae_solid_of *solid);
 /* nsdae_maker.tunnelling */
 int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, double share,
                                  nsdae_tunnelling *worst, const void *user);
+/* nsdae_maker.may_enter */
+int nsdae_bodies_may_enter(const double *v, double h, const void *user);
 /* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* Blocks of bodies, and M. */

@@ -339,9 +339,10 @@ static int explain(const void *of, const char *callback, double t, const double 
   return found;
 }
 
-void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
+void nsdae_bodies_sign(nsdae_bodies *b, nsdae_system *system)
 {
   nsdae_maker maker = {.of = b,
+                       .release = nsdae_bodies_let_go,
                        .exact = exact,
                        .words = words,
                        .explain = explain,
@@ -350,10 +351,12 @@ void nsdae_bodies_sign(const nsdae_bodies *b, nsdae_system *system)
                        .control = b->force.target.at,
                        .fixed = nsdae_motor_fixed,
                        .tunnelling = nsdae_bodies_find_tunnelling,
+                       .may_enter = nsdae_bodies_may_enter,
                        .position = nsdae_motor_position,
                        .errors = nsdae_motor_errors};
   for (int i = 0; i < b->limit.count; i++)
     maker.turns |= *nsdae_primitive_unit(&nsdae_limit_at(b, i)->value) == 'r'; /* rad */
   nsdae_bodies_sense(b, &maker);
+  atomic_fetch_add(&b->life.owners, 1);
   nsdae_system_set_maker(system, &maker);
 }

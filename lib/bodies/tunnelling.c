@@ -75,19 +75,39 @@ static int look_at_pair(void *to, const nsdae_broad *p, int i, int j)
   return look_at(s, i, j, nsdae_broad_pose(p, solids[i].body), nsdae_broad_pose(p, solids[j].body));
 }
 
+/* The ways of the two fastest solids in a step; their sum is how far a gap closes at most. */
+typedef struct ways {
+  double first, second;
+} ways;
+
+static void add_way(ways *w, double way)
+{
+  w->second = fmax(w->second, fmin(w->first, way));
+  w->first = fmax(w->first, way);
+}
+
+/* The slop is at least h^2 |g| / 2: what a body falls from rest. */
+int nsdae_bodies_may_enter(const double *v, double h, const void *user)
+{
+  const nsdae_bodies *b = nsdae_bodies_of(user);
+  double slop = h * h / 2 * sqrt(nsdae_dot3(b->force.gravity, b->force.gravity));
+  ways w = {0, 0};
+  for (int i = 0; i < b->solid.count; i++) add_way(&w, way_of(b, nsdae_solid_at(b, i), v, h));
+  return w.first + w.second > slop;
+}
+
 int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, double share,
                                  nsdae_tunnelling *worst, const void *user)
 {
   nsdae_bodies *b = nsdae_bodies_of(user);
-  double first = 0, second = 0; /* the two largest ways */
+  ways w = {0, 0};
   int fast = 0;
   *worst = (nsdae_tunnelling){-1, 0, 0};
   for (int i = 0; i < b->solid.count; i++) {
     const nsdae_solid_of *s = nsdae_solid_at(b, i);
     double way = way_of(b, s, v, h);
     fast |= way > share * s->width;
-    second = fmax(second, fmin(first, way));
-    first = fmax(first, way);
+    add_way(&w, way);
   }
   search s = {.b = b, .v = v, .h = h, .share = share, .worst = worst};
   for (int i = 0; fast && i < b->feature.count; i++) {
@@ -103,8 +123,9 @@ int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, dou
   nsdae_broad *broad = nsdae_broad_take(b);
   if (!broad) return NSDAE_E_MEMORY;
   nsdae_broad_place(broad, q, v);
-  int passes = nsdae_broad_sort(broad, first + second);
-  for (int i = 0; i < passes; i++) nsdae_broad_pairs(broad, i, first + second, look_at_pair, &s);
+  int passes = nsdae_broad_sort(broad, w.first + w.second);
+  for (int i = 0; i < passes; i++)
+    nsdae_broad_pairs(broad, i, w.first + w.second, look_at_pair, &s);
   nsdae_broad_give_back(b, broad);
   return NSDAE_OK;
 }

@@ -402,18 +402,26 @@ static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsd
   return status == NSDAE_E_LCP && work->info.residual <= work->tol ? NSDAE_OK : status;
 }
 
-/* A share of the work is for the tolerance; the rest for the residual that is taken instead. */
-static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
-                 double budget)
+/* The tolerances of accuracy.h in turn. A share of the work is for the last; the rest is for the
+ * residual that is accepted instead. */
+static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
+                 nsdae_cone_work *work)
 {
-  const double share = NSDAE_SHARE_TO_TOL * budget;
+  const nsdae_accuracy *a = work->accuracy;
+  int status = NSDAE_E_LCP, size = c->contacts + nsdae_members_count(&w->islands->joint, island);
+  nsdae_aim aim = {0, 0};
   work->info = (nsdae_friction_info){0};
-  int status = solve_to(c, work, work->tol, share);
-  if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > work->accept)
-    status = solve_to(c, work, fmax(work->accept, work->tol), budget - share);
+  while (status == NSDAE_E_LCP && (aim = nsdae_accuracy_aim(a, size, aim.tol)).tol > 0) {
+    work->tol = aim.tol;
+    status = solve_to(c, work, aim.tol, aim.budget);
+  }
+  const double accept = nsdae_accuracy_accept(a, work->tol),
+               budget = nsdae_accuracy_budget(a, work->tol, size);
+  if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > accept)
+    status = solve_to(c, work, fmax(accept, work->tol), (1 - NSDAE_SHARE_TO_TOL) * budget);
   if (status == NSDAE_OK && work->info.residual <= work->tol)
     status = solve_rest(c, w, work, budget);
-  return status == NSDAE_E_LCP && work->info.residual <= work->accept ? NSDAE_OK : status;
+  return status == NSDAE_E_LCP && work->info.residual <= accept ? NSDAE_OK : status;
 }
 
 /* The row along which item i moves, and the velocity that is asked of it beside. */
@@ -555,9 +563,7 @@ static int change_sets(nsdae_cone_island *c, const nsdae_island_equations *w, in
 static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                       nsdae_cone_work *work)
 {
-  int joints = nsdae_members_count(&w->islands->joint, island), status, planar;
-  const double budget = nsdae_contacts_budget(
-      work->budget, nsdae_members_count(&w->islands->contact, island) + joints);
+  int status, planar;
   c->fastest = 0;
   gather(c, w, island, 0);
   planar = c->problem.contacts > c->contacts;
@@ -566,7 +572,7 @@ static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int
   for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
     if (planar) gather(c, w, island, times);
     if (c->contacts <= FEW || nsdae_largest(c->m, c->at.r) == 0) c->options.refine = REFINE;
-    status = solve(c, w, work, budget);
+    status = solve(c, w, island, work);
     if (!planar || !reaches_limit(c, w)) return status;
   }
 }
@@ -586,6 +592,7 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
                             nsdae_cone_work *work)
 {
   nsdae_friction_options_default(&c->options);
+  work->tol = nsdae_accuracy_tol(work->accuracy);
   int status = leave_rounding(c, w, work, solve_motors(c, w, island, work));
   if (status < 0) return unsolved(c, w, status, work);
   const double speed = nsdae_fc_speed(work->solver);

@@ -59,8 +59,9 @@ int nsdae_cone_island_reserve(nsdae_cone_island *cones, const nsdae_system *syst
  * scaled. */
 typedef struct nsdae_cone_work {
   nsdae_friction_solver *solver;
-  double *L, tol, accept; /* accept: the best point is accepted up to this residual */
-  double budget;          /* nsdae_contacts_budget */
+  double *L;
+  const nsdae_accuracy *accuracy;
+  double tol; /* the tolerance that was asked for last */
   nsdae_error *error;
   nsdae_friction_info info;
   nsdae_natural_residual residual;

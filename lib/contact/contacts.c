@@ -12,12 +12,14 @@
 #include "system_impl.h"
 
 void nsdae_contacts_set(nsdae_contacts *c, const nsdae_system *system, nsdae_error *error,
-                        double contact_tol, int polygon_edges)
+                        const nsdae_accuracy *accuracy, int polygon_edges)
 {
   c->system = system;
   c->error = error;
   nsdae_lcp_options_default(&c->lcp.options);
-  c->lcp.options.tol = contact_tol;
+  c->lcp.accuracy = *accuracy;
+  c->lcp.options.tol = nsdae_accuracy_tol(accuracy);
+  c->lcp.accept = nsdae_accuracy_accept(accuracy, c->lcp.options.tol);
   nsdae_contacts_laws(c, polygon_edges);
 }
 
@@ -312,7 +314,7 @@ static int delassus(nsdae_contacts *c, const nsdae_terms *terms, const nsdae_kkt
   int status = solve_equations(c, terms, kkt, c->columns, c->delassus.U, c->delassus.D);
   if (status < 0) return status;
   if (m > 0) clear_jammed(c, terms, kkt);
-  nsdae_la_multiply_transposed(n, c->columns, c->columns, c->delassus.W, n, c->delassus.U, n, 0,
+  nsdae_la_multiply_transposed(n, c->columns, c->columns, 1, c->delassus.W, n, c->delassus.U, n, 0,
                                c->delassus.G, c->columns);
   for (int j = 0, l = c->columns - c->slides.count; j < c->slides.count; j++, l++)
     c->delassus.G[(size_t)l * (size_t)(c->columns + 1)] += nsdae_slides_beside(c, j).compliance;
@@ -430,13 +432,6 @@ static int unsolved(nsdae_contacts *c, double t, int status)
   return nsdae_error_at(
       c->error, status,
       contact ? nsdae_system_index(c->system, NSDAE_NAME_CONTACT, c->active[0]) : -1, t);
-}
-
-/* An island below FEW contacts may take as long as one of FEW: then all solvers have their turn. */
-double nsdae_contacts_budget(double budget, int contacts)
-{
-  enum { FEW = 100 };
-  return contacts < FEW ? budget * (double)FEW / fmax(1, contacts) : budget;
 }
 
 int nsdae_contacts_accept(nsdae_contacts *c, int status)

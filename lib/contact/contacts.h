@@ -16,6 +16,7 @@
 
 #include <nsdae/lcp.h>
 
+#include "accuracy.h"
 #include "arena.h"
 #include "cones.h"
 #include "impulses.h"
@@ -35,7 +36,7 @@ typedef struct nsdae_delassus {
 typedef struct nsdae_contact_lcp {
   nsdae_lcp_options options;
   nsdae_lcp_info info;   /* of the last problem */
-  double budget;         /* multiplications by J for an island; 0: no limit but the solver's */
+  nsdae_accuracy accuracy; /* of islands; options.tol is that of complementarity problems */
   double accept;         /* its best point is accepted up to this residual; 0: if it is solved */
   int accepted;          /* it was, above the tolerance */
   double *A, *b, *x, *y; /* rows x rows, rows */
@@ -120,14 +121,7 @@ void nsdae_contacts_laws(nsdae_contacts *contacts, int polygon_edges);
 
 /* Settings of a problem of the system; then as above. */
 void nsdae_contacts_set(nsdae_contacts *contacts, const nsdae_system *system, nsdae_error *error,
-                        double contact_tol, int polygon_edges);
-
-/* Share of the budget of an island to reach the tolerance; all of it is to reach accept. 500 sweeps
- * of heaps leave 1e-4 to 2e-3, of walls that begin to move up to 9e-2. */
-#define NSDAE_SHARE_TO_TOL 0.1
-
-/* The budget of an island of this number of contacts. */
-double nsdae_contacts_budget(double budget, int contacts);
+                        const nsdae_accuracy *accuracy, int polygon_edges);
 
 /* After a solver ended with this status: NSDAE_OK in place of NSDAE_E_LCP if accept allows it. */
 int nsdae_contacts_accept(nsdae_contacts *contacts, int status);

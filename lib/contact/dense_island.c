@@ -12,9 +12,7 @@ void nsdae_dense_island_prepare(nsdae_dense_island *l, const nsdae_contacts *of,
                                 double rank_tol)
 {
   nsdae_contacts *c = &l->contacts;
-  nsdae_contacts_set(c, of->system, error, of->lcp.options.tol, of->edges);
-  c->lcp.accept = of->lcp.accept;
-  c->lcp.budget = of->lcp.budget;
+  nsdae_contacts_set(c, of->system, error, &of->lcp.accuracy, of->edges);
   c->rows_most = of->rows_most;
   c->part.J = &l->gathered.J;
   l->kkt.rank_tol = rank_tol;

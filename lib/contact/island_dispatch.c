@@ -44,9 +44,7 @@ void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_contact
   for (int i = 0; i < d->workers; i++) {
     nsdae_worker *w = &d->worker[i];
     nsdae_dense_island_prepare(&w->dense, of, &w->error, rank_tol);
-    w->tol = of->lcp.options.tol;
-    w->accept = of->lcp.accept;
-    w->budget = of->lcp.budget;
+    w->accuracy = of->lcp.accuracy;
     w->least_norm = least_norm;
     w->sparse.rank_tol = rank_tol;
   }

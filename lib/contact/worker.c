@@ -16,9 +16,26 @@ static void count_rank(nsdae_solved *s, int rank, double kept, double left)
   if (left > s->left) s->left = left;
 }
 
+static void raise_worst(nsdae_solved *s, const nsdae_island_residual *one)
+{
+  if (one->tol > 0 &&
+      (s->worst.tol == 0 || !(one->left * s->worst.tol <= s->worst.left * one->tol)))
+    s->worst = *one;
+}
+
+/* Of an island that was solved to tol. */
+static void add_residual(nsdae_solved *s, const nsdae_natural_residual *one, double tol)
+{
+  nsdae_natural_residual_add(&s->residual, one);
+  raise_worst(s, &(nsdae_island_residual){one->left, tol});
+  s->tol = fmax(s->tol, tol);
+}
+
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
 {
   nsdae_natural_residual_add(&sum->residual, &one->residual);
+  raise_worst(sum, &one->worst);
+  sum->tol = fmax(sum->tol, one->tol);
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;
@@ -95,7 +112,7 @@ static int solve_one_contact(nsdae_worker *w, const nsdae_island_equations *whol
   if (!nsdae_single_solve(&w->single, whole, island, &residual)) return NSDAE_NEXT;
   w->solved.lcps++;
   w->solved.single = &w->single;
-  nsdae_natural_residual_add(&w->solved.residual, &residual);
+  add_residual(&w->solved, &residual, nsdae_accuracy_tol(&w->accuracy));
   return NSDAE_OK;
 }
 
@@ -169,7 +186,7 @@ static int solve_dense(nsdae_worker *w, const nsdae_island_equations *whole, int
     s->problem = &l->contacts;
     if (status == NSDAE_OK && l->contacts.lcp.accepted)
       s->noise = fmax(s->noise, 1e2 * l->contacts.lcp.info.residual);
-    nsdae_natural_residual_add(&s->residual, &residual);
+    add_residual(s, &residual, l->contacts.lcp.options.tol);
   }
   if (status == NSDAE_OK) return status;
   if (status == NSDAE_E_MASS) return bad_local_mass(w, whole, island, kkt->pivot);
@@ -231,12 +248,8 @@ static int cause_of(nsdae_worker *w, const nsdae_island_equations *whole, int is
 static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int island)
 {
   nsdae_solved *s = &w->solved;
-  nsdae_cone_work work = {.solver = w->solver,
-                          .L = w->L,
-                          .tol = w->tol,
-                          .accept = w->accept,
-                          .budget = w->budget,
-                          .error = &w->error};
+  nsdae_cone_work work = {
+      .solver = w->solver, .L = w->L, .accuracy = &w->accuracy, .error = &w->error};
   int rows = nsdae_members_count(&whole->islands->row, island);
   int status = rows > 0 ? factor_sparse(w, whole, island) : NSDAE_OK;
   if (status < 0) return status;
@@ -245,8 +258,8 @@ static int solve_cones(nsdae_worker *w, const nsdae_island_equations *whole, int
   if (status < 0) status = cause_of(w, whole, island, status);
   s->lcps++;
   s->pivots += work.info.sweeps + work.info.iterations;
-  nsdae_natural_residual_add(&s->residual, &work.residual);
-  s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, w->tol));
+  add_residual(s, &work.residual, work.tol);
+  s->noise = fmax(s->noise, 1e2 * fmax(work.info.residual, work.tol));
   return status;
 }
 

@@ -5,7 +5,7 @@
  *   0     one contact  no cone, no constraints, in closed form (single.h)
  *   0     dense        small, no cone; small with frictional joints; polygons (dense_island.h)
  *   0     constraints  no contacts: sparse equations (sparse_kkt.h)
- *   1     cones        the rest (cone_island.h)
+ *   1     cones        the rest (cone_island.h); to a tolerance by its size (accuracy.h)
  *
  * Pass 0 are many small ones, pass 1 few large ones. An island is solved from what it is alone, and
  * writes what is its own: which worker does it, and after which others, changes no bit. */
@@ -17,9 +17,16 @@
 #include "dense_island.h"
 #include "single.h"
 
+/* What an island leaves [velocity], see natural_residual.h, and its tolerance. */
+typedef struct nsdae_island_residual {
+  double left, tol;
+} nsdae_island_residual;
+
 typedef struct nsdae_solved {
   nsdae_natural_residual residual; /* of the contacts and their rows */
+  nsdae_island_residual worst; /* of the island that is furthest above its tolerance */
   long pivots;
+  double tol;        /* the largest tolerance of them; 0: none was solved */
   double kept, left; /* smallest sine that counts in the rank, largest that does not */
   double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */
@@ -39,7 +46,7 @@ typedef struct nsdae_worker {
   nsdae_friction_solver *solver;
   int all_dense; /* every island with constraints is */
   double *L;     /* of the largest block */
-  double tol, accept, budget;
+  nsdae_accuracy accuracy;
   int least_norm;
   nsdae_solved solved; /* by this worker, in the step at hand */
 } nsdae_worker;

@@ -238,7 +238,7 @@ contains
     call error_from_c(why, error)
   end function
 
-  ! Frees the model; destroy its system first.
+  ! A system made of the model keeps what it reads: handles can be destroyed in any order.
   subroutine nsdae_bodies_destroy(bodies)
     type(nsdae_bodies), intent(inout) :: bodies
     call c_destroy(bodies%handle)
@@ -332,7 +332,7 @@ contains
   ! callback that is missing, or that nothing calls; NSDAE_E_STATE.
   ! headers: wrappers nsdae_bodies_ set_user_rows
 
-  ! Makes the system, or returns the first failure of any call before. bodies must outlive it. A likely
+  ! Makes the system, or returns the first failure of any call before. The system keeps the model. A likely
   ! mistake is NSDAE_WARN_MODEL, with the system and its text in error.
   integer(c_int) function nsdae_bodies_system(bodies, system, error) result(status)
     type(nsdae_bodies), intent(in) :: bodies

@@ -41,7 +41,7 @@ module nsdae_f_sim
     real(c_double) :: rank_tol
     real(c_double) :: contact_tol
     real(c_double) :: contact_work                      ! multiplications by J for an island; 0: see nsdae/sim.h
-    real(c_double) :: contact_give                      ! a step goes on up to this times contact_tol
+    real(c_double) :: contact_give                      ! a step goes on up to this times contact_tol, see nsdae/sim.h
     integer(c_int) :: polygon                           ! edges for nt = 2: 3 .. 32; 0: second-order cone
     real(c_double) :: impact_velocity                   ! a slower closing is no impact [m/s]
     real(c_double) :: rtol, atol                        ! of the integrator of penalty and event
@@ -143,6 +143,7 @@ module nsdae_f_sim
     real(c_double) :: dissipated = 0     ! work absorbed by all contact impulses since the start [J]
     real(c_double) :: projection_energy = 0  ! part of it: potential energy added by projection = slop [J]
     real(c_double) :: lcp_residual = 0   ! scaled natural residual
+    real(c_double) :: contact_tol = 0    ! largest tolerance of the contact problems; 0: none
     real(c_double) :: constraint_drift = 0                      ! max |Phi|
     real(c_double) :: penetration = 0                           ! max(0, -g_N)
     type(nsdae_impact), pointer :: impact(:) => null()          ! [impacts]
@@ -162,12 +163,13 @@ module nsdae_f_sim
     integer(c_long) :: impacts
     integer(c_long) :: events, accumulations  ! method event: events; closed accumulations
     integer(c_long) :: fallback_steps    ! method event: dt taken by implicit instead
-    integer(c_long) :: inexact_steps     ! went on with a residual above contact_tol
+    integer(c_long) :: inexact_steps     ! an island had a residual above its tolerance
     integer(c_long) :: frozen_steps      ! implicit: contacts frozen in the step
     integer(c_long) :: accumulations_early  ! closed before accumulation_time
     real(c_double) :: rank_retained, rank_discarded  ! sines: smallest of retained, largest of discarded rows
     integer(c_int) :: rank, rank_most    ! smallest and largest rank of Phi_q
     real(c_double) :: worst_residual     ! of all contact problems
+    real(c_double) :: contact_tol        ! the largest tolerance of them; 0: there was none
     real(c_double) :: worst_drift
     real(c_double) :: worst_penetration
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
@@ -676,6 +678,7 @@ contains
     record%dissipated = from%dissipated
     record%projection_energy = from%projection_energy
     record%lcp_residual = from%lcp_residual
+    record%contact_tol = from%contact_tol
     record%constraint_drift = from%constraint_drift
     record%penetration = from%penetration
     call c_f_pointer(from%impact, record%impact, [from%impacts])

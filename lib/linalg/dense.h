@@ -1,11 +1,12 @@
 /* Dense factorisations and products, column-major. Below SMALL rows (LU: more) plain loops, which
- * beat any call into a BLAS there; above it LAPACK. */
+ * are as fast as a call into a BLAS there, and as a BLAS with threads faster; above it BLAS and
+ * LAPACK, by one thread. */
 #ifndef NSDAE_LINALG_DENSE_H
 #define NSDAE_LINALG_DENSE_H
 
 #include "arena.h"
 
-enum { NSDAE_SMALL = 16 };
+enum { NSDAE_SMALL = 32 };
 
 /* Whether nothing stands below the diagonal of A [n x n]. */
 static inline int nsdae_la_is_diagonal(int n, const double *A, int lda)
@@ -20,6 +21,8 @@ static inline int nsdae_la_is_diagonal(int n, const double *A, int lda)
  * Returns 0, or i > 0 when the i-th pivot is not above rounding relative to its diagonal entry
  * (A is not positive definite, or has a NaN). */
 int nsdae_la_cholesky(int n, double *A, int lda);
+/* The same, of a matrix whose pivots are only to be positive. */
+int nsdae_la_cholesky_pivots(int n, double *A, int lda);
 
 /* B [n x nrhs] := L^-1 B, and B := L^-T B. */
 void nsdae_la_solve_lower(int n, int nrhs, const double *L, int ldl, double *B, int ldb);
@@ -27,20 +30,39 @@ void nsdae_la_solve_lower_transposed(int n, int nrhs, const double *L, int ldl, 
 /* b [n] := L^-T L^-1 b, with L [n x n]. */
 void nsdae_la_solve_cholesky(int n, const double *L, double *b);
 
+/* Of a front of p + r rows, whose first p have the factor L: R := R L^-T and, in its lower
+ * triangle, S := S + sign R R^T, with R below L and S beside R. */
+void nsdae_la_eliminate_below(int p, int r, double sign, double *L, int lda);
+
 /* A [n x n] := its LU factors with partial pivoting, rows exchanged as pivot [n] says (from 1).
  * Returns 0, or i > 0 when the i-th pivot is zero (or NaN). */
 int nsdae_la_lu(int n, double *A, int lda, int *pivot);
 /* b [n] := A^-1 b. */
 void nsdae_la_lu_solve(int n, const double *A, int lda, const int *pivot, double *b);
 
-/* C [p x r] := A [n x p]^T B [n x r] + beta C. */
-void nsdae_la_multiply_transposed(int n, int p, int r, const double *A, int lda, const double *B,
-                                  int ldb, double beta, double *C, int ldc);
+/* The same of the first p of the n rows and columns of a front (P U; R S), which exchange among
+ * themselves: P := its factors, R := R U_P^-1, U := L_P^-1 X^T U, S := S - R U. */
+int nsdae_la_lu_front(int p, int n, double *A, int lda, int *pivot);
+/* b [n] := L^-1 X^T b, and b := U^-1 b. */
+void nsdae_la_lu_forward(int n, const double *A, int lda, const int *pivot, double *b);
+void nsdae_la_lu_backward(int n, const double *A, int lda, double *b);
 
-/* y [n] := y + A [n x p] x, of many rows. */
-void nsdae_la_add_product(int n, int p, const double *A, int lda, const double *x, double *y);
+/* b [n] := U^-T b. */
+void nsdae_la_solve_upper_transposed(int n, const double *U, int ldu, double *b);
 
-/* C [n x r] := C + A [n x p] B [r x p]^T, of many rows. */
+/* C [p x r] := alpha A [n x p]^T B [n x r] + beta C. */
+void nsdae_la_multiply_transposed(int n, int p, int r, double alpha, const double *A, int lda,
+                                  const double *B, int ldb, double beta, double *C, int ldc);
+
+/* y [n] := y + alpha A [n x p] x. */
+void nsdae_la_add_product(int n, int p, double alpha, const double *A, int lda, const double *x,
+                          double *y);
+
+/* C [n x r] := C + alpha A [n x p] B [p x r]. */
+void nsdae_la_add_products(int n, int r, int p, double alpha, const double *A, int lda,
+                           const double *B, int ldb, double *C, int ldc);
+
+/* C [n x r] := C + A [n x p] B [r x p]^T. */
 void nsdae_la_add_outer(int n, int r, int p, const double *A, int lda, const double *B, int ldb,
                         double *C, int ldc);
 

@@ -1,12 +1,11 @@
 #include "kkt.h"
 
-#include <cblas.h>
 #include <float.h>
-#include <lapacke.h>
 #include <math.h>
 #include <nsdae/status.h>
 #include <string.h>
 
+#include "blas.h"
 #include "dense.h"
 #include "vector.h"
 
@@ -120,11 +119,15 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
   for (int j = 0; j < m; j++) {
     double *column = p->Q + (size_t)j * (size_t)n;
     p->column[j] = hold ? p->held[j] : 0;
-    p->norm[j] = cblas_dnrm2(n, column, 1);
-    if (p->norm[j] > 0) cblas_dscal(n, 1 / p->norm[j], column, 1);
+    double longest = nsdae_largest(n, column), root = 0;
+    for (int i = 0; i < n && longest > 0; i++)
+      column[i] /= longest; /* its squares do not underflow */
+    if (longest > 0) root = sqrt(nsdae_dot(n, column, column));
+    p->norm[j] = longest * root;
+    for (int i = 0; i < n && longest > 0; i++) column[i] /= root;
   }
-  LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, p->Q, n, p->column, p->tau, kkt->dense.work,
-                      kkt->dense.lwork);
+  NSDAE_ALONE(LAPACKE_dgeqp3_work(LAPACK_COL_MAJOR, n, m, p->Q, n, p->column, p->tau,
+                                  kkt->dense.work, kkt->dense.lwork));
   kkt->left = 0;
   kkt->kept = 1;
   for (; rank < most; rank++) {
@@ -165,10 +168,10 @@ static void factor_by_rank(nsdae_kkt *kkt, int r)
       p->Z[i * rows + row] = entry * p->norm[p->column[j] - 1];
       if (j < (size_t)r) d->S[j * rows + i] = entry;
     }
-  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, p->Q, n, p->tau, d->work, d->lwork);
-  LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, p->Z, m, p->tau, d->work, d->lwork);
-  memcpy(p->T, p->Z, (size_t)m * (size_t)r * sizeof *p->T);
-  LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, p->Z, m, p->tau, d->work, d->lwork);
+  NSDAE_ALONE(LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, r, r, p->Q, n, p->tau, d->work, d->lwork);
+              LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, m, r, p->Z, m, p->tau, d->work, d->lwork);
+              memcpy(p->T, p->Z, (size_t)m * (size_t)r * sizeof *p->T);
+              LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, m, r, r, p->Z, m, p->tau, d->work, d->lwork));
 }
 
 /* S := Y^T Y of r columns, damped and factored; 0 if it has no factor, else the smallest sine of
@@ -179,7 +182,7 @@ static double factor_schur(nsdae_kkt *kkt, int r, double damping)
   nsdae_dense_kkt *d = &kkt->dense;
   size_t m = (size_t)r;
   double smallest = 1;
-  nsdae_la_multiply_transposed(kkt->n, r, r, d->Y, kkt->n, d->Y, kkt->n, 0, d->S, r);
+  nsdae_la_multiply_transposed(kkt->n, r, r, 1, d->Y, kkt->n, d->Y, kkt->n, 0, d->S, r);
   for (size_t i = 0; i < m && damping > 0; i++) d->S[i * (m + 1)] *= 1 + damping;
   if (nsdae_la_cholesky(r, d->S, r) != 0) return 0;
   for (size_t j = 0; j < m; j++) {
@@ -240,14 +243,15 @@ static int dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coup
      * Z^T Z = 1. */
     int found = 0;
     memcpy(p->T, basis, rows * rows * sizeof *basis);
-    LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', m, p->T, m, p->column, &found, -1, d->work);
+    NSDAE_ALONE(
+        LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', m, p->T, m, p->column, &found, -1, d->work));
     if (found < rank) return NSDAE_E_CONVERGENCE;
     memset(p->Z, 0, rows * (size_t)rank * sizeof *p->Z);
     for (size_t j = 0; j < (size_t)rank; j++)
       for (size_t i = j; i < rows; i++)
         p->Z[j * rows + (size_t)p->column[i] - 1] = p->T[j * rows + i];
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, rank, m, 1, p->Q, n, p->Z, m, 0, d->Y,
-                n);
+    memset(d->Y, 0, (size_t)n * (size_t)rank * sizeof *d->Y);
+    nsdae_la_add_products(n, rank, m, 1, p->Q, n, p->Z, m, d->Y, n);
   }
   kkt->kept = factor_schur(kkt, kkt->rank, basis ? DAMPING : 0);
   if (basis) return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
@@ -266,14 +270,15 @@ static void solve_by_rank(const nsdae_kkt *kkt, double *z, double *g)
   const nsdae_kkt_pivoted *p = &d->pivoted;
   int n = kkt->n, m = kkt->m, r = kkt->rank;
   double *w = d->work, *l = d->work + m;
-  nsdae_la_multiply_transposed(n, m, 1, d->Y, n, z, n, -1, g, m);
+  nsdae_la_multiply_transposed(n, m, 1, 1, d->Y, n, z, n, -1, g, m);
   for (int i = 0; i < r; i++) w[i] = g[p->column[i] - 1] / p->norm[p->column[i] - 1];
   memset(g, 0, (size_t)m * sizeof *g);
   if (r == 0) return;
-  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, d->S, m, w, 1);
-  cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1.0, p->Q, n, w, 1, 1.0, z, 1);
-  cblas_dtrsv(CblasColMajor, CblasUpper, CblasTrans, CblasNonUnit, r, p->T, m, w, 1);
-  cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1.0, p->Z, m, w, 1, 0.0, l, 1);
+  nsdae_la_solve_upper_transposed(r, d->S, m, w);
+  nsdae_la_add_product(n, r, -1, p->Q, n, w, z);
+  nsdae_la_solve_upper_transposed(r, p->T, m, w);
+  memset(l, 0, (size_t)m * sizeof *l);
+  nsdae_la_add_product(m, r, 1, p->Z, m, w, l);
   for (int row = 0; row < m; row++) g[p->column[p->order[row]] - 1] = l[row];
 }
 
@@ -287,15 +292,14 @@ static void solve_fixed(const nsdae_kkt *kkt, double *z, double *c)
   double *w = d->work, *sum = d->work + m;
   memset(sum, 0, (size_t)r * sizeof *sum);
   for (int round = 0; r > 0 && round < 2; round++) {
-    cblas_dgemv(CblasColMajor, CblasTrans, m, r, -1, Z, m, c, 1, 0, w, 1);
-    cblas_dgemv(CblasColMajor, CblasTrans, n, r, 1, d->Y, n, z, 1, 1, w, 1);
-    nsdae_la_solve_lower(r, 1, d->S, r, w, r);
-    nsdae_la_solve_lower_transposed(r, 1, d->S, r, w, r);
-    cblas_dgemv(CblasColMajor, CblasNoTrans, n, r, -1, d->Y, n, w, 1, 1, z, 1);
+    nsdae_la_multiply_transposed(m, r, 1, -1, Z, m, c, m, 0, w, r);
+    nsdae_la_multiply_transposed(n, r, 1, 1, d->Y, n, z, n, 1, w, r);
+    nsdae_la_solve_cholesky(r, d->S, w);
+    nsdae_la_add_product(n, r, -1, d->Y, n, w, z);
     nsdae_add(r, 1, w, sum);
   }
   memset(c, 0, (size_t)m * sizeof *c);
-  if (r > 0) cblas_dgemv(CblasColMajor, CblasNoTrans, m, r, 1, Z, m, sum, 1, 0, c, 1);
+  nsdae_la_add_product(m, r, 1, Z, m, sum, c);
 }
 
 static void dense_kkt_solve_mass(const nsdae_kkt *kkt, double *r)
@@ -329,11 +333,10 @@ static void dense_kkt_solve(const nsdae_kkt *kkt, int nrhs, double *R, int ldr, 
   }
   solve_root(kkt, 0, nrhs, R, ldr);
   if (m > 0 && at_once) {
-    nsdae_la_multiply_transposed(n, m, nrhs, d->Y, n, R, ldr, -1, C, ldc);
+    nsdae_la_multiply_transposed(n, m, nrhs, 1, d->Y, n, R, ldr, -1, C, ldc);
     nsdae_la_solve_lower(m, nrhs, d->S, m, C, ldc);
     nsdae_la_solve_lower_transposed(m, nrhs, d->S, m, C, ldc);
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, n, nrhs, m, -1, d->Y, n, C, ldc, 1, R,
-                ldr);
+    nsdae_la_add_products(n, nrhs, m, -1, d->Y, n, C, ldc, R, ldr);
   }
   for (int j = 0; j < nrhs && m > 0 && !at_once; j++) {
     double *z = R + (size_t)j * (size_t)ldr, *c = C + (size_t)j * (size_t)ldc;

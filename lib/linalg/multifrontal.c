@@ -1,7 +1,5 @@
 #include "multifrontal.h"
 
-#include <cblas.h>
-#include <lapacke.h>
 #include <math.h>
 #include <nsdae/status.h>
 #include <string.h>
@@ -15,9 +13,6 @@ static const double RELAXED = 0.15;
 /* The root of a dropped pivot: an entry of a solution is divided by its square, and is zero then.
  */
 static const double DROPPED = 1e100;
-
-/* Below this order plain loops are faster than LAPACK's Cholesky. */
-enum { SMALL = 16 };
 
 static void lay_out_graph(void *object, nsdae_arena *arena)
 {
@@ -285,9 +280,9 @@ static int factor_pivots(nsdae_multifrontal *f, int s, int p, double *P, int lda
 {
   int at = f->place[f->super.begin[s]], dropping = f->rank.drop > 0;
   double *before = f->F + f->super.factor[s];
-  if (dropping && p < SMALL) return factor_dropping(f, at, p, P, lda);
+  if (dropping && p < NSDAE_SMALL) return factor_dropping(f, at, p, P, lda);
   if (dropping) copy(p, p, P, lda, before, p);
-  int info = LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', p, P, lda), keep = info == 0;
+  int info = nsdae_la_cholesky_pivots(p, P, lda), keep = info == 0;
   if (!dropping) return info != 0 ? info : check_pivots(p, P, lda);
   for (int j = 0; j < p && info == 0; j++) {
     double root = P[(size_t)j * ((size_t)lda + 1)];
@@ -304,19 +299,6 @@ static int is_negative(const nsdae_multifrontal *f, int number)
   return f->negative > 0 && f->tree.node[number] >= f->negative;
 }
 
-/* R := R L^-T and S := S + sign R R^T below P, L in it, in plain loops. */
-static void eliminate_small(int p, int r, double sign, double *P, int lda)
-{
-  for (int j = 0; j < p; j++) {
-    double *column = P + (size_t)j * (size_t)lda, *to = column + lda;
-    for (int i = p; i < p + r; i++) column[i] /= column[j];
-    for (int c = j + 1; c < p; c++, to += lda)
-      for (int i = p; i < p + r; i++) to[i] -= column[c] * column[i];
-    for (int c = p; c < p + r; c++, to += lda)
-      for (int i = c; i < p + r; i++) to[i] += sign * column[c] * column[i];
-  }
-}
-
 /* The front of n rows in runs of columns of one sign s, one run if the matrix is definite: with
  * P = s L L^T, R := s R L^-T, S := S - s R R^T. */
 static int factor_symmetric(nsdae_multifrontal *f, int s, int n, double *F)
@@ -326,35 +308,19 @@ static int factor_symmetric(nsdae_multifrontal *f, int s, int n, double *F)
     int from = f->work.local[k], p = 0, negative = is_negative(f, k);
     for (; k < end && is_negative(f, k) == negative; k++) p += nsdae_multifrontal_size(f, k);
     int r = n - from - p;
-    double *P = F + (size_t)from * (size_t)(n + 1), *R = P + p, *S = R + (size_t)p * (size_t)n;
-    for (int c = 0; c < p && negative; c++) cblas_dscal(n - from, -1, P + (size_t)c * (size_t)n, 1);
+    double *P = F + (size_t)from * (size_t)(n + 1);
+    for (int c = 0; c < p && negative; c++)
+      for (int i = 0; i < n - from; i++) P[(size_t)c * (size_t)n + (size_t)i] *= -1;
     info = factor_pivots(f, s, p, P, n);
-    if (info != 0 || r == 0) continue;
-    if (p + r < SMALL) {
-      eliminate_small(p, r, negative ? 1 : -1, P, n);
-      continue;
-    }
-    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, r, p, 1, P, n, R,
-                n);
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, r, p, negative ? 1 : -1, R, n, 1, S, n);
+    if (info == 0 && r > 0) nsdae_la_eliminate_below(p, r, negative ? 1 : -1, P, n);
   }
   return info;
 }
 
-/* P = X L U with the exchange of rows X, R := R U^-1, U := L^-1 X^T U, S := S - R U. */
-static int factor_general(int p, int r, double *F, int lda, int *exchange)
+static int factor_general(int p, int n, double *F, int *exchange)
 {
-  double *R = F + p, *U = F + (size_t)p * (size_t)lda, *S = U + p;
-  int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, p, p, F, lda, exchange);
-  if (info == 0) info = check_pivots(p, F, lda);
-  if (info != 0 || r == 0) return info;
-  cblas_dtrsm(CblasColMajor, CblasRight, CblasUpper, CblasNoTrans, CblasNonUnit, r, p, 1, F, lda, R,
-              lda);
-  LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, r, U, lda, 1, p, exchange, 1);
-  cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasUnit, p, r, 1, F, lda, U,
-              lda);
-  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, r, r, p, -1, R, lda, U, lda, 1, S, lda);
-  return 0;
+  int info = nsdae_la_lu_front(p, n, F, n, exchange);
+  return info != 0 ? info : check_pivots(p, F, n);
 }
 
 /* One supernode; top is the number of doubles on the stack, waiting the supernodes that left them.
@@ -379,9 +345,8 @@ static int factor_one(nsdae_multifrontal *f, int s, int *waiting, int *count, si
     *top -= (size_t)f->super.rest[child] * (size_t)f->super.rest[child];
     add_child(f, child, f->work.stack + *top, F, n);
   }
-  int info = f->symmetric
-                 ? factor_symmetric(f, s, n, F)
-                 : factor_general(p, r, F, n, f->work.exchange + f->place[f->super.begin[s]]);
+  int info = f->symmetric ? factor_symmetric(f, s, n, F)
+                          : factor_general(p, n, F, f->work.exchange + f->place[f->super.begin[s]]);
   if (info != 0) return info;
   copy(p, p, F, n, to, p);
   copy(r, p, F + p, n, to + (size_t)p * (size_t)p, r);
@@ -433,15 +398,11 @@ static void forward(const nsdae_multifrontal *f, int s)
   if (f->symmetric) {
     nsdae_la_solve_lower(p, 1, P, p, x, p);
   } else {
-    LAPACKE_dlaswp_work(LAPACK_COL_MAJOR, 1, x, p, 1, p, f->work.exchange + at, 1);
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasUnit, p, P, p, x, 1);
+    nsdae_la_lu_forward(p, P, p, f->work.exchange + at, x);
   }
   if (r == 0) return;
-  if (p + r < SMALL && f->symmetric) {
-    memset(f->work.gather, 0, (size_t)r * sizeof *x);
-    for (int j = 0; j < p; j++, R += r) nsdae_add(r, -x[j], R, f->work.gather);
-  } else
-    cblas_dgemv(CblasColMajor, CblasNoTrans, r, p, -1, R, r, x, 1, 0, f->work.gather, 1);
+  memset(f->work.gather, 0, (size_t)r * sizeof *x);
+  nsdae_la_add_product(r, p, -1, R, r, x, f->work.gather);
   gather_rest(f, s, 1);
 }
 
@@ -452,16 +413,14 @@ static void backward(const nsdae_multifrontal *f, int s)
                *U = R + (size_t)p * (size_t)r;
   double *x = f->work.vector + f->place[f->super.begin[s]];
   if (r > 0) gather_rest(f, s, 0);
-  if (p + r < SMALL && f->symmetric)
-    nsdae_add_transposed(r, p, -1, R, f->work.gather, x);
-  else if (r > 0 && f->symmetric)
-    cblas_dgemv(CblasColMajor, CblasTrans, r, p, -1, R, r, f->work.gather, 1, 1, x, 1);
+  if (r > 0 && f->symmetric)
+    nsdae_la_multiply_transposed(r, p, 1, -1, R, r, f->work.gather, r, 1, x, p);
   else if (r > 0)
-    cblas_dgemv(CblasColMajor, CblasNoTrans, p, r, -1, U, p, f->work.gather, 1, 1, x, 1);
+    nsdae_la_add_product(p, r, -1, U, p, f->work.gather, x);
   if (f->symmetric)
     nsdae_la_solve_lower_transposed(p, 1, P, p, x, p);
   else
-    cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, p, P, p, x, 1);
+    nsdae_la_lu_backward(p, P, p, x);
 }
 
 /* x in the order of the blocks into the vector in that of the elimination (in), or back. */

@@ -102,7 +102,8 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->closed.count = 0;
   if (!impulses_follow) nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
-  r->work = r->lifted = r->raised = r->gain = r->turnover = r->worst_residual = r->carried = 0;
+  r->work = r->lifted = r->raised = r->gain = r->turnover = r->carried = 0;
+  r->worst_residual = r->contact_tol = 0;
   r->smooth = r->located = r->given_up = 0;
   r->twofold.frictional_joint = -1;
   r->rate = (nsdae_rate){0, -1, 0};

@@ -37,12 +37,20 @@ typedef struct nsdae_twofold {
   double t, lambda;
 } nsdae_twofold;
 
+/* The deepest contact of a list that the step did not close and that overlaps at its end. */
+typedef struct nsdae_entered {
+  double depth; /* 0: none */
+  long id;
+  int block[2];
+} nsdae_entered;
+
 typedef struct nsdae_result {
   nsdae_terms end;         /* t, q, v where the step ended; a step that located its impacts may
                               end before the time asked for */
   double *multiplier;      /* m: mean bilateral force */
   nsdae_impulses impulses; /* by contact and frictional joint */
   nsdae_closed closed;     /* who they are, by list */
+  nsdae_entered entered;   /* who is to be closed by the next step */
   double carried;          /* of contacts by list: sum of Lambda w, the work of moving surfaces;
                               less that of position motors along xi_T */
   int given_up;            /* not a step of this method's: implicit is to do it instead */
@@ -59,7 +67,11 @@ typedef struct nsdae_result {
                             of motion and by impacts, NAN where backward differences of
                             event do not control it; of event its amounts */
   nsdae_rate rate;
-  double worst_residual;          /* of its complementarity problems */
+  double worst_residual;          /* of its contact problems */
+  double contact_tol;             /* the largest tolerance of them; 0: there was none */
+  struct {
+    double residual, tol;
+  } above;                        /* of the one that is furthest above its tolerance */
   nsdae_twofold twofold;          /* the first of the step */
   int smooth;                     /* nothing was closed */
   const nsdae_contacts *problem;  /* the one that was asked last, for who wants to see it fail */

@@ -24,16 +24,6 @@ static double settled(const nsdae_system *system, double tol)
   return differs ? fmax(tol, 1e-9) : tol;
 }
 
-/* Multiplications by J for an island; 0: no limit but the solver's. A sweep of Gauss-Seidel takes
- * two and reaches no small tolerance. A median step of heaps and walls takes 10 to 100 sweeps; a
- * tenth of the default (NSDAE_SHARE_TO_TOL) are 500. A wall hit by a ball, 160 contacts, is left at
- * 3e-4 by all of it: contact_give times 1e-6 is less. */
-static double contact_budget(const nsdae_sim_options *o)
-{
-  if (o->contact_work > 0) return o->contact_work;
-  return o->contact_tol < 1e-5 ? 0 : 1e4;
-}
-
 void nsdae_stepper_prepare(nsdae_stepper *s)
 {
   const nsdae_sim_options *o = s->options;
@@ -47,10 +37,9 @@ void nsdae_stepper_prepare(nsdae_stepper *s)
   s->kkt.rank_tol = o->rank_tol;
   /* of event: the larger of its laws and of implicit's, which may step in */
   int edges = o->method == NSDAE_METHOD_EVENT ? nsdae_law_edges_to_start(o->polygon) : o->polygon;
-  nsdae_contacts_set(&s->contacts, s->system, s->error, o->contact_tol, edges);
   int gives = o->method == NSDAE_METHOD_IMPLICIT || o->method == NSDAE_METHOD_MOREAU;
-  s->contacts.lcp.budget = gives ? contact_budget(o) : 0;
-  s->contacts.lcp.accept = gives ? o->contact_give * o->contact_tol : 0;
+  const nsdae_accuracy accuracy = {o->contact_tol, o->contact_work, gives ? o->contact_give : 0};
+  nsdae_contacts_set(&s->contacts, s->system, s->error, &accuracy, edges);
   if (edges != o->polygon) nsdae_contacts_laws(&s->contacts, o->polygon);
   nsdae_problem_prepare(&s->problem, &s->contacts, o->rank_tol,
                         o->redundant == NSDAE_REDUNDANT_LEAST_NORM);
@@ -100,11 +89,16 @@ void nsdae_stepper_lay(const nsdae_stepper *s, nsdae_memory_part *part)
   nsdae_stepper_lay_basis(s, part);
 }
 
+static int is_accepted(const nsdae_stepper *s, double residual, double tol)
+{
+  return residual <= fmax(tol, nsdae_accuracy_accept(&s->contacts.lcp.accuracy, tol));
+}
+
 int nsdae_step_end(const nsdae_step *step)
 {
   const nsdae_stepper *s = step->tools;
   nsdae_result *result = step->result;
-  const double tol = s->options->contact_tol, most = fmax(tol, s->contacts.lcp.accept);
+  const nsdae_solved *solved = s->problem.dispatch.solved;
   for (int i = 0; i < s->system->dims.m; i++) result->multiplier[i] = s->impulse[i] / step->h;
   result->smooth = !nsdae_problem_any(&s->problem);
   if (result->smooth) return NSDAE_OK;
@@ -114,12 +108,18 @@ int nsdae_step_end(const nsdae_step *step)
   result->carried -= motors;
   /* islands are solved by their own scale, a step is judged by that of all */
   result->worst_residual = nsdae_problem_residual(&s->problem);
-  result->counters.inexact = !(result->worst_residual <= tol);
-  if (result->worst_residual <= most) return NSDAE_OK;
+  result->contact_tol = solved->tol;
+  result->above.residual = nsdae_natural_residual_scaled(
+      &(nsdae_natural_residual){solved->worst.left, solved->residual.speed});
+  result->above.tol = solved->worst.tol;
+  result->counters.inexact = !(result->above.residual <= result->above.tol);
+  if (is_accepted(s, result->worst_residual, result->contact_tol) &&
+      is_accepted(s, result->above.residual, result->above.tol))
+    return NSDAE_OK;
   nsdae_error_set(s->error, NSDAE_E_LCP, "nsdae_contacts", "contact_tol",
                   "at t = %.17g the contact problem was solved to %.3g, above %.3g; a smaller dt "
                   "or less friction may help",
-                  step->t_end, result->worst_residual, most);
+                  step->t_end, result->above.residual, result->above.tol);
   return nsdae_error_at(s->error, NSDAE_E_LCP, -1, step->t_end);
 }
 
@@ -179,13 +179,14 @@ int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const do
   nsdae_stepper *s = step->tools;
   nsdae_problem *p = &s->problem;
   double size = nsdae_largest(s->system->dims.nv, r);
-  nsdae_circles circles = nsdae_circles_begin(terms, p->joint_own, lambda, s->options->contact_tol,
-                                              size, p->joint_bound);
+  nsdae_circles circles = nsdae_circles_begin(terms, p->joint_own, lambda,
+                                              s->contacts.lcp.options.tol, size, p->joint_bound);
   int status;
   circles.friction = p->results->frictional_joint_impulse;
   do {
     for (int i = 0; i < s->system->dims.m; i++) s->impulse[i] = -terms->constraint.phi_t[i];
     status = nsdae_step_solve(step, terms, M, r, 1, v, s->impulse);
+    circles.part = fmax(circles.part, p->dispatch.solved->tol);
   } while (nsdae_circles_again(&circles, s->impulse, &status));
   if (status == NSDAE_OK && step->result->closed.count > 0)
     step->result->carried = nsdae_problem_carried(&s->problem, terms);

@@ -17,13 +17,39 @@ static int is_mine(nsdae_guard *guard)
   return atomic_load_explicit(&guard->thread, memory_order_relaxed) == nsdae_this_thread();
 }
 
-static int refuse_concurrent(const nsdae_sim *sim, const char *where)
+static int refuse_left(const nsdae_call *call)
 {
-  return nsdae_error_set(nsdae_refusal_on(sim), NSDAE_E_STATE, where, "sim",
-                         "%s was called while another call on this simulation was in progress, in "
-                         "a callback or in another thread: call it before or after, or give each "
-                         "thread a simulation of its own",
-                         where);
+  return nsdae_error_set(
+      nsdae_refusal_on(call->sim), NSDAE_E_STATE, call->where, "sim",
+      "a callback left %s by an exception or longjmp: the simulation can only be "
+      "destroyed; to stop a call, return a negative value from the callback",
+      guard_of(call->sim)->where);
+}
+
+static int refuse_concurrent(const nsdae_call *call)
+{
+  return nsdae_error_set(
+      nsdae_refusal_on(call->sim), NSDAE_E_STATE, call->where, "sim",
+      "%s was called while another call on this simulation was in progress, in a callback or in "
+      "another thread: call it before or after, or give each thread a simulation of its own. If a "
+      "callback left by longjmp, call nsdae_sim_destroy in the function that ran the simulation",
+      call->where);
+}
+
+/* A call within one of the same thread. */
+static int enter_within(nsdae_call *call, nsdae_guard *guard)
+{
+  if (!guard->showing) return refuse_concurrent(call);
+  if (call->use >= NSDAE_MOVE) { /* nothing else writes to the record in an observer */
+    nsdae_refusal_forget(call->sim);
+    return nsdae_error_set(&((nsdae_sim *)call->sim)->error, NSDAE_E_STATE, call->where, "",
+                           "%s was called by an observer, before the end of its step: return a "
+                           "positive value to stop the run instead",
+                           call->where);
+  }
+  guard->showing = call->use == NSDAE_READ; /* what it asks may call a callback */
+  call->entered = call->nested = 1;
+  return NSDAE_OK;
 }
 
 /* What the call before has written is seen after it: acquire here, release in leave. */
@@ -32,42 +58,54 @@ static int take(nsdae_guard *guard, enum nsdae_use use)
   int users = use == NSDAE_READ ? atomic_load_explicit(&guard->users, memory_order_relaxed) : 0;
   while (use == NSDAE_READ ? users >= 0 : users == 0)
     if (atomic_compare_exchange_weak_explicit(&guard->users, &users,
-                                              use == NSDAE_READ ? users + 1 : -1,
+                                              use == NSDAE_READ ? users + 1 : NSDAE_ALONE,
                                               memory_order_acquire, memory_order_relaxed))
       return 1;
   return 0;
 }
 
-int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where)
+static void mark_as_left(nsdae_guard *guard)
 {
-  if (!sim) return NSDAE_E_ARGUMENT;
-  nsdae_guard *guard = guard_of(sim);
+  guard->showing = 0;
+  atomic_store_explicit(&guard->thread, NULL, memory_order_relaxed);
+  atomic_store_explicit(&guard->users, NSDAE_LEFT, memory_order_release);
+}
+
+int nsdae_sim_enter(nsdae_call *call)
+{
+  if (!call->sim) return NSDAE_E_ARGUMENT;
+  nsdae_guard *guard = guard_of(call->sim);
   if (is_mine(guard)) {
-    if (!guard->showing) return refuse_concurrent(sim, where);
-    if (use == NSDAE_MOVE) { /* nothing else writes to the record while an observer is called */
-      nsdae_refusal_forget(sim);
-      return nsdae_error_set(&((nsdae_sim *)sim)->error, NSDAE_E_STATE, where, "",
-                             "%s was called by an observer, before the end of its step: return a "
-                             "positive value to stop the run instead",
-                             where);
-    }
-    guard->showing = use == NSDAE_READ; /* what it asks may call a callback */
-    return NSDAE_OK;
+    if (call->frame < guard->frame) return enter_within(call, guard);
+    mark_as_left(guard);
   }
-  if (!take(guard, use)) return refuse_concurrent(sim, where);
-  if (use != NSDAE_READ)
+  if (!take(guard, call->use)) {
+    int users = NSDAE_LEFT,
+        left = atomic_load_explicit(&guard->users, memory_order_acquire) == users;
+    if (!left) return refuse_concurrent(call);
+    if (call->use != NSDAE_END) return refuse_left(call);
+    if (!atomic_compare_exchange_strong(&guard->users, &users, NSDAE_ALONE)) return NSDAE_E_STATE;
+  }
+  if (call->use != NSDAE_READ) {
+    guard->frame = call->frame;
+    guard->where = call->where;
     atomic_store_explicit(&guard->thread, nsdae_this_thread(), memory_order_relaxed);
+  }
+  call->entered = 1;
   return NSDAE_OK;
 }
 
-void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use)
+void nsdae_sim_leave(nsdae_call *call)
 {
-  nsdae_guard *guard = guard_of(sim);
-  nsdae_refusal_forget(sim);
-  if (is_mine(guard) && sim->observers.telling) {
+  if (!call->entered) return;
+  nsdae_guard *guard = guard_of(call->sim);
+  nsdae_refusal_forget(call->sim);
+  if (call->nested) {
     guard->showing = 1;
-  } else if (use == NSDAE_READ) {
+  } else if (call->use == NSDAE_READ) {
     atomic_fetch_sub_explicit(&guard->users, 1, memory_order_release);
+  } else if (!call->returned) {
+    mark_as_left(guard);
   } else {
     atomic_store_explicit(&guard->thread, NULL, memory_order_relaxed);
     atomic_store_explicit(&guard->users, 0, memory_order_release);

@@ -17,6 +17,7 @@ static const double watch_tenth = 0.1;        /* of an arm: 0.1 rad */
 static const double watch_share = 0.1;        /* of the largest kinetic energy */
 static const double watch_turnover = 0.02;    /* of the work of forces, and of what is driven */
 static const double watch_half = 0.5;         /* of the largest that came from somewhere */
+static const double watch_lost = 1e3; /* bounds, of those when the gain was first reported */
 
 /* That of a contact which is not listed is more than the reach. */
 static double gap_of(const nsdae_terms *T, int i)
@@ -69,6 +70,8 @@ static const rule rules[] = {
     {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy gain by contact impulses is",
      "Newton's law with e_N > 0 and friction or several contacts causes it; use a smaller e_N or "
      "mu, or method = event, which bounds it"},
+    {NSDAE_WARN_ENERGY, -1, "kinetic", "the energy loss by contacts whose normals turn is",
+     "it is proportional to dt: make dt ten times smaller, or use method = implicit or event"},
     {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "gap", "the penetration is",
      "make dt smaller, set projection = depths, and check gap and gap_normal"},
     {NSDAE_WARN_PENETRATION, NSDAE_NAME_CONTACT, "events_max",
@@ -76,7 +79,7 @@ static const rule rules[] = {
      "make dt smaller, or events_max larger"},
     {NSDAE_WARN_DRIFT, NSDAE_NAME_CONSTRAINT, "constraint", "the constraint violation is",
      "make dt smaller, or set projection = constraints"}};
-enum { OF_STEPS, OF_CONTACTS, OF_OVERLAP, OF_FALLBACK, OF_DRIFT };
+enum { OF_STEPS, OF_CONTACTS, OF_TURNS, OF_OVERLAP, OF_FALLBACK, OF_DRIFT };
 
 /* What is off most against its bound. */
 typedef struct excess {
@@ -90,6 +93,12 @@ static int bit_of(int status)
   return NSDAE_MONITORS_ENERGY << (status - NSDAE_WARN_ENERGY);
 }
 
+/* Of the contact list: one that the step closed, or the one after these that it did not. */
+static long closed_id(const nsdae_result *result, int item)
+{
+  return item < result->closed.count ? result->closed.id[item] : result->entered.id;
+}
+
 static int report(nsdae_point *point, const excess *e, int status)
 {
   const nsdae_terms *end = &point->result.end;
@@ -99,8 +108,10 @@ static int report(nsdae_point *point, const excess *e, int status)
                   "at t = %.12g %s %.3g, above the bound of the method (%.3g): %s",
                   nsdae_terms_time(end), r->what, e->value, e->bound, r->advice);
   end->error->time = nsdae_terms_time(end);
-  if (r->kind >= 0 && (r->kind != NSDAE_NAME_CONTACT || end->system->dims.k > 0))
+  if (r->kind != NSDAE_NAME_CONTACT || end->system->dims.k > 0)
     nsdae_system_name_item(end->system, r->kind, e->item, end->error);
+  else
+    nsdae_system_name_listed(end->system, closed_id(&point->result, e->item), end->error);
   return status;
 }
 
@@ -109,6 +120,7 @@ static int report(nsdae_point *point, const excess *e, int status)
 static excess find_gain(nsdae_monitors *w, const nsdae_point *before, const nsdae_point *point)
 {
   double kinetic = point->record.kinetic, gained = point->work.gained;
+  double turned = point->work.turned;
   excess found = {OF_STEPS, 0, 0, -1};
   if (!before->result.located && !point->result.located)
     found = (excess){OF_STEPS, before->record.certificate.unexplained,
@@ -118,6 +130,7 @@ static excess find_gain(nsdae_monitors *w, const nsdae_point *before, const nsda
   double bound = energy_bound(w, &point->work);
   if (gained > 0 && gained - bound > found.value - found.bound)
     found = (excess){OF_CONTACTS, gained, bound, -1};
+  if (turned - bound > found.value - found.bound) found = (excess){OF_TURNS, turned, bound, -1};
   return found;
 }
 
@@ -153,7 +166,8 @@ static double depth_of(const nsdae_sim *sim, const nsdae_point *point)
   return watch_sudden * pow((n + 1) * stored / o->penalty_stiffness, 1 / (n + 1));
 }
 
-/* A contact that was open as the step began is also held against the largest gap. */
+/* Of a contact list the items are those that the step closed, then the one that it did not. A
+ * contact that was open as the step began is also held against the largest gap. */
 static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsdae_point *point)
 {
   const nsdae_result *r = &point->result;
@@ -171,6 +185,8 @@ static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsd
     compare_excess(&e, a, -r->closed.gap[a],
                    size ? watch_quarter * size_of_pair(size, r->closed.block + 2 * (size_t)a) : 0,
                    way);
+  compare_excess(&e, r->closed.count, r->entered.depth,
+                 size ? watch_quarter * size_of_pair(size, r->entered.block) : 0, way);
   return e;
 }
 
@@ -183,6 +199,37 @@ static excess furthest(const nsdae_point *point)
     compare_excess(&e, i, fabs(T->constraint.phi[i]), size ? watch_tenth * size[i] : 0,
                    pi * point->accounts.watch.way);
   return e;
+}
+
+/* What the forces at T give to bodies at rest in a step, (h F)^2 / 2 M with the diagonal of M: less
+ * than that is jitter of bodies at rest. */
+static double energy_of_forces(const nsdae_terms *T, double h)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double sum = 0;
+  for (int b = 0; b < blocks->count; b++) {
+    int n = nsdae_blocks_size(blocks, b);
+    const double *M = T->M + blocks->square[b], *F = T->F + blocks->first[b];
+    for (int i = 0; i < n; i++) sum += F[i] * F[i] / M[(size_t)i * (size_t)(n + 1)];
+  }
+  return h * h / 2 * sum;
+}
+
+/* A gain that goes on to 1e3 times the bound that it exceeded first, and is most of the energy: no
+ * later step has a meaning. Steps beyond stability reach it in some ten; a motion that
+ * truly speeds up has a bound that grows with it. */
+static int judge_growth(const nsdae_sim *sim, nsdae_point *point)
+{
+  const nsdae_terms *end = &point->result.end;
+  double gain = point->record.certificate.unexplained, first = point->accounts.watch.reported;
+  if (!(first > 0 && gain > watch_lost * first && gain > watch_half * point->record.kinetic))
+    return NSDAE_OK;
+  nsdae_error_set(end->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "dt",
+                  "at t = %.6g the numerical energy gain is %.3g, %.1g times the bound that it "
+                  "exceeded first: the steps are unstable; make dt = %g smaller, or use "
+                  "method = event",
+                  nsdae_terms_time(end), gain, gain / first, sim->options.dt);
+  return nsdae_error_at(end->error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(end));
 }
 
 /* A step of event by implicit finds a contact closed a step late: it overlaps by the way of its gap
@@ -222,9 +269,10 @@ static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
   const nsdae_terms *end = &point->result.end;
   if (!point->result.counters.inexact || !(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
   nsdae_error_set(end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
-                  "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g: "
+                  "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g%s: "
                   "make contact_tol larger or dt smaller, or set contact_give = 1 to stop there",
-                  nsdae_terms_time(end), point->record.lcp_residual, sim->options.contact_tol);
+                  nsdae_terms_time(end), point->result.above.residual, point->result.above.tol,
+                  sim->options.contact_tol > 0 ? "" : " (auto)");
   return nsdae_error_at(end->error, NSDAE_WARN_CONTACT, -1, nsdae_terms_time(end));
 }
 
@@ -264,13 +312,19 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   measure_lengths(w, &before->result.end, &point->result, moved);
   excess all[3] = {find_gain(w, before, point)};
   int status = judge_fallback(sim, before, point), found = 1;
+  if (status == NSDAE_OK) status = judge_growth(sim, point);
   if (status != NSDAE_OK) return status;
   if (r->penetration > nsdae_terms_touch(&point->result.end))
     all[found++] = deepest(sim, before, point);
   if (r->constraint_drift > 0) all[found++] = furthest(point);
   for (int i = 0; i < found; i++)
-    if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status)))
+    if (all[i].value > all[i].bound && (new &bit_of(rules[all[i].rule].status))) {
+      if (all[i].rule == OF_STEPS)
+        w->reported =
+            fmax(all[i].bound,
+                 energy_of_forces(&before->result.end, point->result.end.t - before->result.end.t));
       return report(point, &all[i], rules[all[i].rule].status);
+    }
   status = judge_tunnelling(sim, before, point, new);
   if (status == NSDAE_OK) status = judge_law(sim, point);
   if (status == NSDAE_OK) status = judge_residual(sim, point, new);

@@ -14,6 +14,7 @@ static const char *const laws[] = {
 static const char *const integrators[] = {"auto", "dopri5", "dop853", "ida", NULL};
 static const char *const redundant[] = {"error", "least-norm", NULL};
 
+static const char *const automatic[] = {"auto", NULL};
 static const char *const no_yes[] = {"no", "yes", NULL};
 static const char *const projections[] = {"none", "constraints", "contacts", "depths",
                                           "slop", "auto",        NULL};
@@ -40,14 +41,17 @@ static const nsdae_param entries[] = {
      NSDAE_REDUNDANT_ERROR, 0, 1, 0, redundant},
     {"rank_tol", "1", "sine of the angle to the others below which a constraint is redundant",
      NSDAE_PARAM_REAL, AT(rank_tol), 1e-8, 0, 1, NSDAE_OPEN_MAX, NULL},
-    {"contact_tol", "1", "tolerance of the scaled natural residual of contact problems",
-     NSDAE_PARAM_REAL, AT(contact_tol), 1e-10, DBL_EPSILON, 1e-2, 0, NULL},
+    {"contact_tol", "1",
+     "tolerance of the scaled natural residual of contact problems; auto (0): 1e-10, for cones of "
+     "islands of more than 11 contacts 1e-4",
+     NSDAE_PARAM_REAL, AT(contact_tol), 0, DBL_EPSILON, 1e-2, NSDAE_OR_ZERO, automatic},
     {"contact_work", "1",
-     "multiplications by J for the contact problem of an island; 0: 1e4 if contact_tol >= 1e-5, "
-     "else the budget of friction problems",
+     "multiplications by J for the contact problem of an island; 0: 1e4 to a tolerance of 1e-5 or "
+     "more, else 1e6",
      NSDAE_PARAM_REAL, AT(contact_work), 0, 0, 1e12, 0, NULL},
     {"contact_give", "1",
-     "multiple of contact_tol up to which implicit and moreau go on with the best point",
+     "multiple of contact_tol, or of 1e-4 if that is more, up to which implicit and moreau go on "
+     "with the best point; 1: of contact_tol",
      NSDAE_PARAM_REAL, AT(contact_give), 100, 1, 1e12, 0, NULL},
     {"polygon", "1",
      "edges of the friction polygon of contacts with two tangential directions; 0: second-order "

@@ -164,6 +164,7 @@ static void fill_record(nsdae_point *p)
   record->dissipated = p->accounts.dissipated;
   record->projection_energy = p->accounts.raised;
   record->lcp_residual = r->worst_residual;
+  record->contact_tol = r->contact_tol;
   record->contacts.count = r->closed.count + fixed_contacts(p);
   record->impacts = r->impacts;
   record->changes = r->changes;
@@ -194,6 +195,7 @@ static void add_counters(nsdae_stats *stats, const nsdae_counters *c)
 static void certify(nsdae_stats *stats, const nsdae_record *r)
 {
   stats->worst_residual = nsdae_larger(stats->worst_residual, r->lcp_residual);
+  stats->contact_tol = nsdae_larger(stats->contact_tol, r->contact_tol);
   stats->worst_drift = nsdae_larger(stats->worst_drift, r->constraint_drift);
   stats->worst_penetration = nsdae_larger(stats->worst_penetration, r->penetration);
   stats->energy_balance = r->kinetic + r->potential + r->dissipated - stats->energy_start;

@@ -93,7 +93,7 @@ static int copy_system(nsdae_sim *sim)
 {
   const nsdae_system *from = sim->system;
   size_t k = (size_t)from->dims.k, f = (size_t)from->dims.f;
-  memcpy(&sim->model, from, sizeof *from);
+  memcpy(&sim->model, from, offsetof(nsdae_system, owners));
   sim->model.frictional_joint = calloc(f + 1, sizeof *sim->model.frictional_joint);
   if (from->call.contacts && sim->method->tracks) {
     nsdae_system_track(&sim->model, &sim->tracked);
@@ -229,29 +229,32 @@ int nsdae_sim_create(const nsdae_system *system, const nsdae_sim_options *option
   return NSDAE_OK;
 }
 
-void nsdae_sim_destroy(nsdae_sim **sim)
+void nsdae_sim_destroy(nsdae_sim **handle)
 {
-  if (!sim || !*sim || nsdae_sim_enter(*sim, NSDAE_MOVE, "nsdae_sim_destroy") < 0) return;
-  const nsdae_stepping *method = (*sim)->method;
-  if (method && method->destroy) method->destroy((*sim)->own);
-  nsdae_kkt_release(&(*sim)->stepper.kkt);
-  nsdae_projector_release(&(*sim)->projection);
-  nsdae_slop_release(&(*sim)->slop);
-  nsdae_terms_release(&(*sim)->stepper.middle);
-  for (int i = 0; i < 3; i++) nsdae_result_release(&(*sim)->point[i].result);
-  nsdae_problem_release(&(*sim)->stepper.problem);
-  nsdae_arena_release(&(*sim)->arena);
-  free((*sim)->model.contact);
-  free((*sim)->model.frictional_joint);
-  free((*sim)->control.value);
-  free((*sim)->tracked.id);
-  free((*sim)->tracked.used);
-  free((*sim)->tracked.block);
-  free((*sim)->tracked.order);
-  nsdae_system_let_go((*sim)->system);
-  nsdae_sim_leave(*sim, NSDAE_MOVE);
-  free(*sim);
-  *sim = NULL;
+  if (!handle) return;
+  nsdae_sim *sim = *handle;
+  nsdae_call call = NSDAE_CALL(NSDAE_END, "nsdae_sim_destroy");
+  if (nsdae_sim_enter(&call) < 0) return;
+  const nsdae_stepping *method = sim->method;
+  if (method && method->destroy) method->destroy(sim->own);
+  nsdae_kkt_release(&sim->stepper.kkt);
+  nsdae_projector_release(&sim->projection);
+  nsdae_slop_release(&sim->slop);
+  nsdae_terms_release(&sim->stepper.middle);
+  for (int i = 0; i < 3; i++) nsdae_result_release(&sim->point[i].result);
+  nsdae_problem_release(&sim->stepper.problem);
+  nsdae_arena_release(&sim->arena);
+  free(sim->model.contact);
+  free(sim->model.frictional_joint);
+  free(sim->control.value);
+  free(sim->tracked.id);
+  free(sim->tracked.used);
+  free(sim->tracked.block);
+  free(sim->tracked.order);
+  nsdae_system_let_go(sim->system);
+  nsdae_refusal_forget(sim);
+  free(sim);
+  *handle = NULL;
 }
 
 static int check_vector(nsdae_sim *sim, const char *where, const char *name, int kind,

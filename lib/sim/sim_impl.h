@@ -3,6 +3,7 @@
 #define NSDAE_SIM_IMPL_H
 
 #include <stdatomic.h>
+#include <stdint.h>
 
 #include <nsdae/sim.h>
 
@@ -18,14 +19,22 @@
 enum nsdae_use {
   NSDAE_READ, /* reads: with others, and from an observer */
   NSDAE_ASK,  /* works alone, but changes no state: also from an observer */
-  NSDAE_MOVE  /* works alone */
+  NSDAE_MOVE, /* works alone */
+  NSDAE_END   /* works alone, also after a callback that did not return */
 };
 
+/* The stack grows downwards: a call in a callback has its frame below that of the call which it is
+ * in. A call of the same thread whose frame is not below shows that a callback did not return. */
 typedef struct nsdae_guard {
-  atomic_int users;             /* calls that read; -1: one that works alone */
+  atomic_int users;             /* calls that read; NSDAE_ALONE: one that works; NSDAE_LEFT */
   _Atomic(const void *) thread; /* of the one that works alone; else NULL */
   int showing;                  /* an observer sees a record; for that thread alone */
+  uintptr_t frame;              /* of the one that works alone */
+  const char *where;            /* its name */
 } nsdae_guard;
+
+/* A callback left the one that worked alone by an exception or longjmp: only destroy remains. */
+enum { NSDAE_ALONE = -1, NSDAE_LEFT = -2 };
 
 /* Bits of nsdae_stats.warnings, in the order in which monitors.c reports them. */
 enum {
@@ -46,6 +55,7 @@ typedef struct nsdae_monitors {
   double scale;    /* largest kinetic energy so far */
   double known;    /* the largest that came from somewhere */
   double kinetic;  /* of the start */
+  double reported; /* bound of the gain of the steps when it was first exceeded */
 } nsdae_monitors;
 
 typedef struct nsdae_observation {
@@ -71,6 +81,7 @@ typedef struct nsdae_work {
   double turnover, carried;       /* amounts, of forces and of driven in all steps */
   double unsure, rounding;        /* of the work of forces: what its quadrature may miss */
   double spent, gained;           /* by contact impulses: amounts; what they gave */
+  double turned;                  /* that lasting contacts took because their normals turn */
 } nsdae_work;
 
 /* What is kept of all steps so far, beside the last result. */
@@ -221,23 +232,37 @@ int nsdae_observers_tell(nsdae_sim *sim, const nsdae_record *record);
 
 /* ---- users of a simulation */
 
-/* NSDAE_OK; NSDAE_E_ARGUMENT where sim is NULL; NSDAE_E_STATE: refused. where: the function. */
-int nsdae_sim_enter(const nsdae_sim *sim, enum nsdae_use use, const char *where);
-/* After an enter that was NSDAE_OK. */
-void nsdae_sim_leave(const nsdae_sim *sim, enum nsdae_use use);
+/* A call of a public function. */
+typedef struct nsdae_call {
+  const nsdae_sim *sim;
+  enum nsdae_use use;
+  const char *where;             /* the function */
+  uintptr_t frame;               /* its address */
+  int entered, nested, returned; /* nested: by an observer */
+} nsdae_call;
+
+/* NSDAE_OK; NSDAE_E_ARGUMENT where sim is NULL; NSDAE_E_STATE: refused. */
+int nsdae_sim_enter(nsdae_call *call);
+/* At the end of each call, also if an exception of a callback passes through it. */
+void nsdae_sim_leave(nsdae_call *call);
+
+#define NSDAE_CALL(use, where)                                      \
+  {                                                                 \
+    sim, use, where, (uintptr_t)__builtin_frame_address(0), 0, 0, 0 \
+  }
 
 /* Heads the body of a public function, of these parameters and arguments, which is called between
  * enter and leave. */
-#define NSDAE_SIM_CALL(use, name, parameters, ...)   \
-  static int name##_guarded parameters;              \
-  int name parameters                                \
-  {                                                  \
-    int guarded_ = nsdae_sim_enter(sim, use, #name); \
-    if (guarded_ < 0) return guarded_;               \
-    guarded_ = name##_guarded(__VA_ARGS__);          \
-    nsdae_sim_leave(sim, use);                       \
-    return guarded_;                                 \
-  }                                                  \
+#define NSDAE_SIM_CALL(use, name, parameters, ...)                                       \
+  static int name##_guarded parameters;                                                  \
+  int name parameters                                                                    \
+  {                                                                                      \
+    __attribute__((cleanup(nsdae_sim_leave))) nsdae_call call_ = NSDAE_CALL(use, #name); \
+    int guarded_ = nsdae_sim_enter(&call_);                                              \
+    if (guarded_ == NSDAE_OK) guarded_ = name##_guarded(__VA_ARGS__);                    \
+    call_.returned = 1;                                                                  \
+    return guarded_;                                                                     \
+  }                                                                                      \
   static int name##_guarded parameters
 
 /* ---- starts */

@@ -46,7 +46,7 @@ enum {
 };
 
 static const char MAGIC[8] = "nsdaest";
-enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 6 };
+enum { BYTE_ORDER_MARK = 0x01020304, BLOCK_VERSION = 7 };
 
 /* A place in a block: nothing is moved where both are NULL. Arrays may be NULL where they are
  * empty. */
@@ -102,9 +102,9 @@ static void visit_stats(cursor *c, nsdae_stats *s)
                           &s->events,         &s->accumulations,
                           &s->fallback_steps, &s->accumulations_early,
                           &s->frozen_steps,   &s->inexact_steps};
-  double *const worst[] = {&s->worst_residual, &s->worst_drift,    &s->worst_penetration,
-                           &s->energy_start,   &s->energy_balance, &s->rank_retained,
-                           &s->rank_discarded};
+  double *const worst[] = {&s->worst_residual,    &s->contact_tol,  &s->worst_drift,
+                           &s->worst_penetration, &s->energy_start, &s->energy_balance,
+                           &s->rank_retained,     &s->rank_discarded};
   /* all of them, and the clock; room in lists is the simulation's */
   _Static_assert(sizeof *s - sizeof counts / sizeof *counts * sizeof(long) -
                          sizeof worst / sizeof *worst * sizeof(double) - 7 * sizeof(int) -
@@ -185,6 +185,7 @@ static void visit_point(cursor *c, nsdae_point *p, double *epoch, double *t, uns
   visit_doubles(c, r->end.q, d->nq);
   visit_doubles(c, r->end.v, d->nv);
   visit_doubles(c, &r->worst_residual, 1);
+  visit_doubles(c, &r->contact_tol, 1);
   visit(c, have, sizeof *have);
   visit_doubles(c, r->multiplier, d->m);
   visit_doubles(c, r->impulses.normal, d->k);
@@ -468,7 +469,7 @@ static int check_values(nsdae_sim *sim)
                          c->work,
                          c->unexplained};
   const double certificate[] = {
-      r->worst_residual, s->worst_residual, s->worst_drift,     s->worst_penetration, c->pull,
+      r->worst_residual, r->contact_tol, s->worst_residual, s->contact_tol, s->worst_drift,     s->worst_penetration, c->pull,
       c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
   /* the listed contacts */
   int count = r->closed.count, right = count == 0 || r->end.by.reach >= 0;

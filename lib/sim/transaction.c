@@ -289,6 +289,38 @@ static int correct(nsdae_sim *sim, double length)
   }
 }
 
+static int is_closed(const nsdae_closed *closed, long id)
+{
+  int any = 0;
+  for (int a = 0; a < closed->count && !any; a++) any = closed->id[a] == id;
+  return any;
+}
+
+/* What a contact list of the end of the step has: the gaps of the contacts that the step closed,
+ * and the deepest that it did not. implicit begins its next step with this list. */
+static int look_at_end(nsdae_sim *sim, double length)
+{
+  nsdae_result *r = &sim->next->result;
+  const nsdae_system *s = sim->system;
+  const nsdae_contact_list *list = &r->end.by.list;
+  const double *v[] = {sim->now->result.end.v, r->end.v};
+  r->entered = (nsdae_entered){0};
+  if (!sim->method->closes || nsdae_terms_most(s) != NSDAE_ANY_NUMBER) return NSDAE_OK;
+  if (s->maker.may_enter && !s->maker.may_enter(v[0], length, s->user) &&
+      !s->maker.may_enter(v[1], length, s->user))
+    return NSDAE_OK;
+  double touch = nsdae_terms_touch(&r->end);
+  int status =
+      r->closed.count > 0 ? list_closed(sim, length) : nsdae_terms_contacts(&r->end, touch);
+  for (int i = 0; i < list->count && status == NSDAE_OK; i++) {
+    if (-list->gap[i] <= fmax(touch, r->entered.depth) || is_closed(&r->closed, list->id[i]))
+      continue;
+    r->entered =
+        (nsdae_entered){-list->gap[i], list->id[i], {list->block[2 * i], list->block[2 * i + 1]}};
+  }
+  return status;
+}
+
 /* A step to t1 into next, complete except for its observers. */
 static int try_step(nsdae_sim *sim, double t1, double length)
 {
@@ -297,6 +329,7 @@ static int try_step(nsdae_sim *sim, double t1, double length)
   int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
   sim->stage.failed = problem && (next->result.problem || next->result.cones);
   if (status == NSDAE_OK) status = correct(sim, length);
+  if (status == NSDAE_OK) status = look_at_end(sim, length);
   if (next->result.end.t < t1) length = next->result.end.t - now->result.end.t; /* so far it came */
   if (status == NSDAE_OK) status = nsdae_point_follow(sim, now, next, length);
   if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, now, next);

@@ -1,5 +1,7 @@
 /* See ida.h. SUNDIALS 6.4 and 7. Newton's matrix is the caller's: an empty SUNMatrix, and a direct
- * SUNLinearSolver whose two calls are the caller's setup and solve. */
+ * SUNLinearSolver whose two calls are the caller's setup and solve. Vectors, matrix and solver are
+ * parts of the record, not made by SUNDIALS: where the second of its two allocations for one fails,
+ * version 7 loses the first, or follows the null pointer if it was built without error checks. */
 #include "ida.h"
 
 #include <math.h>
@@ -30,12 +32,11 @@ struct nsdae_ida {
   nsdae_ida_tolerances tolerances;
   SUNContext context;
   void *ida;
-  struct _generic_N_Vector_Ops ops; /* of the pool's vectors */
   pooled pool[VECTORS];
   double *data;                       /* VECTORS n: the entries of the vectors */
   N_Vector y, ydot, between, differs; /* where it is; where it is read; 1: differential */
-  SUNMatrix matrix;
-  SUNLinearSolver solver;
+  struct _generic_SUNMatrix matrix;
+  struct _generic_SUNLinearSolver solver;
   double t, way; /* where it is; l of runge_kutta.h */
   long failed;   /* error tests since the start */
   int held;      /* steps that must not grow */
@@ -89,23 +90,35 @@ static sunrealtype differential_norm(N_Vector x, N_Vector weights, N_Vector diff
   return norm_of(x, weights, ((pooled *)x->content)->differential);
 }
 
-static int make_vectors(nsdae_ida *s)
+/* What IDA and its Newton iteration call. */
+static const struct _generic_N_Vector_Ops vector_ops = {.nvgetvectorid = N_VGetVectorID_Serial,
+                                                        .nvclone = duplicate,
+                                                        .nvdestroy = give_back,
+                                                        .nvgetarraypointer =
+                                                            N_VGetArrayPointer_Serial,
+                                                        .nvgetlength = N_VGetLength_Serial,
+                                                        .nvlinearsum = N_VLinearSum_Serial,
+                                                        .nvconst = N_VConst_Serial,
+                                                        .nvprod = N_VProd_Serial,
+                                                        .nvdiv = N_VDiv_Serial,
+                                                        .nvscale = N_VScale_Serial,
+                                                        .nvabs = N_VAbs_Serial,
+                                                        .nvinv = N_VInv_Serial,
+                                                        .nvaddconst = N_VAddConst_Serial,
+                                                        .nvmaxnorm = N_VMaxNorm_Serial,
+                                                        .nvwrmsnorm = norm,
+                                                        .nvwrmsnormmask = differential_norm,
+                                                        .nvmin = N_VMin_Serial};
+
+static void make_vectors(nsdae_ida *s)
 {
   sunindextype n = s->problem.n;
-  N_Vector serial = N_VNewEmpty_Serial(n, s->context);
-  s->data = calloc((size_t)VECTORS * ((size_t)n + 1), sizeof *s->data);
-  if (serial) s->ops = *serial->ops;
-  if (serial) N_VDestroy(serial);
-  if (!serial || !s->data) return NSDAE_E_MEMORY;
-  s->ops.nvclone = duplicate;
-  s->ops.nvdestroy = give_back;
-  s->ops.nvwrmsnorm = norm;
-  s->ops.nvwrmsnormmask = differential_norm;
   for (int i = 0; i < VECTORS; i++) {
     pooled *p = &s->pool[i];
     p->serial.length = n;
     p->serial.data = s->data + (size_t)i * (size_t)n;
-    p->vector = (struct _generic_N_Vector){.content = p, .ops = &s->ops, .sunctx = s->context};
+    p->vector = (struct _generic_N_Vector){
+        .content = p, .ops = (N_Vector_Ops)&vector_ops, .sunctx = s->context};
     p->pool = s->pool;
     p->differential = s->problem.differential;
   }
@@ -114,7 +127,6 @@ static int make_vectors(nsdae_ida *s)
   s->between = take(s->pool);
   s->differs = take(s->pool);
   for (int i = 0; i < s->problem.differential; i++) NV_Ith_S(s->differs, i) = 1;
-  return NSDAE_OK;
 }
 
 /* ---- callbacks of IDA */
@@ -210,29 +222,20 @@ static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector 
   return code == 0 ? 0 : code > 0 ? SUNLS_LUFACT_FAIL : SUNLS_GS_FAIL;
 }
 
-static int make_solver(nsdae_ida *s)
-{
-  s->matrix = SUNMatNewEmpty(s->context);
-  s->solver = SUNLinSolNewEmpty(s->context);
-  if (!s->matrix || !s->solver) return NSDAE_E_MEMORY;
-  s->matrix->ops->getid = matrix_id;
-  s->matrix->ops->zero = zero;
-  s->solver->content = s;
-  s->solver->ops->gettype = solver_type;
-  s->solver->ops->setup = set_up_solver;
-  s->solver->ops->solve = solve;
-  return NSDAE_OK;
-}
+static const struct _generic_SUNMatrix_Ops matrix_ops = {.getid = matrix_id, .zero = zero};
+
+static const struct _generic_SUNLinearSolver_Ops solver_ops = {
+    .gettype = solver_type, .setup = set_up_solver, .solve = solve};
 
 /* ---- creation */
 
-/* More than what a context and IDA's record take together (some 10 kB). */
+/* More than what a context, IDA's record and its Newton iteration take together (some 10 kB). */
 enum { RESERVE = 65536 };
 
 /* A context that prints nothing: version 7 takes a communicator and reports through the context,
  * version 6 through IDA, which is silenced by IDASetErrFile. Up to 6.4 SUNContext_Create does not
- * survive a lost allocation in its logger, and IDACreate prints: if the reserve is not to be had,
- * they are not called. */
+ * survive a lost allocation in its logger, IDACreate prints, and version 7's IDAInit loses a block
+ * of its Newton iteration: if the reserve is not to be had, they are not called. */
 static int make_context(SUNContext *context)
 {
   void *reserve = malloc(RESERVE);
@@ -258,7 +261,7 @@ static int make_integrator(nsdae_ida *s)
   if (!bad) bad = IDASetUserData(s->ida, s);
   if (!bad) bad = IDASetId(s->ida, s->differs);
   if (!bad) bad = IDASetSuppressAlg(s->ida, 1);
-  if (!bad) bad = IDASetLinearSolver(s->ida, s->solver, s->matrix);
+  if (!bad) bad = IDASetLinearSolver(s->ida, &s->solver, &s->matrix);
   if (!bad) bad = IDASetJacFn(s->ida, setup);
   if (!bad) bad = IDASetLinearSolutionScaling(s->ida, 0); /* it is for the change of cj */
   return bad ? NSDAE_E_MEMORY : NSDAE_OK;
@@ -270,9 +273,12 @@ int nsdae_ida_create(const nsdae_ida_problem *problem, nsdae_ida **ida)
   nsdae_ida *s = calloc(1, sizeof *s);
   if (!s) return NSDAE_E_MEMORY;
   s->problem = *problem;
-  int status = make_context(&s->context);
-  if (status == NSDAE_OK) status = make_vectors(s);
-  if (status == NSDAE_OK) status = make_solver(s);
+  s->data = calloc((size_t)VECTORS * ((size_t)problem->n + 1), sizeof *s->data);
+  int status = s->data ? make_context(&s->context) : NSDAE_E_MEMORY;
+  if (status == NSDAE_OK) make_vectors(s);
+  s->matrix = (struct _generic_SUNMatrix){.ops = (SUNMatrix_Ops)&matrix_ops, .sunctx = s->context};
+  s->solver = (struct _generic_SUNLinearSolver){
+      .content = s, .ops = (SUNLinearSolver_Ops)&solver_ops, .sunctx = s->context};
   if (status == NSDAE_OK) status = make_integrator(s);
   if (status == NSDAE_OK) *ida = s;
   if (status < 0) nsdae_ida_destroy(&s);
@@ -284,8 +290,6 @@ void nsdae_ida_destroy(nsdae_ida **ida)
   nsdae_ida *s = ida ? *ida : NULL;
   if (!s) return;
   if (s->ida) IDAFree(&s->ida);
-  if (s->solver) SUNLinSolFreeEmpty(s->solver);
-  if (s->matrix) SUNMatFreeEmpty(s->matrix);
   if (s->context) SUNContext_Free(&s->context);
   free(s->data);
   free(s);

@@ -165,7 +165,7 @@ static double settled(const nsdae_step *step, const progress *p)
          noise = fmax(rounding, nsdae_larger(s->iteration_tol, s->problem.dispatch.solved->noise));
   if (p->since < STAGNATION) return noise;
   double moved = 4 * DBL_EPSILON * nsdae_largest(dims->nq, s->q) / (step->h * speed);
-  return fmax(noise, fmax(moved, p->frozen ? 1e2 * s->options->contact_tol : 0));
+  return fmax(noise, fmax(moved, p->frozen ? 1e2 * s->problem.dispatch.solved->tol : 0));
 }
 
 /* The constraint with the largest |Phi| at the end of the step; -1: none. */

@@ -198,6 +198,15 @@ void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_e
   error->index = nsdae_system_index(system, kind, i);
 }
 
+void nsdae_system_name_listed(const nsdae_system *system, long id, nsdae_error *error)
+{
+  char called[NSDAE_CALLED_SIZE];
+  size_t used = error ? strlen(error->text) : 0;
+  if (!error) return;
+  snprintf(error->text + used, sizeof error->text - used, ": %s",
+           nsdae_system_called_id(system, id, called));
+}
+
 /* What an output is about: of W_N, its contacts. */
 static int about(const nsdae_output *o)
 {

@@ -63,6 +63,7 @@ static void release(nsdae_system *system)
   free(system->frictional_joint);
   nsdae_blocks_release(&system->blocks);
   nsdae_blocks_release(&system->coordinates);
+  if (system->maker.release) system->maker.release(system->maker.of);
   free(system);
 }
 

@@ -91,6 +91,8 @@ typedef struct nsdae_calls {
 
 #undef FIELD
 
+/* A simulation copies the fields before `owners`; the others change while simulations are created.
+ */
 struct nsdae_system {
   nsdae_dims dims;
   nsdae_maker maker;
@@ -108,11 +110,11 @@ struct nsdae_system {
   nsdae_body *body;                         /* bodies: what files show; room for a power of two */
   int bodies;
   nsdae_error error;
-  nsdae_error refused;        /* of the first setter that was */
+  nsdae_error refused; /* of the first setter that was */
+  char differences[128], unseen[1400];
+  char doubt[320];            /* of the last check */
   atomic_int owners;          /* its handle and its simulations; the last one releases it */
   _Atomic(const char *) late; /* the first setter refused while it had simulations; or NULL */
-  char differences[128], unseen[1400];
-  char doubt[320]; /* of the last check */
 };
 
 /* NSDAE_OK when every callback that is needed is there, no setter was refused and names are
@@ -236,6 +238,8 @@ static inline double nsdae_system_time(const nsdae_system *system, double t)
 /* Gives the error an index, that of an item, and ends its text with what that is called:
  * ': contact 3 "stop"'. Nothing where error is NULL. */
 void nsdae_system_name_item(const nsdae_system *system, int kind, int i, nsdae_error *error);
+/* The same of the contact of that id of a list; the index stays. */
+void nsdae_system_name_listed(const nsdae_system *system, long id, nsdae_error *error);
 
 /* Ends the error's text with what entry (row, column) of the callback's output [rows x columns]
  * belongs to: ', of contact 3 "stop"'. */

@@ -102,6 +102,8 @@ class Record(ContactColumns):
         Potential energy that projection="slop" added since the start [J], a part of `dissipated`, which it decreases.
     lcp_residual : float
         Scaled natural residual of the contact problem.
+    contact_tol : float
+        The largest tolerance of the contact problems, 0 without one.
     constraint_drift : float
         max abs(Phi).
     penetration : float
@@ -138,6 +140,7 @@ class Record(ContactColumns):
     dissipated: float
     projection_energy: float
     lcp_residual: float
+    contact_tol: float
     constraint_drift: float
     penetration: float
     impacts: np.ndarray

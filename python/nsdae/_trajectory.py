@@ -115,6 +115,8 @@ class Trajectory(ContactColumns):
         Potential energy [J]; None without a potential.
     lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
         Residual of the contact problem, max abs(Phi), largest overlap [m].
+    contact_tol : ndarray, shape (n,)
+        The largest tolerance of the contact problems, 0 without one.
     certificate : structured ndarray or None, shape (n,)
         ``Record.certificate`` of each record.
     sensors : dict
@@ -160,6 +162,7 @@ class Trajectory(ContactColumns):
     dissipated: np.ndarray
     projection_energy: np.ndarray
     lcp_residual: np.ndarray
+    contact_tol: np.ndarray
     constraint_drift: np.ndarray
     penetration: np.ndarray
     impacts: np.ndarray
@@ -330,7 +333,7 @@ class Trajectory(ContactColumns):
         if unknown:
             raise ValueError(f"no panel is called '{unknown[0]}': they are {', '.join(plot.PANELS)}")
         with self._opened() as file:
-            return plot.draw(file, plot.panels(file, only), title or plot.title_of(file))
+            return plot.draw(file, plot.panels(file, only), title or plot.title_of(file), asked=only)
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Any:
         """Animates the bodies, as nsdae-animate does. It needs shapes, or the option ``point``.

@@ -347,8 +347,8 @@ nb::dict bodies::add_scene(const std::string &path)
   return d;
 }
 
-// Owned by the caller; the bodies must outlive it. The garbage collector sees its reference to
-// them, because a drive or a load may refer to an owner of the system. With the text of its
+// Owned by the caller. The garbage collector sees its reference to the bodies, which own the
+// functions of drives and loads: one of them may refer to an owner of the system. With the text of its
 // warning, or "".
 nb::tuple bodies::make_system(nb::object self)
 {

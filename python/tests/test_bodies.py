@@ -1,5 +1,6 @@
 """Mechanisms of bodies from Python."""
 
+import gc
 import math
 import os
 import warnings
@@ -641,3 +642,19 @@ def test_mesh_files_of_trimesh(tmp_path):
             made.export(tmp_path / name, file_type=kind)
             read = nsdae.read_mesh(tmp_path / name)
             np.testing.assert_array_equal(read.points[read.triangle], made.triangles)
+
+
+def test_a_simulation_keeps_what_it_reads():
+    """The natural order of a builder. Free fall is exact: z = 1 - g/2 after 1 s."""
+
+    def build():
+        world = Bodies(3, gravity=(0, 0, -G))
+        world.add(mass=1, inertia=(1, 1, 1), position=(0, 0, 1))
+        sim = nsdae.Sim(world.system())
+        sim.init(*world.start())
+        return sim
+
+    sim = build()
+    gc.collect()
+    sim.run(1)
+    assert sim.q[2] == pytest.approx(1 - G / 2, abs=1e-11)

@@ -235,7 +235,7 @@ static void test_rest(void **state)
     if (run % 2) l.q[0] = between(&random, 0.1, 1);
     nsdae_sim *sim =
         start(&l, run % 3, pow(10, -between(&random, 2, 3)), between(&random, 0, 1), &system);
-    assert_true(nsdae_sim_run(sim, 2) >= 0);
+    if (nsdae_sim_run(sim, 2) < 0) fail_msg("run %d: %s", run, nsdae_sim_error(sim)->text);
     nsdae_sim_get_stats(sim, &stats);
     assert_int_equal(stats.warnings & IMPACTS, 0);
     nsdae_sim_destroy(&sim);

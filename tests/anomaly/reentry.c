@@ -1,6 +1,7 @@
 /* Calls on a simulation that is in a call: from each of its callbacks, from the function that is
  * asked for an interrupt, from an observer, and from other threads. They are NSDAE_E_STATE, and the
- * run has the same bits as without them. */
+ * run has the same bits as without them. Simulations of one system are created and destroyed in
+ * several threads at once: a sanitizer of threads looks for races (cmake --preset threads). */
 #include "check.h"
 
 #include <pthread.h>
@@ -356,10 +357,64 @@ static void test_threads(void **state)
   }
 }
 
+/* ---- simulations of one system, created and destroyed in several threads at once */
+
+enum { LIVES = 8, FALL = 10 };
+
+/* The method of the thread; each step of its simulations has the bits of the first. */
+static void *live(void *user)
+{
+  const nsdae_system *system = user;
+  nsdae_sim_options options;
+  double first = NAN;
+  nsdae_sim_options_default(&options);
+  options.dt = 0.01;
+  for (int life = 0; life < LIVES; life++) {
+    nsdae_sim *sim;
+    nsdae_error error;
+    nsdae_record r;
+    double q[7] = {0, 0, 0.15, 1}, v[6] = {0.1};
+    options.method = life % 2 == 0 ? NSDAE_METHOD_IMPLICIT : NSDAE_METHOD_MOREAU;
+    int status = nsdae_sim_create(system, &options, &sim, &error);
+    if (status < 0) print_error("%s\n", error.text);
+    assert_int_equal(status, NSDAE_OK);
+    assert_true(nsdae_sim_init(sim, 0, q, v) >= 0);
+    for (int i = 0; i < FALL; i++) assert_true(nsdae_sim_step(sim) >= 0);
+    assert_int_equal(nsdae_sim_get_record(sim, &r), NSDAE_OK);
+    if (life == 0) first = r.q[0];
+    if (life % 2 == 0) assert_memory_equal(&first, &r.q[0], sizeof first);
+    nsdae_sim_destroy(&sim);
+  }
+  return NULL;
+}
+
+/* A ball above a floor by the kit, whose handle is destroyed before. */
+static void test_creation(void **state)
+{
+  (void)state;
+  nsdae_bodies *b;
+  nsdae_system *system;
+  pthread_t thread[THREADS];
+  const double gravity[3] = {0, 0, -9.81};
+  assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+  nsdae_bodies_set_gravity(b, gravity);
+  nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {0.1, 0.1, 0.1}});
+  nsdae_bodies_add_solid(b, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_PLANE});
+  nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1});
+  nsdae_bodies_set_pair(b, 0, 0, 0.3, 0.5, 0);
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
+  nsdae_bodies_destroy(&b);
+  for (int i = 0; i < THREADS; i++)
+    assert_int_equal(pthread_create(&thread[i], NULL, live, system), 0);
+  for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);
+  assert_int_equal(nsdae_system_simulations(system), 0);
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_callbacks),
-                                     cmocka_unit_test(test_observer),
-                                     cmocka_unit_test(test_threads)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_creation), cmocka_unit_test(test_callbacks),
+      cmocka_unit_test(test_observer), cmocka_unit_test(test_threads)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,9 @@
 
 #include <nsdae/nsdae.h>
 
+#include "random.h"
 #include "rods.h"
+#include "run_bodies.h"
 
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
@@ -115,6 +117,91 @@ static void test_energy(void **state)
       if (status < 0) assert_non_null(strstr(text, "dt"));
       nsdae_system_destroy(&system);
     }
+}
+
+/* q'' = -omega^2 q by moreau is unstable from omega h = 2 on: the run ends with an error soon after
+ * the warning. q'' = omega^2 q grows as well, by its forces: that is none. */
+static void test_growth(void **state)
+{
+  (void)state;
+  for (double way = 0.05; way < 100; way *= 1.37)
+    for (int sign = -1; sign <= 1; sign += 2) {
+      if (sign < 0 && way < 2) continue;
+      if (sign > 0 && way > 1) continue; /* e^(omega h) in a step */
+      const nsdae_dims dims = {.nq = 1};
+      const double q0 = 1, v0 = 0;
+      double stiffness = -sign * pow(way / 0.01, 2);
+      nsdae_system *system;
+      nsdae_sim_options options;
+      nsdae_sim *sim;
+      assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+      nsdae_system_set_user(system, &stiffness);
+      nsdae_system_set_mass(system, mass);
+      nsdae_system_set_force(system, spring);
+      nsdae_sim_options_default(&options);
+      options.method = NSDAE_METHOD_MOREAU;
+      options.dt = 0.01;
+      assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+      assert_int_equal(nsdae_sim_init(sim, 0, &q0, &v0), NSDAE_OK);
+      int status = nsdae_sim_run(sim, 0.01 * ceil(30 / way + 60)); /* e^30, or 60 steps and more */
+      if (sign > 0) assert_true(status >= 0);
+      if (sign < 0) assert_int_equal(status, NSDAE_E_CONVERGENCE);
+      if (sign < 0) assert_non_null(strstr(nsdae_sim_error(sim)->text, "unstable"));
+      nsdae_sim_destroy(&sim);
+      nsdae_system_destroy(&system);
+    }
+}
+
+/* A disc that slides without friction in a hollow one, its centre on a circle of radius R, by
+ * moreau without forces: a step turns the normal by h v / R and leaves v cos(h v / R),
+ *
+ *   v' = -h v^3 / (2 R^2),  (v / v_0)^2 = 1 / (1 + h v_0^2 t / R^2).
+ *
+ * The loss is reported from a tenth of the energy on; implicit has none. */
+static void test_turns(void **state)
+{
+  uint64_t seed = 5;
+  (void)state;
+  for (int i = 0; i < 40; i++) {
+    const double radius = random_between(&seed, 0.1, 0.9), R = 1 - radius, t = 1;
+    double speed = random_between(&seed, 1, 10) * R;
+    double lost = random_between(&seed, 0.02, 0.3); /* of the energy */
+    double h = lost / (1 - lost) * R * R / (speed * speed * t);
+    int method = i % 4 == 0 ? NSDAE_METHOD_IMPLICIT : NSDAE_METHOD_MOREAU;
+    nsdae_bodies *bodies;
+    nsdae_system *system;
+    nsdae_sim_options o;
+    nsdae_record r;
+    assert_int_equal(nsdae_bodies_create(2, &bodies, NULL), NSDAE_OK);
+    int hollow = nsdae_bodies_add_solid(
+        bodies, NSDAE_GROUND, &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = 1, .hollow = 1});
+    int body = nsdae_bodies_add(bodies, &(nsdae_rigid_body){.mass = 2,
+                                                            .inertia = {0, 0, 1},
+                                                            .position = {0, -R - 1e-10},
+                                                            /* touches */ .velocity = {speed}});
+    int disc = nsdae_bodies_add_solid(bodies, body,
+                                      &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = radius});
+    assert_true(nsdae_bodies_add_contact(bodies, hollow, disc, 0, 0, 0) >= 0);
+    nsdae_sim_options_default(&o);
+    o.method = method;
+    o.dt = t / ceil(t / h);
+    nsdae_sim *sim = start(bodies, &o, &system);
+    int status = nsdae_sim_run(sim, t);
+    assert_true(status >= 0);
+    nsdae_sim_get_record(sim, &r);
+    double left = r.kinetic / (speed * speed);
+    double way = o.dt * speed / R;
+    if (method == NSDAE_METHOD_IMPLICIT) {
+      assert_near(left, 1, way * way); /* of second order */
+      assert_int_not_equal(status, NSDAE_WARN_ENERGY);
+    } else {
+      assert_near(left, 1 - lost, way * way + 2 * way * lost); /* the next terms */
+      if (left < 0.9 - 1e-3) assert_int_equal(status, NSDAE_WARN_ENERGY);
+      if (left > 0.9 + 1e-3) assert_int_not_equal(status, NSDAE_WARN_ENERGY);
+      if (status > 0) assert_non_null(strstr(nsdae_sim_error(sim)->text, "normals turn"));
+    }
+    end(bodies, system, sim);
+  }
 }
 
 static void expect_penetration(int listed, int projection)
@@ -310,9 +397,10 @@ static void test_little_by_little(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_energy),
-                                     cmocka_unit_test(test_penetration),
-                                     cmocka_unit_test(test_fallback), cmocka_unit_test(test_drift),
-                                     cmocka_unit_test(test_little_by_little)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_energy),          cmocka_unit_test(test_growth),
+      cmocka_unit_test(test_turns),           cmocka_unit_test(test_fallback),
+      cmocka_unit_test(test_penetration),     cmocka_unit_test(test_drift),
+      cmocka_unit_test(test_little_by_little)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

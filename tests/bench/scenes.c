@@ -20,11 +20,11 @@ static const double pi = 3.14159265358979323846;
 
 /* ---- the mechanisms */
 
-static void *grown(void *at, int count, int *room, size_t size)
+static void *grown(void *at, int count, size_t *room, size_t size)
 {
-  if (count < *room) return at;
+  if ((size_t)count < *room) return at;
   *room = *room ? 2 * *room : 64;
-  at = realloc(at, (size_t)*room * size);
+  at = realloc(at, *room * size);
   if (!at) abort();
   return at;
 }
@@ -34,7 +34,7 @@ static int add_body(mechanism *m, nsdae_solid solid, const double *position, con
 {
   nsdae_scene *s = &m->scene;
   nsdae_rigid_body b = {.quaternion = {1}};
-  int room = m->body_room;
+  size_t room = m->body_room;
   s->body = grown(s->body, s->bodies, &room, sizeof *s->body);
   s->solid = grown(s->solid, s->bodies, &m->body_room, sizeof *s->solid);
   solid.material = 1;

@@ -7,7 +7,8 @@
 typedef struct mechanism {
   nsdae_scene scene;
   nsdae_joint *joint; /* spherical or revolute; body[0] < body[1] is the parent in a tree */
-  int joints, joint_room, body_room;
+  int joints;
+  size_t joint_room, body_room;
   int steps;
 } mechanism;
 

@@ -679,6 +679,27 @@ static void test_own()
   EXPECT(throws_status(NSDAE_E_ARGUMENT, [&] { nsdae::bodies(2).set_user_rows(drum); }));
 }
 
+/* The natural order of a builder: it returns a simulation, and its model and system are gone.
+ * Free fall is exact by the default method: z = 1 - g/2 after 1 s. */
+static void test_lifetimes()
+{
+  const auto build = [] {
+    nsdae::bodies world(3);
+    nsdae_rigid_body body = nsdae_rigid_body();
+    body.mass = 1;
+    body.position[2] = 1;
+    for (double &J : body.inertia) J = 1;
+    world.gravity(0, 0, -9.81).add(body);
+    nsdae::sim sim(world.system());
+    const auto start = world.start();
+    sim.init(0, start.first, start.second);
+    return sim;
+  };
+  nsdae::sim sim = build();
+  sim.run(1);
+  EXPECT(std::fabs(sim.record().q[2] + 3.905) < 1e-11);
+}
+
 /* A ball on a string against the ground, described by bodies: what C throws away comes as an
  * exception, what a load throws comes out of the run, and the system keeps its world. */
 static void test_bodies()
@@ -1038,6 +1059,7 @@ int main(int argc, char **argv)
   test_trajectory(argc > 1 ? argv[1] : "handles.h5");
   test_check();
   test_bodies();
+  test_lifetimes();
   test_mesh();
   test_scene();
   test_springs();

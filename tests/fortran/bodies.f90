@@ -79,6 +79,7 @@ program mechanism
   call groups
   call rope_on_drum
   call names
+  call lifetimes
   call refused
   call scene_of_a_file
   call check_done
@@ -100,6 +101,31 @@ contains
     error = nsdae_bodies_error(bodies)
     call is_true(index(error%text, 'crank') > 0, 'the name it has')
     call nsdae_bodies_destroy(bodies)
+  end subroutine
+
+  ! The natural order of a builder: its model and system are gone before the run. Free fall is exact
+  ! by the default method: z = 1 - g/2 after 1 s.
+  subroutine lifetimes()
+    type(nsdae_sim) :: sim
+    type(nsdae_record) :: record
+    call build(sim)
+    call is_int(nsdae_sim_run(sim, 1d0), NSDAE_OK, 'run without its builder')
+    call is_int(nsdae_sim_get_record(sim, record), NSDAE_OK, 'record')
+    call is_near(record%q(3), -3.905d0, 1d-11, 'fall')
+    call nsdae_sim_destroy(sim)
+  end subroutine
+
+  subroutine build(sim)
+    type(nsdae_sim), intent(inout) :: sim
+    type(nsdae_bodies) :: bodies
+    type(nsdae_system) :: system
+    call is_int(nsdae_bodies_create(3_c_int, bodies), NSDAE_OK, 'create')
+    call is_int(nsdae_bodies_set_gravity(bodies, [0d0, 0d0, -9.81d0]), NSDAE_OK, 'gravity')
+    call is_int(nsdae_bodies_add(bodies, nsdae_rigid_body(mass=1d0, inertia=[1d0, 1d0, 1d0], &
+        position=[0d0, 0d0, 1d0])), 0_c_int, 'body')
+    call start(bodies, system, sim)
+    call nsdae_bodies_destroy(bodies)
+    call nsdae_system_destroy(system)
   end subroutine
 
   subroutine start(bodies, system, sim)

@@ -82,11 +82,27 @@ REPLACES void *mmap(void *address, size_t length, int protection, int flags, int
 /* weak: none without SUNDIALS */
 __attribute__((weak)) int __real_SUNContext_Create(void *comm, void *context);
 int __wrap_SUNContext_Create(void *comm, void *context);
+__attribute__((weak)) int SUNDIALSGetVersionNumber(int *major, int *minor, int *patch, char *label,
+                                                   int length);
+__attribute__((weak)) int __real_IDAInit(void *ida, int (*residual)(void), double t, void *y,
+                                         void *ydot);
+int __wrap_IDAInit(void *ida, int (*residual)(void), double t, void *y, void *ydot);
 
 int __wrap_SUNContext_Create(void *comm, void *context)
 {
   the_process.exempt = 1;
   int status = __real_SUNContext_Create(comm, context);
+  the_process.exempt = 0;
+  return status;
+}
+
+int __wrap_IDAInit(void *ida, int (*residual)(void), double t, void *y, void *ydot)
+{
+  int major, minor, patch;
+  char label[16];
+  SUNDIALSGetVersionNumber(&major, &minor, &patch, label, sizeof label);
+  the_process.exempt = major >= 7;
+  int status = __real_IDAInit(ida, residual, t, y, ydot);
   the_process.exempt = 0;
   return status;
 }

@@ -2,9 +2,10 @@
  * counted, and one of them can be made to fail. Linked by a test where NSDAE_PROCESS_ALLOCATOR is
  * 1: with glibc, and where no sanitizer has malloc.
  *
- * The calls of one function are exempt: SUNContext_Create of SUNDIALS 6.4.1 does not look whether
+ * The calls of two functions are exempt. SUNContext_Create of SUNDIALS 6.4.1 does not look whether
  * its logger's table was allocated (sundials_logger.c, SUNLogger_Create), and follows the null
- * pointer. */
+ * pointer. IDAInit of 7.1.1 loses one or two blocks if the second or third of its Newton iteration
+ * is not to be had (SUNNonlinSolNewEmpty, SUNNonlinSol_Newton): 6.4.1 frees them. */
 #ifndef NSDAE_TESTS_PROCESS_ALLOCATOR_H
 #define NSDAE_TESTS_PROCESS_ALLOCATOR_H
 

@@ -14,8 +14,9 @@ import h5py
 import numpy as np
 import tools
 from bodies import COLOURS, Body, extent
+from painter import FINE, SHADOW, Faces
 from PIL import Image
-from raster import FINE, Drawing
+from raster import Drawing
 from scene import Styles, drawn_bodies
 
 STEM = ""  # of an example's .h5, .gif, .html and .mp4
@@ -184,9 +185,8 @@ def check_camera(a, centre, radius):
 def check_shadow(a, drawing, centre, radius, number):
     """A point is in the shadow of a ball if the line to the light passes the centre within the radius."""
     (ball,) = [b for b in a.scene["bodies"] if not b["plane"]]
-    parts = [(a.scene["styles"][style], points) for style, *points in ball["parts"]]
-    ((_, _, faces),) = drawing.shadows(parts, drawing.seen(ball, number), number)
-    pixels = np.concatenate([points for _, points in faces])
+    parts = Faces(drawing.painter, ball).parts(number)
+    pixels = np.concatenate([np.reshape(corners, (-1, 2)) for layer, _, _, corners, *_ in parts if layer == SHADOW])
     flat = (pixels / FINE - np.array([drawing.size[0], drawing.area[1]]) / 2) / drawing.scale * [1, -1] + (drawing.low + drawing.high) / 2
     points = flat @ drawing.axes[:2] + a.scene["camera"][number]
     points -= np.outer(points[:, 2] / drawing.axes[2, 2], drawing.axes[2])  # along the view onto the ground
@@ -451,6 +451,10 @@ def check_example(stem):
         page = Page(STEM + ".html", f)
         MODELS[f.attrs["model"]](page, page.q, page.p)
         check_strips(page, f)
+        if not os.path.exists(STEM + ".gif"):
+            expect("a GIF", tools.QUICK and STEM not in GIFS)
+            print(f"{STEM}: {len(page.time)} frames in the page")
+            return
         shown, size = check_gif(f, page.scene["speed"])
         film = check_mp4(f, shown, size)
         print(f"{STEM}: {len(page.time)} frames in the page, {len(shown)} in the GIF, {film}")
@@ -463,22 +467,27 @@ SHORTER = {"bouncing-ball": ("--t-end", "3"), "pendulum": ("--t-end", "3"), "pen
            "ragdoll": ("--t-end", "0.5"), "column": ("--set", "balls=3")}  # each is a mesh
 
 
+GIFS = ("bouncing-ball", "incline", "pendulum")  # of the quick form
+
+
 def check_examples(data):
     """At ten frames a second."""
     count = 0
     for example in tools.examples():
         tools.make(example, data, SHORTER.get(example, ()))
-        tools.runs("nsdae-animate", "--fps", "10", f"{example}.h5")
+        outputs = ("-o", f"{example}.html") if tools.QUICK and example not in GIFS else ()
+        tools.runs("nsdae-animate", "--fps", "10", *outputs, f"{example}.h5")
         with tools.judged(example):
             check_example(example)
         count += 1
-    tools.expect(count >= 15, count, "examples")
+    tools.expect(count >= (9 if tools.QUICK else 15), count, "examples")
 
 
 def check_pages():
     """A browser that opens a page at a time stands at that frame; their script is one, and JavaScript."""
     program = tools.browser()
-    for page, time, frame in (("pendulum.html", 0.5, 100), ("rolling-ball.html", 0.25, 50)) if program else ():
+    pages = [("pendulum.html", 0.5, 100), ("rolling-ball.html", 0.25, 50)][: 1 if tools.QUICK else 2]
+    for page, time, frame in pages if program else ():
         dom = tools.browse(program, page, time, "--dump-dom")
         tools.expect(f'data-frame="{frame}"' in dom, page, "at", time, "s:", re.findall('data-frame="[0-9]*"', dom), "not", frame)
         tools.expect(">Play</button>" in dom, page, "plays though a time was asked for")
@@ -487,7 +496,7 @@ def check_pages():
     for name in pages:
         with open(name, encoding="utf-8") as page:
             scripts.add(re.search("^<script>$(.*?)^</script>$", page.read(), re.DOTALL | re.MULTILINE)[1])
-    tools.expect(len(pages) >= 15 and len(scripts) == 1, len(pages), "pages,", len(scripts), "scripts")
+    tools.expect(len(pages) >= (9 if tools.QUICK else 15) and len(scripts) == 1, len(pages), "pages,", len(scripts), "scripts")
     if shutil.which("node"):
         with open("page.js", "w", encoding="utf-8") as file:
             file.write(scripts.pop())
@@ -504,7 +513,7 @@ def check_options():
             old.copy(name, new)
         new.attrs.update(old.attrs)
     said = tools.runs("nsdae-animate", "--point", "0,1,-", "--point", "2,-,-", "-o", "points.html", "other.h5")
-    tools.expect(said == "601 frames of 2 bodies in points.html\n", "--point:", said)
+    tools.expect(said.endswith(" frames of 2 bodies in points.html\n"), "--point:", said)
 
 
 def check_errors():

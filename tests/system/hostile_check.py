@@ -16,12 +16,12 @@ import h5py
 import numpy as np
 from matplotlib import pyplot as plt
 from PIL import Image
-from tools import BIN, MAINS, browse, browser, end, expect
+from tools import BIN, MAINS, QUICK, browse, browser, end, expect
 
 TOOLS = {"nsdae-animate": "x.html", "nsdae-plot": "x.svg", "nsdae-vtk": "x.vtkhdf"}
 SECRET = "a line that only its owner reads " * 40
 MEMORY = 3 << 30  # bytes of address space: what a lie asks for is far beyond
-FAMILY = 24  # seeds
+FAMILY = 6 if QUICK else 24  # seeds
 
 
 def limit(memory):
@@ -176,6 +176,8 @@ LIES = {
 
 def check_tools(name, path, words):
     for tool in TOOLS:
+        if QUICK and words is None and tool == "nsdae-plot":
+            continue
         code, said, made = drawn(tool, path)
         if words is None and tool == "nsdae-plot":
             expect(code in (0, 1), tool, name, code, said)
@@ -284,12 +286,12 @@ def check_names():
     program = browser()
     cases = [["NSDAE_SCENE", "<img src=x onerror=document.title=`OWNED`>", "<!--<script>"],
              ["<script>document.title='OWNED'</script>", "</script><script>document.title='OWNED'</script>", "NSDAE_TITLE"]]
-    for seed in range(4):
+    for seed in range(1 if QUICK else 4):
         rng = random.Random(seed)
         cases.append(["".join(rng.choice(FRAGMENTS) for _ in range(rng.randrange(1, 5))) for _ in range(3)])
     for i, names in enumerate(cases):
         path = changed("run.h5", "bad.h5", lambda f, n=names: named(f, n))
-        for tool in TOOLS if i < 3 else ("nsdae-animate",):
+        for tool in TOOLS if i < (1 if QUICK else 3) else ("nsdae-animate",):
             code, said, _ = drawn(tool, path)
             expect(code == 0 and not said, tool, "names", names, code, said)
         if not os.path.exists("x.html"):
@@ -302,7 +304,7 @@ def check_names():
         shown = json.loads(data)
         expect({b["name"] for b in shown["bodies"]} == set(names), "names", names, "are", [b["name"] for b in shown["bodies"]])
         expect(shown["title"] == f"{names[0]}, {names[-1]}", "title", shown["title"])
-        if program:
+        if program and i < (1 if QUICK else len(cases)):
             check_browser(program, f"{i}.html", shown["title"], [b["name"] for b in shown["bodies"] if not b["fixed"]])
     if program:
         browse(program, "0.html", 0.05, f"--screenshot={os.getcwd()}/0.png")
@@ -322,7 +324,8 @@ def main():
     code, said = ran("nsdae-lcp", "lcp.h5")
     expect(code == 0, "nsdae-lcp", code, said)
     for tool in TOOLS:
-        expect(drawn(tool, "run.h5")[:2] == (0, []), tool, "refuses a good file", drawn(tool, "run.h5")[:2])
+        code, said, _ = drawn(tool, "run.h5")
+        expect(code == 0 and not said, tool, "refuses a good file", code, said)
     pages = check_names()
     limit(MEMORY)
     check_named()

@@ -3,8 +3,8 @@
 # without a kill. Other tests restore a state within one process; this one proves what only processes can: the file on the disk
 # is whole at every moment, the options of the command line come back from it, and each example's own state with them.
 # usage: restart.sh BIN_DIR DATA_DIR [KILLS [NAME...]]
-# Without KILLS: each method and each kind of file once, one kill each. With KILLS, or NSDAE_KILLS=20: these examples, or all, by
-# every method (an hour on one core).
+# Quick form: each method and each kind of file once, one kill each. NSDAE_TEST_SHARE=1: more programs, two kills each. With
+# KILLS, or NSDAE_KILLS=20: these examples, or all, by every method (an hour on one core).
 set -u
 bin=$1
 data=$2
@@ -89,7 +89,22 @@ if [ "$kills" ]; then
   [ $failures = 0 ]
   exit
 fi
-kills=1
+if [ "${NSDAE_TEST_SHARE:-}" = 1 ]; then
+  kills=2
+  for method in implicit implicit-printed moreau penalty event; do
+    attack pendulum 40 --method $method
+    attack bouncing-ball 3 --method $method
+    attack woodpecker 8 --method $method
+  done
+  attack newtons-cradle 8 --method moreau
+  attack falling-rod 3 --method implicit --every 7
+  attack incline 4 --method implicit --compress 1
+  attack arch 2 --method implicit-printed --set blocks=5 --every 3
+  attack dominoes 1 --method moreau --set n=6
+  attack heap 2 --method event --set spheres=4 --set rough=0 --every 3
+  attack arch 1 --method penalty --set blocks=5 --compress 1
+fi
+kills=${kills:-1}
 attack pendulum 10 --method implicit
 attack pendulum 10 --method implicit-printed --compress 1
 attack pendulum 10 --method moreau --every 7

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Runs a test in Python of the programs, in an empty folder, with the first Python that has most of what such tests use.
-# usage: tools.sh BIN_DIR CHECK.py ARGUMENT...
+# Runs tests/system/tools_suite.py in an empty folder, with the first Python that has most of what it uses.
+# usage: tools.sh BIN_DIR SUITE.py ARGUMENT...
 set -u
 bin=$1
 check=$2

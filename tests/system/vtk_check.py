@@ -470,16 +470,18 @@ def check_examples(data):
         with tools.judged(example):
             check_example(example)
         count += 1
-    tools.expect(count >= 15, count, "examples")
+    tools.expect(count >= (9 if tools.QUICK else 15), count, "examples")
 
 
 def check_options():
     """Thinned out: records 0, 7, 14 ...; and points at coordinates. As users start it."""
     said = tools.started_by_launcher("nsdae-vtk", "--every", "7", "-o", "few.vtkhdf", "--point", "0,1,-", "--point", "2,-,-",
                                      "pendulum.h5")
-    tools.expect(said.startswith("201 steps of 2 bodies"), "--every 7 of 1401:", said)
+    with h5py.File("pendulum.h5") as g:
+        steps = len(g["time"][::7])
+    tools.expect(said.startswith(f"{steps} steps of 2 bodies"), "--every 7:", said)
     with h5py.File("few.vtkhdf") as f, h5py.File("pendulum.h5") as g:
-        q, points = g["q"][::7], f["VTKHDF/Points"][...].reshape(201, 2, -1, 3).mean(axis=2)
+        q, points = g["q"][::7], f["VTKHDF/Points"][...].reshape(steps, 2, -1, 3).mean(axis=2)
         tools.expect(np.array_equal(f["VTKHDF/Steps/Values"], g["time"][::7]), "--every: times")
         tools.expect(np.abs(points[:, 0, :2] - q[:, :2]).max() < 1e-12 and np.abs(points[:, 0, 2]).max() < 1e-12, "--point 0,1,-")
         tools.expect(np.abs(points[:, 1, 0] - q[:, 2]).max() < 1e-12, "--point 2,-,-")

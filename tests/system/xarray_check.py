@@ -1,5 +1,5 @@
-"""What xarray makes of a trajectory, against h5py: usage: xarray_check.py FILE.h5 NAME..., the names of the
-coordinates. Exit 77 where xarray or an engine of it is not installed."""
+"""What xarray makes of trajectories, against h5py. usage: xarray_check.py "FILE.h5 NAME...": each with the names of its
+coordinates. Exit 77 if xarray or an engine of it is not installed."""
 
 import importlib.util
 import sys
@@ -13,10 +13,8 @@ import h5py
 import numpy as np
 import xarray
 
-path, names = sys.argv[1], sys.argv[2:]
 
-
-def look(engine, file):
+def look(engine, path, names, file):
     root = xarray.open_dataset(path, engine=engine)
     assert root.q.dims == ("time", "coordinate") and root.v.dims == ("time", "velocity"), root
     assert list(root.coordinate.values) == names, root.coordinate.values
@@ -51,7 +49,9 @@ def look(engine, file):
         assert np.array_equal(contacts.id.values[last], file["contacts/id"][last]) and contacts.sizes["id"] > 0
 
 
-with h5py.File(path) as file:
-    for engine in ("h5netcdf", "netcdf4"):
-        look(engine, file)
-        print(f"{engine}: q by {', '.join(names)}")
+for argument in sys.argv[1:]:
+    path, *names = argument.split()
+    with h5py.File(path) as file:
+        for engine in ("h5netcdf", "netcdf4"):
+            look(engine, path, names, file)
+            print(f"{path} by {engine}: q by {', '.join(names)}")

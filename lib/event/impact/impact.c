@@ -34,7 +34,8 @@ void nsdae_event_impacts_prepare(nsdae_event_impacts *p)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   p->problem.cones.most = s->system->dims.nt == 2 ? s->system->dims.k : 0;
-  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol,
+  const nsdae_accuracy accuracy = {.tol = s->options->contact_tol};
+  nsdae_contacts_set(&p->problem, s->system, s->error, &accuracy,
                      nsdae_law_edges_to_start(s->options->polygon));
   /* a bounded force has no impulse in an instant: joints without a load take no part */
   int loaded = 0;
@@ -283,7 +284,7 @@ static int impact(nsdae_event_impacts *p, double *y)
   if (status == NSDAE_OK)
     status = nsdae_terms_finite(s->here, "multiplier", NSDAE_NAME_CONSTRAINT, p->multiplier);
   if (status < 0) return status;
-  s->result->worst_residual = fmax(s->result->worst_residual, c->lcp.info.residual);
+  nsdae_event_add_residual(s, c);
   keep(p);
   s->result->gain += nsdae_terms_energy(T, p->v) - nsdae_terms_energy(T, v);
   memcpy(v, p->v, (size_t)d->nv * sizeof *v);

@@ -34,7 +34,8 @@ void nsdae_event_acceleration_prepare(nsdae_event_acceleration *p)
   int edges = nsdae_law_edges_to_start(s->options->polygon);
   p->problem.given = p->law;
   p->problem.cones.most = d->nt == 2 ? d->k : 0;
-  nsdae_contacts_set(&p->problem, s->system, s->error, s->options->contact_tol, edges);
+  const nsdae_accuracy accuracy = {.tol = s->options->contact_tol};
+  nsdae_contacts_set(&p->problem, s->system, s->error, &accuracy, edges);
   p->around = d->nt == 2 ? cos(acos(-1) / edges) : 1;
 }
 
@@ -136,10 +137,9 @@ int nsdae_event_accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin ma
   p->by_cones = status == NSDAE_E_LCP &&
                 nsdae_projected_gauss_seidel_anew(&p->problem, p->phase->modes.direction, p->force,
                                                   p->xi, p->a, p->lambda);
-  nsdae_result *r = p->phase->setting->result;
   if (p->by_cones) {
     nsdae_error_clear(p->phase->setting->error);
-    r->worst_residual = fmax(r->worst_residual, p->problem.lcp.info.residual);
+    nsdae_event_add_residual(p->phase->setting, &p->problem);
   }
   return nsdae_painleve_judge(&p->problem, p->by_cones ? NSDAE_OK : status, !p->by_cones, margin,
                               p->phase->setting->here->t);

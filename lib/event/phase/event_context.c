@@ -35,6 +35,13 @@ int nsdae_event_factor(nsdae_event_setting *s)
   return status;
 }
 
+void nsdae_event_add_residual(nsdae_event_setting *s, const nsdae_contacts *c)
+{
+  nsdae_result *r = s->result;
+  r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
+  r->contact_tol = fmax(r->contact_tol, c->lcp.options.tol);
+}
+
 int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_terms *terms,
                       double *size, double *v, double *lambda)
 {
@@ -44,7 +51,7 @@ int nsdae_event_solve(nsdae_event_setting *s, nsdae_contacts *c, const nsdae_ter
   int status = nsdae_contacts_solve(c, terms, s->kkt, size, v, lambda);
   r->counters.lcps++;
   r->counters.lcp_pivots += c->lcp.info.pivots;
-  if (status == NSDAE_OK) r->worst_residual = fmax(r->worst_residual, c->lcp.info.residual);
+  if (status == NSDAE_OK) nsdae_event_add_residual(s, c);
   return status;
 }
 

@@ -44,6 +44,9 @@ void nsdae_event_move(nsdae_event_setting *setting, double t, const double *y);
 /* Factors M and Phi_q of the point, and keeps what rank was met. */
 int nsdae_event_factor(nsdae_event_setting *setting);
 
+/* The residual of a problem that was solved, and its tolerance, are a part of the result's. */
+void nsdae_event_add_residual(nsdae_event_setting *setting, const nsdae_contacts *contacts);
+
 /* Solves the problem whose contacts are closed with the terms' W and w, and counts it; the
  * arguments are those of nsdae_contacts_solve. */
 int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,

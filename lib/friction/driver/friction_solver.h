@@ -15,6 +15,9 @@ void nsdae_fc_set_pool(nsdae_friction_solver *solver, nsdae_thread_pool *pool);
  * memory. NSDAE_OK, or status as of nsdae_friction_check. */
 int nsdae_fc_reserve(nsdae_friction_solver *solver, const nsdae_friction_problem *largest);
 
+/* Multiplications by J that an island of this number of items may take if options.budget is 0. */
+double nsdae_fc_own_budget(int items);
+
 /* max |q|, q = H^T M^-1 f + w, of the problem solved last: the largest velocity without impulses.
  */
 double nsdae_fc_speed(const nsdae_friction_solver *solver);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "cone.h"
+#include "friction_solver.h"
 
 /* Contacts up to which a factorisation costs less than the sweeps that it saves. */
 enum { SMALL = 24 };
@@ -254,14 +255,19 @@ static int watch(const nsdae_fc_iterate *it, void *user)
   return run->options->progress(&now, run->options->user);
 }
 
+double nsdae_fc_own_budget(int items)
+{
+  const double n = items > 0 ? items : 1;
+  return fmin(WORK / n, EACH * n);
+}
+
 /* Budget, no work yet, residual infinite; a guess that is not allowed is put aside. */
 static void begin_run(nsdae_fc_run *run)
 {
   const nsdae_friction_options *o = run->options;
-  const double n = run->island.fc.n, own = fmin(WORK / n, EACH * n);
   nsdae_fc_iterate *it = &run->iterate;
   run->info = (nsdae_friction_info){.residual = INFINITY};
-  run->budget.products = o->budget > 0 ? o->budget : own;
+  run->budget.products = o->budget > 0 ? o->budget : nsdae_fc_own_budget(run->island.fc.n);
   run->budget.sweeps = o->max_sweeps > 0 ? o->max_sweeps : LONG_MAX;
   run->budget.steps = o->max_iterations > 0 ? o->max_iterations : INT_MAX;
   run->budget.watch = o->progress ? watch : NULL;

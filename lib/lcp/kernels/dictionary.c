@@ -73,7 +73,7 @@ const double *nsdae_dictionary_column(nsdae_dictionary *t, int j)
   for (int i = 0; i < t->n; i++) t->column[i] = from[i];
   for (int k = 0; k < t->pending; k++)
     t->along[k] = t->V[(size_t)k * ((size_t)t->n + 1) + (size_t)j];
-  nsdae_la_add_product(t->n, t->pending, t->U, t->n, t->along, t->column);
+  nsdae_la_add_product(t->n, t->pending, 1, t->U, t->n, t->along, t->column);
   return t->column;
 }
 
@@ -114,7 +114,7 @@ static void pivot_later(nsdae_dictionary *t, int r, int e, const double *c)
     t->along[k] = *at;
     *at = 0;
   }
-  nsdae_la_add_product(n + 1, t->pending, t->V, n + 1, t->along, t->row);
+  nsdae_la_add_product(n + 1, t->pending, 1, t->V, n + 1, t->along, t->row);
   /* Column e is zero from now on. */
   double *column = dictionary_column(t, e);
   for (int i = 0; i < t->n; i++) column[i] = 0;

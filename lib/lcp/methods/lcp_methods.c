@@ -43,8 +43,8 @@ static double evaluate_fischer(const newton *f, const double *x, double *y, doub
 static int direction(const newton *f, double nu)
 {
   int n = f->n;
-  nsdae_la_multiply_transposed(n, n, n, f->J, n, f->J, n, 0, f->H, n);
-  nsdae_la_multiply_transposed(n, n, 1, f->J, n, f->phi, n, 0, f->step, n);
+  nsdae_la_multiply_transposed(n, n, n, 1, f->J, n, f->J, n, 0, f->H, n);
+  nsdae_la_multiply_transposed(n, n, 1, 1, f->J, n, f->phi, n, 0, f->step, n);
   for (int i = 0; i < n; i++) {
     f->H[(size_t)i * (size_t)n + (size_t)i] += nu;
     f->step[i] = -f->step[i];

@@ -52,7 +52,7 @@ static void test_materials(void **state)
 {
   nsdae_bodies *b = begin();
   nsdae_system *system;
-  char name[] = "m00";
+  char name[16]; /* m00 */
   (void)state;
   for (int twice = 0; twice < 2; twice++)
     for (int i = 0; i < NSDAE_MATERIALS; i++) {

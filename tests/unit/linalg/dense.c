@@ -9,7 +9,7 @@
 #include "dense.h"
 #include "support/random.h"
 
-enum { N = 40, LD = N + 3, RHS = 5 };
+enum { N = 48, LD = N + 3, RHS = 5 };
 
 /* Two backward stable solutions of one problem differ by at most a few n eps cond(A) (Higham,
  * Accuracy and Stability, section 10.1); the matrices here have cond(A) < 1e3. */
@@ -229,36 +229,111 @@ static void test_lu_singular(void **state)
     }
 }
 
+/* Sizes on both sides of every change from loops to BLAS: products of 32^3, with a vector of 32^2.
+ */
+static const int sizes[] = {1, 2, 3, 4, 5, 9, 31, 32, 33, N};
+enum { SIZES = sizeof sizes / sizeof *sizes };
+
 static void test_products(void **state)
 {
   (void)state;
   random_state r = {9};
   static double A[N * LD], B[N * LD], C[N * LD], ours[N * LD], theirs[N * LD];
   const double betas[] = {0, 1, -1, 0.5};
-  for (int n = 1; n <= N; n++)
-    for (int p = 0; p < 5; p++)
-      for (int q = 0; q < 5; q++) {
-        random_matrix(&r, n, p, A, LD);
-        random_matrix(&r, n, q, B, LD);
-        random_matrix(&r, N, N, C, LD);
-        for (int b = 0; b < 4 && p > 0 && q > 0; b++) {
-          copy(N, N, C, ours);
-          copy(N, N, C, theirs);
-          nsdae_la_multiply_transposed(n, p, q, A, LD, B, LD, betas[b], ours, LD);
-          cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, p, q, n, 1, A, LD, B, LD, betas[b],
-                      theirs, LD);
-          expect_near(N, N, ours, theirs, tolerance(n));
-        }
-        if (p == 0 || q == 0) continue;
-        random_matrix(&r, q, p, B, LD);
-        copy(N, N, C, ours);
-        copy(N, N, C, theirs);
-        nsdae_la_add_outer(n, q, p, A, LD, B, LD, ours, LD);
-        for (int j = 0; j < q; j++)
-          for (int i = 0; i < n; i++)
-            for (int k = 0; k < p; k++) theirs[j * LD + i] += A[k * LD + i] * B[k * LD + j];
-        expect_near(N, N, ours, theirs, tolerance(n));
+  for (int at = 0; at < SIZES * SIZES * SIZES; at++) {
+    int n = sizes[at % SIZES], p = sizes[at / SIZES % SIZES], q = sizes[at / SIZES / SIZES];
+    double alpha = betas[1 + at % 3];
+    random_matrix(&r, N, N, A, LD);
+    random_matrix(&r, N, N, B, LD);
+    random_matrix(&r, N, N, C, LD);
+    for (int b = 0; b < 4; b++) {
+      copy(N, N, C, ours);
+      copy(N, N, C, theirs);
+      nsdae_la_multiply_transposed(n, p, q, alpha, A, LD, B, LD, betas[b], ours, LD);
+      cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, p, q, n, alpha, A, LD, B, LD, betas[b],
+                  theirs, LD);
+      expect_near(N, N, ours, theirs, tolerance(n));
+    }
+    copy(N, N, C, ours);
+    copy(N, N, C, theirs);
+    nsdae_la_add_outer(n, q, p, A, LD, B, LD, ours, LD);
+    nsdae_la_add_products(n, q, p, alpha, A, LD, B, LD, ours, LD);
+    for (int j = 0; j < q; j++)
+      for (int i = 0; i < n; i++)
+        for (int k = 0; k < p; k++)
+          theirs[j * LD + i] += A[k * LD + i] * (B[k * LD + j] + alpha * B[j * LD + k]);
+    expect_near(N, N, ours, theirs, tolerance(p));
+    copy(N, N, C, ours);
+    nsdae_la_add_product(n, p, alpha, A, LD, B, ours);
+    for (int i = 0; i < n; i++) {
+      double sum = C[i];
+      for (int k = 0; k < p; k++) sum += alpha * A[k * LD + i] * B[k];
+      assert_near(ours[i], sum, tolerance(p) * (1 + fabs(sum)));
+    }
+    for (int i = n; i < N * LD; i++) assert_true(ours[i] == C[i] || i % LD >= N);
+  }
+}
+
+/* A front of p + r rows against the factor of the whole matrix: its first p columns are those of
+ * the factor, what is left is the Schur complement, whose factor is the rest. */
+static void test_fronts(void **state)
+{
+  (void)state;
+  random_state r = {12};
+  static double A[N * LD], ours[N * LD], theirs[N * LD];
+  for (int at = 0; at < SIZES * SIZES; at++) {
+    int n = sizes[at / SIZES], p = sizes[at % SIZES], pivot[N], pivots[N];
+    if (p > n) continue;
+    random_spd(&r, n, A);
+    copy(n, n, A, ours);
+    copy(n, n, A, theirs);
+    assert_int_equal(nsdae_la_cholesky_pivots(p, ours, LD), 0);
+    nsdae_la_eliminate_below(p, n - p, -1, ours, LD);
+    assert_int_equal(nsdae_la_cholesky_pivots(n - p, ours + p * (LD + 1), LD), 0);
+    assert_int_equal(LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, theirs, LD), 0);
+    expect_near(n, n, ours, theirs, tolerance(n));
+
+    /* of a matrix whose pivots are in the last of the first p rows and columns, and in the rest */
+    random_matrix(&r, n, n, A, LD);
+    for (int i = 0; i < p; i++) A[i * LD + p - 1 - i] += 4.0 * n;
+    for (int i = p; i < n; i++) A[i * (LD + 1)] += 4.0 * n;
+    copy(n, n, A, ours);
+    copy(n, n, A, theirs);
+    assert_int_equal(nsdae_la_lu_front(p, n, ours, LD, pivot), 0);
+    if (p < n) {
+      assert_int_equal(nsdae_la_lu(n - p, ours + p * (LD + 1), LD, pivot + p), 0);
+      for (int i = p; i < n; i++) {
+        assert_int_equal(pivot[i], i - p + 1);
+        pivot[i] += p;
       }
+    }
+    assert_int_equal(LAPACKE_dgetrf(LAPACK_COL_MAJOR, n, n, theirs, LD, pivots), 0);
+    assert_memory_equal(pivot, pivots, (size_t)n * sizeof *pivot);
+    expect_near(n, n, ours, theirs, tolerance(n));
+  }
+}
+
+/* U^-T b of the upper triangle; what is below it is not read. */
+static void test_upper_transposed(void **state)
+{
+  (void)state;
+  random_state r = {13};
+  static double U[N * LD];
+  double b[N], x[N];
+  for (int n = 1; n <= N; n++) {
+    random_matrix(&r, n, n, U, LD);
+    random_matrix(&r, n, 1, b, N);
+    for (int i = 0; i < n; i++) U[i * (LD + 1)] = 4.0 * n;
+    for (int j = 0; j < n; j++)
+      for (int i = j + 1; i < n; i++) U[j * LD + i] = NAN;
+    memcpy(x, b, sizeof x);
+    nsdae_la_solve_upper_transposed(n, U, LD, x);
+    for (int i = 0; i < n; i++) {
+      double sum = 0;
+      for (int k = 0; k <= i; k++) sum += U[i * LD + k] * x[k];
+      assert_near(sum, b[i], tolerance(n));
+    }
+  }
 }
 
 /* beta = 0 sets C, whatever was in it, as in BLAS. */
@@ -270,7 +345,7 @@ static void test_product_overwrites(void **state)
   for (int n = 1; n <= N; n++) {
     random_matrix(&r, n, 2, A, LD);
     for (int i = 0; i < 2 * LD; i++) C[i] = NAN;
-    nsdae_la_multiply_transposed(n, 2, 2, A, LD, A, LD, 0, C, LD);
+    nsdae_la_multiply_transposed(n, 2, 2, 1, A, LD, A, LD, 0, C, LD);
     assert_true(C[0] > 0 && isfinite(C[1]) && C[1] == C[LD] && C[LD + 1] > 0);
   }
 }
@@ -284,7 +359,7 @@ static void test_empty_products(void **state)
   random_matrix(&r, N, N, C, LD);
   copy(N, N, C, before);
   for (int n = 1; n <= N; n++) {
-    nsdae_la_multiply_transposed(n, 0, 2, A, LD, B, LD, 1, C, LD);
+    nsdae_la_multiply_transposed(n, 0, 2, 1, A, LD, B, LD, 1, C, LD);
     nsdae_la_add_outer(n, 2, 0, A, LD, B, LD, C, LD);
   }
   assert_memory_equal(C, before, sizeof C);
@@ -303,6 +378,8 @@ int main(void)
       cmocka_unit_test(test_packed),
       cmocka_unit_test(test_lu_singular),
       cmocka_unit_test(test_products),
+      cmocka_unit_test(test_fronts),
+      cmocka_unit_test(test_upper_transposed),
       cmocka_unit_test(test_product_overwrites),
       cmocka_unit_test(test_empty_products),
   };

@@ -323,7 +323,7 @@ static void test_memory(void **state)
     assert_int_equal(live, 0);
   }
   print_message("%ld places\n", places - 1);
-  assert_true(places > 10);
+  assert_true(places - 1 >= 5); /* record, vectors, reserve, IDACreate, IDASetLinearSolver */
 }
 #endif
 
