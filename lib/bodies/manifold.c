@@ -262,10 +262,11 @@ static void add_crossing(clip *c, const int at[2])
   const double size = c->of[0].solid->size + c->of[1].solid->size;
   int rims = 0;
   for (int s = 0; s < 2; s++) {
-    if (c->of[s].face.disc > 0)
+    if (c->of[s].face.disc > 0) {
       rims |= 1 << s;
-    else
-      length[s] = line_of(&c->of[s], at[s], x[s], e[s]);
+      continue;
+    }
+    length[s] = line_of(&c->of[s], at[s], x[s], e[s]);
     memcpy(from[s], x[s], sizeof d);
   }
   if (rims == 3 && !rim_on_rim(c, at[0], x[0])) return;
@@ -307,9 +308,10 @@ static void add_crossing(clip *c, const int at[2])
   nsdae_cross3(m, d, turned);
   if (nsdae_dot3(turned, turned) > converged * converged * size * size) return;
   for (int s = 0; s < 2; s++) {
+    if (rims >> s & 1) continue;
     for (int i = 0; i < 3; i++) d[i] = x[s][i] - from[s][i];
     double along = nsdae_dot3(d, e[s]);
-    if (!(rims >> s & 1) && fmin(along, length[s] - along) <= c->beside) return;
+    if (fmin(along, length[s] - along) <= c->beside) return;
   }
   for (int i = 0; i < 3; i++) {
     for (int s = 0; s < 2; s++) x[s][i] += (s ? -1 : 1) * c->of[s].face.round * m[i];
