@@ -61,7 +61,7 @@ static inline int test_share(void)
 }
 
 /* The number of cases, of n that are drawn at random. */
-static inline int test_count(int n)
+static inline int share_of(int n)
 {
   return (n + test_share() - 1) / test_share();
 }

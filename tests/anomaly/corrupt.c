@@ -92,7 +92,8 @@ static void attack(const char *program, const char *name, int outcomes, const ch
   static unsigned char whole[LENGTH_MAX], bytes[LENGTH_MAX];
   long length = read_whole(good, whole);
   const char *many = getenv("NSDAE_LONG");
-  unsigned long files = many ? strtoul(many, NULL, 10) : FILES_DEFAULT, failed = 0;
+  unsigned long files = many ? strtoul(many, NULL, 10) : (unsigned long)share_of(FILES_DEFAULT),
+                failed = 0;
   double slowest = 0;
   assert_true(length > 1000 && length < LENGTH_MAX);
   for (unsigned long seed = 0; seed < files; seed++) {

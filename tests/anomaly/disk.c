@@ -90,8 +90,9 @@ static void expect_rows(const content *got, const content *whole, hsize_t flushe
   assert_true(got->rows[0] >= flushed);
   for (int i = 0; i < COLUMNS; i++) {
     assert_true(got->rows[i] >= got->rows[0]);
-    assert_memory_equal(got->value[i], whole->value[i],
-                        got->rows[0] * got->width[i] * sizeof(double));
+    const size_t size = got->rows[0] * got->width[i] * sizeof(double);
+    if (memcmp(got->value[i], whole->value[i], size) != 0) /* sooner than byte by byte */
+      assert_memory_equal(got->value[i], whole->value[i], size);
   }
 }
 
@@ -111,6 +112,7 @@ static void open_sim(run *r)
   bead_default(&r->bead);
   bead_start(&r->bead, q0, v0);
   nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_MOREAU; /* the cheapest: 65000 steps to a tree that splits */
   options.dt = 0.001;
   r->system = bead_system(&r->bead);
   assert_int_equal(nsdae_sim_create(r->system, &options, &r->sim, NULL), NSDAE_OK);
@@ -240,6 +242,11 @@ static void expect_equal(const file_image *got, const file_image *made)
   const uint32_t now = (uint32_t)time(NULL);
   assert_int_equal(got->length, made->length);
   for (long at = 0; at < got->length; at += 4) {
+    if (at % 4096 == 0 && got->length - at >= 4096 &&
+        memcmp(got->bytes + at, made->bytes + at, 4096) == 0) {
+      at += 4092; /* a page that is equal */
+      continue;
+    }
     uint32_t word[2] = {0, 0};
     const size_t size = got->length - at < 4 ? (size_t)(got->length - at) : 4;
     memcpy(&word[0], got->bytes + at, size);

@@ -103,7 +103,7 @@ static line between_heavy_ones(uint64_t *random)
   return l;
 }
 
-static void test_counts(void **state)
+static void test_count(void **state)
 {
   uint64_t random = 7;
   int warned = 0, all_found = 0;
@@ -245,7 +245,7 @@ static void test_rest(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_counts), cmocka_unit_test(test_heaps),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_count), cmocka_unit_test(test_heaps),
                                      cmocka_unit_test(test_list), cmocka_unit_test(test_rest)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -451,7 +451,7 @@ static void test_damaged(void **state)
 {
   static char good[LENGTH_MAX], bad[LENGTH_MAX];
   const char *asked = getenv("NSDAE_LONG");
-  long files = asked ? atol(asked) : DAMAGED_DEFAULT;
+  long files = asked ? atol(asked) : share_of(DAMAGED_DEFAULT);
   (void)state;
   for (int format = 0; format < FORMATS; format++) {
     long read = 0, refused = 0;

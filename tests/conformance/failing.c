@@ -23,9 +23,10 @@
 #include "shaken_ball.h"
 #include "woodpecker.h"
 
-/* The integrators begin at a state where they start anew, and each call fails in turn (under the
- * sanitizers, and of random systems, one in so many); and at one that they come to by doing the
- * steps before again, whose calls are many: one in so many fails (NSDAE_EVERY_CALL: each).
+/* The integrators begin at a state where they start anew, and each call fails in turn (of random
+ * systems, one of several); and at one that they come to by doing the steps before again, whose
+ * calls are many: one of several fails (NSDAE_EVERY_CALL: each). In the quick form it is one in
+ * test_share() of these, which begin at another call for each callback and system.
  * NSDAE_ONLY names one model and NSDAE_METHOD one method. */
 enum { TRIED = 40 };
 
@@ -200,22 +201,21 @@ static int chosen(const char *variable, const char *name)
 /* Call `at` of every so many; 1: each. */
 static long stride_of(long calls, int method, int anew)
 {
-#ifdef __SANITIZE_ADDRESS__
-  anew = 0;
-#endif
-  int every = anew || getenv("NSDAE_EVERY_CALL");
-  return method < NSDAE_METHOD_PENALTY || every ? 1 : 1 + calls / TRIED;
+  if (method < NSDAE_METHOD_PENALTY || getenv("NSDAE_EVERY_CALL")) return 1;
+  return anew ? test_share() : 1 + calls * test_share() / TRIED;
 }
 
 static long attack_from(bench *b, nsdae_sim *sim, int anew)
 {
   failing_system *f = &b->failing;
+  static long rotation;
   long calls[FAILING_TERMS], tried = 0;
   unsigned char *now = run_whole(b, sim, anew);
   memcpy(calls, f->calls, sizeof calls);
   for (f->term = 0; f->term < FAILING_TERMS; f->term++) {
     long stride = stride_of(calls[f->term], b->options.method, anew);
-    for (f->at = 0; f->at < calls[f->term]; f->at += stride, tried++) {
+    long first = calls[f->term] > 0 ? rotation++ % (stride < calls[f->term] ? stride : calls[f->term]) : 0;
+    for (f->at = first; f->at < calls[f->term]; f->at += stride, tried++) {
       f->code = -1;
       attack_call(b, sim, now);
       f->code = 1;
@@ -276,7 +276,7 @@ static void test_projected(void **state)
       attack(&b, method, 1);
       done(&b);
     }
-    for (uint64_t seed = 1; seed <= 2 * SYSTEMS; seed++) {
+    for (uint64_t seed = 1; seed <= 2 * SYSTEMS; seed += test_share() > 1 ? 3 : 1) {
       use_random(&b, (seed + 1) / 2);
       b.options.projection = seed % 2 ? NSDAE_PROJECTION_DEPTHS : NSDAE_PROJECTION_CONTACTS;
       attack(&b, method, 1);

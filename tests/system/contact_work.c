@@ -88,7 +88,7 @@ static long run(uint64_t seed, double work)
 static void test_bound_holds(void **state)
 {
   (void)state;
-  for (uint64_t seed = 1; seed <= (uint64_t)test_count(SEEDS); seed++) {
+  for (uint64_t seed = 1; seed <= (uint64_t)share_of(SEEDS); seed++) {
     long little = run(seed, 1e4), enough = run(seed, 1e5);
     assert_true(little > enough);
   }

@@ -60,8 +60,8 @@ static void test_families(void **state)
   int solved = 0;
   for (int k = 0; k < SAMPLES; k += test_share())
     solved += check_sample(k % FRICTION_FAMILIES, 20 + 2 * k, (unsigned)k);
-  print_message("%d of %d solved\n", solved, test_count(SAMPLES));
-  assert_true(solved >= LEAST_SOLVED * test_count(SAMPLES) / SAMPLES);
+  print_message("%d of %d solved\n", solved, share_of(SAMPLES));
+  assert_true(solved >= LEAST_SOLVED * share_of(SAMPLES) / SAMPLES);
 }
 
 /* Both forms of a problem have the solution of one as a solution. */

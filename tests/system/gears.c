@@ -43,7 +43,7 @@ static void mesh(int method, int first, int second, double speed)
 static void test_gears(void **state)
 {
   (void)state;
-  mesh(NSDAE_METHOD_MOREAU, 18, 27, 6);
+  if (test_share() == 1) mesh(NSDAE_METHOD_MOREAU, 18, 27, 6);
   mesh(NSDAE_METHOD_IMPLICIT, 18, 27, 6);
   mesh(NSDAE_METHOD_MOREAU, 25, 19, -4);
 }

@@ -348,7 +348,7 @@ static nsdae_sim_options redundant(int method, double dt)
 static void test_windows(void **state)
 {
   (void)state;
-  for (int n = 1; n <= 5; n += 2) {
+  for (int n = 1; n <= (test_share() > 1 ? 3 : 5); n += 2) {
     nsdae_sim_options coarse = redundant(NSDAE_METHOD_MOREAU, 1e-3), fine = coarse;
     fine.dt /= 4;
     windows a = turn_windows(n, &coarse, 2.5), b = turn_windows(n, &fine, 2.5);
@@ -666,7 +666,7 @@ static void test_methods(void **state)
 static void test_play(void **state)
 {
   (void)state;
-  for (int i = 0; i < 5; i++) {
+  for (int i = 0; i < 5; i += test_share() > 1 ? 2 : 1) {
     nsdae_sim_options options = options_of(NSDAE_METHOD_MOREAU, i < 3 ? 1e-5 : 1e-6);
     play p = {.crank = 0.05,
               .rod = 0.12,
@@ -694,7 +694,7 @@ static void test_change_points(void **state)
 {
   (void)state;
   int through = 0, refused = 0;
-  for (int seed = 0; seed < 36; seed++) {
+  for (int seed = 0; seed < 36; seed += test_share()) {
     parallelogram p = {.cranks = 3 + seed % 4 / 3, .given = seed % 5 / 4, .e = 0.6};
     double phi = 2 + 0.025 * seed, q[PARALLELOGRAM_NQ], v[PARALLELOGRAM_NQ] = {0};
     nsdae_system *system = parallelogram_system(&p);

@@ -130,7 +130,7 @@ static void draw(twin *t, uint64_t seed, int kind)
 static void test_methods(void **state)
 {
   static twin t;
-  const int seeds = test_count(3);
+  const int seeds = share_of(3);
   int closed = 0;
   (void)state;
   for (int kind = 0; kind < KINDS; kind++)
@@ -148,7 +148,7 @@ static void test_projections(void **state)
   static twin t;
   (void)state;
   for (int kind = 0; kind < KINDS; kind++)
-    for (int seed = 0; seed < test_count(2); seed++)
+    for (int seed = 0; seed < share_of(2); seed++)
       for (int i = 0; i < 3; i++)
         for (int p = 1; p < 4; p++) {
           draw(&t, 600 + 100 * (uint64_t)kind + (uint64_t)seed, kind);

@@ -96,7 +96,8 @@ static int corners_of(int kind, double radius, double *x)
 
 static void fall(int kind, int method)
 {
-  enum { SIDE = 2, LAYERS = 5 };
+  enum { SIDE = 2 };
+  const int layers = test_share() > 1 ? 2 : 5;
   const double radius = 0.06, density = 700, half = 0.16, dt = 2e-3;
   uint64_t seed = 1;
   double point[60], depth = 0, gain = -INFINITY;
@@ -110,7 +111,7 @@ static void fall(int kind, int method)
   o.contact_tol = 1e-8;
   o.projection = NSDAE_PROJECTION_SLOP;
   int points = corners_of(kind, radius, point);
-  for (int i = 0; i < SIDE * SIDE * LAYERS; i++) {
+  for (int i = 0; i < SIDE * SIDE * layers; i++) {
     nsdae_solid solid = {
         .shape = NSDAE_SHAPE_POLYHEDRON, .points = points, .point = point, .material = 1};
     nsdae_rigid_body body = {.mass = 0};
@@ -146,8 +147,8 @@ static void test_piles(void **state)
 {
   (void)state;
   for (int kind = 0; kind < 2; kind++) {
-    fall(kind, NSDAE_METHOD_MOREAU);
-    fall(kind, NSDAE_METHOD_IMPLICIT);
+    if (test_share() == 1 || kind == 1) fall(kind, NSDAE_METHOD_MOREAU);
+    if (test_share() == 1 || kind == 0) fall(kind, NSDAE_METHOD_IMPLICIT);
   }
 }
 

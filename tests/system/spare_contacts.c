@@ -111,7 +111,7 @@ static void test_same_bytes(void **state)
     for (int seed = i; seed < SEEDS; seed += test_share())
       impacts += both((uint64_t)seed, method, integrator);
     print_message("method %d, integrator %d: %d impacts\n", method, integrator, impacts);
-    assert_true(impacts > test_count(10));
+    assert_true(impacts > share_of(10));
   }
 }
 

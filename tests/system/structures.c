@@ -129,7 +129,7 @@ static void test_dominoes(void **state)
   const double apart[2] = {0.012, 0.024};
   dominoes *p = dominoes_model.base;
   (void)state;
-  for (int i = 0; i < 2; i++) {
+  for (int i = 0; i < 2; i += test_share()) {
     nsdae_params_default(dominoes_model.parameters, p);
     p->s = apart[i];
     p->n = 24;
@@ -210,6 +210,7 @@ static double slope(const line *l)
 static int seeds_of(int aspect, int spheres, int many)
 {
   if (many) return spheres < 480 ? 4 : 2;
+  if (test_share() > 1) return 1;
   return aspect == 0 ? 10 : 2;
 }
 
@@ -224,7 +225,7 @@ static void test_collapse(void **state)
   const heap *p = heap_model.base;
   double before = 0;
   (void)state;
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 3; i += test_share() > 1 ? 2 : 1) {
     line l = {0};
     double runout = 0; /* in radii */
     for (int spheres = 60; spheres <= (many ? 480 : 60); spheres *= 2)

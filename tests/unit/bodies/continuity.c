@@ -216,7 +216,7 @@ static void follow_path(const couple *c, const double *q)
 
 static void follow_pair(int d, int shape0, int shape1, int hollow0, int hollow1)
 {
-  int poses = getenv("NSDAE_LONG") ? 20000 : test_count(60);
+  int poses = getenv("NSDAE_LONG") ? 20000 : share_of(60);
   for (int k = 0; k < poses; k++) {
     nsdae_solid first = solid_of(shape0, hollow0);
     nsdae_solid second = solid_of(shape1, hollow1);

@@ -201,7 +201,7 @@ static void test_apart(void **state)
 static void test_overlap(void **state)
 {
   static const double depths[] = {1e-7, 4e-5, 1e-2};
-  const int poses = test_count(200);
+  const int poses = share_of(200);
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     double off = 0;
@@ -384,7 +384,7 @@ static void test_rates(void **state)
     }
     print_message("pair %d: %d contacts with smooth gaps, %d sharp, %d jump, %d alone; %d poses\n",
                   k, kinds[0], kinds[1], kinds[2], kinds[3], checked);
-    assert_true(kinds[SMOOTH] > test_count(1000) && checked > test_count(POSES) / 8);
+    assert_true(kinds[SMOOTH] > share_of(1000) && checked > share_of(POSES) / 8);
     assert_true(kinds[ALONE] <= 3); /* in 1e-6 of 1 m, of the 2e4 cases here */
   }
 }

@@ -232,7 +232,7 @@ static void test_rates(void **state)
     scene s;
     for (int number = 0; number < SCENES; number++) {
       make_scene(&s, &shapes[k]);
-      for (int pose = 0; pose < test_count(100); pose++) {
+      for (int pose = 0; pose < share_of(100); pose++) {
         double q[7], v[6];
         nsdae_check worst;
         random_pose(q);
@@ -250,9 +250,9 @@ static void test_rates(void **state)
         " two edges %d\n",
         nsdae_solid_name(shapes[k].shape), checked, kinds[FACE], kinds[SHARP], kinds[ON_SOLID],
         kinds[EDGES]);
-    int few = test_count(6) - 1; /* more than these of each kind */
-    assert_true(checked > SCENES * test_count(100) / 20);
-    assert_true(kinds[FACE] > test_count(100) && kinds[SHARP] > few);
+    int few = share_of(6) - 1; /* more than these of each kind */
+    assert_true(checked > SCENES * share_of(100) / 20);
+    assert_true(kinds[FACE] > share_of(100) && kinds[SHARP] > few);
     assert_true(shapes[k].length[2] == 0 || (kinds[ON_SOLID] > few && kinds[EDGES] > few));
   }
 }
@@ -320,12 +320,12 @@ static void test_continuity(void **state)
       scene s;
       for (int number = 0; number < SCENES; number++) {
         make_scene(&s, &shapes[k]);
-        for (int path = 0; path < test_count(100); path++) steps += follow(&s, gap[n], depth[n]);
+        for (int path = 0; path < share_of(100); path++) steps += follow(&s, gap[n], depth[n]);
         end_scene(&s);
       }
       print_message("%s from a gap of %g: %d steps\n", nsdae_solid_name(shapes[k].shape), gap[n],
                     steps);
-      assert_true(steps > 50 * SCENES * test_count(100));
+      assert_true(steps > 50 * SCENES * share_of(100));
     }
 }
 

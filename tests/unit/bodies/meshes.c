@@ -197,7 +197,7 @@ static void compare(const nsdae_solid *solid, int poses, const char *name)
   print_message("%s: %d poses apart, %d contacts, largest error of the gap %.1e of the bound\n",
                 name, apart, contacts, worst);
   assert_true(worst < 1);
-  assert_true(apart > test_count(poses) / (smooth ? 12 : 10));
+  assert_true(apart > share_of(poses) / (smooth ? 12 : 10));
 }
 
 static const int smooth_shapes[] = {NSDAE_SHAPE_CYLINDER, NSDAE_SHAPE_CONE, NSDAE_SHAPE_ELLIPSOID,

@@ -258,7 +258,7 @@ static void test_derivatives(void **state)
     }
     end_couple(&c);
   }
-  assert_true(checked > test_count(400));
+  assert_true(checked > share_of(400));
 }
 
 /* ---- inertia */
