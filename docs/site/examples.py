@@ -1,6 +1,9 @@
-"""The gallery: a script for sphinx-gallery of each program that has a file of parameters in data/."""
+"""The gallery: a script for sphinx-gallery of each model in Python in docs/examples, and of each program that has a file of
+parameters in data/."""
 
+import ast
 import re
+import shutil
 
 SCRIPT = '''"""
 {title}
@@ -38,6 +41,31 @@ run.animate("pictures/{name}.gif", width=360, fps=8)
 '''
 
 
+PYTHON = '''"""
+{title}
+{rule}
+
+.. image:: /pictures/{name}.gif
+   :alt: {title}
+
+{about}
+"""
+
+# %%
+# The model in Python, to copy: ``docs/examples/{name}.py``.
+
+{code}{animation}
+# sphinx_gallery_thumbnail_path = 'pictures/{name}.gif'
+'''
+
+ANIMATION = '''
+# %%
+# The animation above.
+
+run.animate("pictures/{name}.gif", width=360, fps=8)
+'''
+
+
 def about(mdoc):
     """Text of a man page in reStructuredText."""
     lines = []
@@ -60,7 +88,17 @@ def write(folder, pictures, root):
     pictures.mkdir(parents=True)
     (folder / "data").symlink_to(root / "data")
     (folder / "pictures").symlink_to(pictures)
-    (folder / "GALLERY_HEADER.rst").write_text("Examples\n========\n\nEach program of the library, its run and its model.\n")
+    (folder / "GALLERY_HEADER.rst").write_text("Examples\n========\n\nModels in Python, then each program of the library with its run and its model in C.\n")
+    for model in sorted((root / "docs/examples").glob("*.py")):
+        source, name = model.read_text(), model.stem
+        text = ast.get_docstring(ast.parse(source))
+        given = root / f"docs/{name}.gif"  # of a run that the script takes step by step
+        if given.exists():
+            shutil.copy(given, pictures)
+        title = f"{name.capitalize()} in Python"
+        script = PYTHON.format(title=title, rule="=" * len(title), name=name, about=text, code=source.split('"""', 2)[2].lstrip(),
+                               animation="" if given.exists() else ANIMATION.format(name=name))
+        (folder / f"plot_0_{name}.py").write_text(script)  # before the programs
     for parameters in sorted((root / "data").glob("*.ini")):
         name = parameters.stem
         heading = name.replace("-", " ").capitalize().replace("Newtons", "Newton's")

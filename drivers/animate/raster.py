@@ -28,11 +28,17 @@ def view_axes(azimuth, elevation):
     return np.array([[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
 
 
+def shown_strips(strips):
+    """Without names as here, of many those of contacts alone."""
+    return strips if len(strips) <= STRIPS_MAX else [strip for strip in strips if strip["kind"] == "contact"][:STRIPS_MAX]
+
+
 class Drawing:
     """The scene's layout in pixels: title, bodies, time, strips."""
 
     def __init__(self, scene, width, title, speed):
         self.scene, self.title, self.speed = scene, title, speed
+        self.strips = shown_strips(scene["strips"])
         self.axes = view_axes(*scene["view"]) if scene["spatial"] else np.eye(3)
         self.low, self.high = self.box()
         reach = self.high - self.low
@@ -55,14 +61,14 @@ class Drawing:
         return seen.min(axis=0), seen.max(axis=0)
 
     def strips_height(self):
-        return min(len(self.scene["strips"]), STRIPS_MAX) * (STRIP + STRIP_GAP)
+        return len(self.strips) * (STRIP + STRIP_GAP)
 
     def around(self):
         """What is above and below the bodies and stays: title, legend, strips."""
         image = Image.new("RGB", (self.size[0] * FINE, self.size[1] * FINE), BACKGROUND)
         draw = ImageDraw.Draw(image)
         draw.text((MARGIN * FINE, MARGIN * FINE), self.title, fill=INK, font=self.font)
-        if self.scene["strips"]:
+        if self.strips:
             self.legend(draw)
             self.timeline(draw)
         return image
@@ -84,7 +90,7 @@ class Drawing:
         if self.speed != 1:
             words += f"  x 1/{1 / self.speed:g}" if self.speed < 1 else f"  x {self.speed:g}"
         draw.text((MARGIN * FINE, (self.footer() - above) * FINE), words, fill=INK, font=self.font)
-        if self.scene["strips"]:
+        if self.strips:
             x, bottom = self.along(time[number]), (self.size[1] - MARGIN / 2 - above) * FINE
             draw.line([x, bottom - (self.strips_height() + 3) * FINE, x, bottom], fill=INK, width=2 * FINE)
 
@@ -108,7 +114,7 @@ class Drawing:
     def timeline(self, draw):
         """A strip for each contact, coloured by its mode, with its impacts as ticks."""
         top = self.size[1] - MARGIN / 2 - self.strips_height()
-        for i, strip in enumerate(self.scene["strips"][:STRIPS_MAX]):
+        for i, strip in enumerate(self.strips):
             y = (top + i * (STRIP + STRIP_GAP)) * FINE
             for a, b, mode in strip["spans"]:
                 draw.rectangle([self.along(a), y, self.along(b), y + STRIP * FINE], fill=self.scene["mode_colours"][mode])

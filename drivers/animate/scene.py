@@ -35,7 +35,8 @@ STEEP = np.cos(np.pi / 4)  # light that falls on a plane at a smaller angle to i
 REACH = 3.0  # of the ground, in diagonals of the bodies' box: half of one, and its shadow at that angle, both ways
 FAR_AWAY, SIZES = 6.0, 3.0  # travel from which the camera follows, and half the width that it sees, in sizes of the bodies
 GRID_MAX = 100  # lines of a grid each way
-MESHES_MAX = 30   # where there are more bodies balls are drawn as discs
+MESHES_MAX, BALLS_MAX = 30, 10  # where there are more bodies and balls, balls are drawn as discs
+SHADOWS_MAX = 100  # bodies with shadows
 FAR = 100.0  # pictures from the middle to the end of the ground: the page may be zoomed out as far
 
 
@@ -95,8 +96,9 @@ def spatial_pose(solid):
     return pose.reshape(-1, 12)
 
 
-def is_ball(body, count):
-    return body.shape == "sphere" and count > MESHES_MAX
+def has_balls(bodies):
+    """Whether spheres are drawn as discs."""
+    return len(bodies) > MESHES_MAX and sum(body.shape == "sphere" for body in bodies) > BALLS_MAX
 
 
 def ball(radius, colour):
@@ -157,12 +159,12 @@ def colour_of(body, own):
 
 def drawn_bodies(bodies, frames, spatial, scale, styles):
     """In the order of drawing: fixed bodies first. frames: indices into the records of the bodies."""
-    moved = [at_records(body, frames) for body in bodies]
+    moved, balls = [at_records(body, frames) for body in bodies], spatial and has_balls(bodies)
     solids = solids_of(bodies, facets_of(len(bodies)) if len(bodies) <= MESHES_MAX else None, REACH) if spatial else [None] * len(bodies)
     drawn = []
     for own, whole, body, solid in zip(colours_of(bodies), bodies, moved, solids):
         colour = colour_of(body, own)
-        if spatial and is_ball(body, len(bodies)):
+        if balls and body.shape == "sphere":
             pose, (points, parts) = body.position.reshape(-1, 3), ball(body.size[0], colour)
         elif spatial:
             pose = spatial_pose(solid._replace(position=body.position, matrix=at_frames(solid.matrix, frames)))
@@ -201,7 +203,7 @@ def bounds(bodies, spatial):
 
 def shadows(bodies):
     """Planes that shadows fall on."""
-    planes = [b for b in bodies if b.shape == "plane" and is_fixed(b)] if len(bodies) <= MESHES_MAX else []
+    planes = [b for b in bodies if b.shape == "plane" and is_fixed(b)] if len(bodies) <= SHADOWS_MAX else []
     return [[normal_of(b).tolist(), b.position.tolist()] for b in planes if normal_of(b) @ LIGHT > STEEP]
 
 

@@ -133,6 +133,9 @@ class Site(unittest.TestCase):
         self.assertEqual([name for name in names if name not in text and name != "initialised"], [])
 
     def test_examples_have_pictures(self):
+        for path in (SOURCE / "docs/examples").glob("*.py"):
+            page = self.pages[OUT / f"gallery/plot_0_{path.stem}.html"]
+            self.assertTrue(any(picture.endswith(".gif") for picture in page.pictures), path.stem)
         for path in (SOURCE / "data").glob("*.ini"):
             page = self.pages[OUT / f"gallery/plot_{path.stem.replace('-', '_')}.html"]
             shown = [picture for picture in page.pictures if "_images" in picture]

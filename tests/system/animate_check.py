@@ -14,10 +14,10 @@ import h5py
 import numpy as np
 import tools
 from bodies import COLOURS, Body, extent
-from painter import FINE, SHADOW, Faces
-from PIL import Image
+from painter import FINE, SHADOW, Faces, paint
+from PIL import Image, ImageDraw
 from raster import Drawing
-from scene import Styles, drawn_bodies
+from scene import BACKGROUND, Styles, drawn_bodies
 
 STEM = ""  # of an example's .h5, .gif, .html and .mp4
 
@@ -337,8 +337,9 @@ def heap(a, q, p):
 def ragdoll(a, q, p):
     q = q.reshape(len(q), -1, 7)
     expect("number of bodies", q.shape[1] == 10 and len(a.scene["bodies"]) == 12)  # with floor and stairs
-    for i in range(10):
-        a.close(f"capsule {2 + i}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
+    names = ("torso", "head", "left_arm", "left_hand", "right_arm", "right_hand", "left_leg", "left_foot", "right_leg", "right_foot")
+    for i, name in enumerate(names):
+        a.close(f"{name} capsule {2 + i}", "pose", *q[:, i, :3].T, *quaternions(q[:, i, 3:]).T)
 
 
 def scene(a, q, p):
@@ -451,6 +452,7 @@ def check_example(stem):
         page = Page(STEM + ".html", f)
         MODELS[f.attrs["model"]](page, page.q, page.p)
         check_strips(page, f)
+        check_layers(page)
         if not os.path.exists(STEM + ".gif"):
             expect("a GIF", tools.QUICK and STEM not in GIFS)
             print(f"{STEM}: {len(page.time)} frames in the page")
@@ -458,6 +460,17 @@ def check_example(stem):
         shown, size = check_gif(f, page.scene["speed"])
         film = check_mp4(f, shown, size)
         print(f"{STEM}: {len(page.time)} frames in the page, {len(shown)} in the GIF, {film}")
+
+
+def check_layers(a):
+    """A frame with its still layers has the pixels of one that is drawn whole, from far to near."""
+    drawing = Drawing(a.scene, 480, "", 1)
+    painter, number = drawing.painter, len(a.time) // 2
+    for last in (number, len(a.time) - 1):
+        whole = painter.blank(BACKGROUND)
+        parts = [part for one in painter.drawn_as() for part in one.parts(last)]
+        paint(ImageDraw.Draw(whole), sorted(parts, key=lambda part: part[:2]) if a.scene["spatial"] else parts)
+        expect("layers", np.array_equal(whole, painter.image(last)))
 
 
 # earlier ends or fewer bodies where the test would last

@@ -25,6 +25,7 @@ def expect(name, holds, what=""):
 
 
 def axes_of(example):
+    plot.plt.close("all")
     with open_trajectory(f"{example}.h5", *plot.NEEDED) as file:
         figures = [plot.draw(file, plot.panels(file, None, second), example) for second in (False, True)]
     shown = [[axes.get_ylabel().replace("\n", " ") for axes in figure.axes] for figure in figures]
@@ -141,6 +142,39 @@ def colours():
             expect("labels of 12 pixels", text.get_fontsize() * 150 / 72 >= 12, text.get_text())
 
 
+def many():
+    """Of many lines those that vary most are drawn, each with a name; --name draws others, and panels left out are named."""
+    tools.runs("nsdae-ragdoll", "--quiet", "--method", "moreau", "--t-end", "0.1", "--output", "ragdoll.h5")
+    axes = axes_of("ragdoll")
+    for axis in axes:
+        drawn = [line for line in axis.get_lines() if len(line.get_xdata()) > 2]
+        names = [text.get_text() for text in axis.get_legend().get_texts()] if axis.get_legend() else []
+        expect("a name for each line", len(drawn) <= 12 and {line.get_label() for line in drawn} <= set(names), axis.get_ylabel())
+    with open_trajectory("ragdoll.h5", *plot.NEEDED) as file:
+        q = file["q"][...].reshape(len(file["q"]), -1, 7)[..., :3]
+        most = np.sort(np.ptp(q, axis=0).ravel())[-6:]
+        spans = [np.ptp(values[:, 1]) for values in lines(axes, "coordinates [m]").values()]
+        expect("those that vary most", np.array_equal(np.sort(spans), most), spans)
+        figure = plot.draw(file, ["coordinates"], "", ["z*"])
+        shown = {line.get_label(): line.get_ydata() for axis in figure.axes for line in axis.get_lines()
+                 if not line.get_label().startswith("_")}
+        expect("those asked for", list(shown) == [f"z{i}" for i in range(10)] and
+               all(np.array_equal(shown[f"z{i}"], q[:, i, 2]) for i in range(10)), list(shown))
+    said = axes[0].figure.axes[-1].get_xlabel()
+    expect("panels left out", "40 forces of constraints (--only multipliers)" in said, said)
+    (axis, *_) = axes_asked("ragdoll", ["multipliers"])
+    asked = [line.get_label() for line in axis.get_lines() if not line.get_label().startswith("_")]
+    expect("a panel that is asked for", len(asked) == 6, asked)
+    tools.refuses(1, "--name 'zz*' is the name of nothing", "nsdae-plot", "--name", "zz*", "ragdoll.h5")
+    tools.runs("nsdae-plot", "ragdoll.h5", "a.h5")
+    tools.refuses(2, "--output is for one file, not 2", "nsdae-plot", "-o", "b.png", "ragdoll.h5", "a.h5")
+
+
+def axes_asked(example, panels):
+    with open_trajectory(f"{example}.h5", *plot.NEEDED) as file:
+        return plot.draw(file, plot.panels(file, panels), example, asked=panels).axes
+
+
 def headings():
     """A run without a name is titled by its file."""
     with open_trajectory("pendulum.h5", *plot.NEEDED) as file:
@@ -226,7 +260,7 @@ def live():
 
 
 pictures(sys.argv[2])
-for part in (incline, pendulum, falling_rod, phases, paths, colours, headings):
+for part in (incline, pendulum, falling_rod, phases, paths, colours, many, headings):
     with tools.judged(part.__name__):
         part()
 errors()
