@@ -26,7 +26,6 @@ typedef struct driver_model {
   double t_end;
   double dt;          /* the step by default; 0: the library's */
   int method;         /* by default; enum nsdae_method */
-  double contact_tol; /* by default; 0: the library's */
   int projection;     /* by default, with implicit-printed and moreau; enum nsdae_projection */
   /* Reads the file of the parameter "file", which the command line names by a plain word. *dt, NULL
    * if the user gave one: its step. NULL: the model has no file. */
