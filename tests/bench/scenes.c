@@ -308,7 +308,8 @@ static int print_own(const own *o, const mechanism *m, const double *time, doubl
   printf("  nsdae         mean %7.3f ms, worst %6.1f ms, penetration %.1e m, fastest %.1e, %d "
          "contacts, ",
          1e3 * *average, 1e3 * worst, r.penetration, fastest, r.contacts.count);
-  return printf("drift %.0e m, %ld steps above their tolerance\n", stats.worst_drift, stats.inexact_steps);
+  return printf("drift %.0e m, %ld steps above their tolerance\n", stats.worst_drift,
+                stats.inexact_steps);
 }
 
 /* solvers: 1 Newton, 2 CG, on which spheres are faster. */
