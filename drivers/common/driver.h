@@ -30,10 +30,10 @@ typedef struct driver_model {
   const nsdae_params *parameters;
   void *base; /* the struct that the table describes; user pointer of the callbacks */
   double t_end;
-  double dt;                        /* the step by default; 0: the library's */
-  int method;                       /* by default; enum nsdae_method */
-  double contact_tol, contact_work; /* by default; 0: the library's */
-  int projection; /* by default, with implicit-printed and moreau; enum nsdae_projection */
+  double dt;           /* the step by default; 0: the library's */
+  int method;          /* by default; enum nsdae_method */
+  double contact_work; /* by default; 0: the library's */
+  int projection;      /* by default, with implicit-printed and moreau; enum nsdae_projection */
   /* Reads the file of the parameter "file", which the command line names by a plain word. *dt, NULL
    * if the user gave one: its step. NULL: the model has no file. */
   int (*read)(void *base, double *dt, nsdae_error *error);

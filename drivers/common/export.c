@@ -23,7 +23,8 @@ static void dump_lcp(const dump *d)
   nsdae_lcp_options_default(&alone);
   const nsdae_lcp_origin origin = {.time = record.time,
                                    .step = record.step + 1,
-                                   .tol = s->options.contact_tol > 0 ? s->options.contact_tol : alone.tol,
+                                   .tol = s->options.contact_tol > 0 ? s->options.contact_tol
+                                                                     : alone.tol,
                                    .method = nsdae_method_name(s->options.method)};
   if (nsdae_lcp_write(s->lcp_dump, &problem, &origin, &error) != NSDAE_OK)
     tell(d, "lcp_dump", &error);

@@ -41,7 +41,6 @@ void settings_default(settings *s, const driver_model *model)
   nsdae_sim_options_default(&s->options);
   if (model->dt > 0) s->options.dt = model->dt;
   settings_choose_method(s, model->method, &s->options);
-  if (model->contact_tol > 0) s->options.contact_tol = model->contact_tol;
   if (model->contact_work > 0) s->options.contact_work = model->contact_work;
   s->t_end = model->t_end;
   s->every = 1;

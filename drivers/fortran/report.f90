@@ -101,7 +101,8 @@ contains
         stats%contact_steps, ' with contact), ', stats%lcps, ' LCPs, ', stats%iterations, &
         ' iterations, ', stats%impacts, ' impacts'
     print '(6a)', 'worst LCP residual ', number(stats%worst_residual, '(es8.2)'), &
-        ' (tolerance ' // number(stats%contact_tol, '(es7.1)') // '), constraint drift ', number(stats%worst_drift, '(es8.2)'), ' m, penetration ', &
+        ' (tolerance ' // number(stats%contact_tol, '(es7.1)') // '), constraint drift ', &
+        number(stats%worst_drift, '(es8.2)'), ' m, penetration ', &
         number(stats%worst_penetration, '(es8.2)') // ' m'
     call print_certificate(stats%certificate)
     call say_warnings(sim, stats)

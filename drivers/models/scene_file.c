@@ -160,7 +160,6 @@ const driver_model scene_file_model = {.name = "scene",
                                        .t_end = 1,
                                        .dt = 2e-3,
                                        .method = NSDAE_METHOD_MOREAU,
-                                       .contact_tol = 1e-4,
                                        .contact_work = 1e5, /* few steps need it, none more */
                                        .projection = NSDAE_PROJECTION_AUTO,
                                        .read = read_scene,

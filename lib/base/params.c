@@ -79,7 +79,8 @@ static const char *word_of_zero(const nsdae_param *param)
 void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
 {
   const char *low = param->open & NSDAE_OPEN_MIN ? "greater than" : "at least";
-  const char *zero = word_of_zero(param), *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
+  const char *zero = word_of_zero(param),
+             *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
   if (size > 0) text[0] = '\0';
   if (param->type == NSDAE_PARAM_TEXT) return;
   if (param->type == NSDAE_PARAM_CHOICE)
@@ -92,8 +93,10 @@ void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
     snprintf(text, size, "%s %g", high, param->max);
   else
     snprintf(text, size, "%s%s%s %g and %s %g", zero ? zero : "",
-             !(param->open & NSDAE_OR_ZERO) ? "" : zero ? ", or " : "0, or ", low, param->min, high,
-             param->max);
+             !(param->open & NSDAE_OR_ZERO) ? ""
+             : zero                         ? ", or "
+                                            : "0, or ",
+             low, param->min, high, param->max);
 }
 
 static int check_number(const nsdae_param *param, double value, nsdae_error *error)

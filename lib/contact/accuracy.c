@@ -15,10 +15,10 @@
  *   to 1e-10    49     82    156    135    371    987   6507   6917
  *   longest    0.3    1.7     27     32    198    921    665    796
  *
- * Up to 11 contacts Newton's method from the last impulses mostly reaches 1e-10 at once, and a start
- * without impulses does within 2700 multiplications. Where 125 boxes fall on each other, of 4259
- * such islands 54 take more than 3000, as much as all others together, and some never reach 1e-10:
- * these are solved as larger islands are. */
+ * Up to 11 contacts Newton's method from the last impulses mostly reaches 1e-10 at once, and a
+ * start without impulses does within 2700 multiplications. Where 125 boxes fall on each other, of
+ * 4259 such islands 54 take more than 3000, as much as all others together, and some never reach
+ * 1e-10: these are solved as larger islands are. */
 static const struct {
   int contacts;
   double tol, most;

@@ -271,8 +271,7 @@ int nsdae_cones_solve(nsdae_contacts *c, const double *lambda)
   if (loaded) set_values(c, 0);
   nsdae_friction_options_default(&s->options);
   s->options.refine = REFINE;
-  s->options.budget =
-      nsdae_accuracy_budget(&c->lcp.accuracy, c->lcp.options.tol, c->active_count);
+  s->options.budget = nsdae_accuracy_budget(&c->lcp.accuracy, c->lcp.options.tol, c->active_count);
   recall(c);
   int status = loaded ? solve_in_turn(c, lambda)
                       : nsdae_slides_limited(c, lambda, NSDAE_BOUND_CONE, solve_with_joints);

@@ -35,12 +35,12 @@ typedef struct nsdae_delassus {
 /* The complementarity problem, and what its solver works with. */
 typedef struct nsdae_contact_lcp {
   nsdae_lcp_options options;
-  nsdae_lcp_info info;   /* of the last problem */
+  nsdae_lcp_info info;     /* of the last problem */
   nsdae_accuracy accuracy; /* of islands; options.tol is that of complementarity problems */
-  double accept;         /* its best point is accepted up to this residual; 0: if it is solved */
-  int accepted;          /* it was, above the tolerance */
-  double *A, *b, *x, *y; /* rows x rows, rows */
-  int *basis;            /* rows */
+  double accept;           /* its best point is accepted up to this residual; 0: if it is solved */
+  int accepted;            /* it was, above the tolerance */
+  double *A, *b, *x, *y;   /* rows x rows, rows */
+  int *basis;              /* rows */
   double edge[2 * NSDAE_POLYGON_MAX];
   double *work, *other; /* lwork; 4 rows: of another problem, see acceleration.c */
   int *iwork, lwork, liwork;

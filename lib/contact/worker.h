@@ -24,7 +24,7 @@ typedef struct nsdae_island_residual {
 
 typedef struct nsdae_solved {
   nsdae_natural_residual residual; /* of the contacts and their rows */
-  nsdae_island_residual worst; /* of the island that is furthest above its tolerance */
+  nsdae_island_residual worst;     /* of the island that is furthest above its tolerance */
   long pivots;
   double tol;        /* the largest tolerance of them; 0: none was solved */
   double kept, left; /* smallest sine that counts in the rank, largest that does not */

@@ -13,7 +13,7 @@ typedef struct nsdae_counters {
   long lcps, lcp_pivots, iterations;
   long events, accumulations; /* instants; accumulations closed */
   long fallbacks;             /* 1: by implicit in place of the method */
-  long inexact;               /* 1: a contact problem was left above contact_tol */
+  long inexact;               /* 1: a contact problem was left above its tolerance */
   long moved;                 /* 1: projection = slop moved contacts */
   long frozen;                /* 1: contacts of the last iterates of implicit were frozen */
   long accumulations_early;   /* of those: as slow as the integrator's errors */
@@ -67,8 +67,8 @@ typedef struct nsdae_result {
                             of motion and by impacts, NAN where backward differences of
                             event do not control it; of event its amounts */
   nsdae_rate rate;
-  double worst_residual;          /* of its contact problems */
-  double contact_tol;             /* the largest tolerance of them; 0: there was none */
+  double worst_residual; /* of its contact problems */
+  double contact_tol;    /* the largest tolerance of them; 0: there was none */
   struct {
     double residual, tol;
   } above;                        /* of the one that is furthest above its tolerance */

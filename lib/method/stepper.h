@@ -81,7 +81,8 @@ static inline nsdae_step nsdae_step_begin(nsdae_stepper *stepper, const nsdae_st
                       .h = state->length,
                       .t_end = t_end};
 }
-/* NSDAE_OK, or NSDAE_E_LCP if the laws have a residual above contact_tol that is not accepted. */
+/* NSDAE_OK, or NSDAE_E_LCP if the laws have a residual above their tolerance that is not accepted.
+ */
 int nsdae_step_end(const nsdae_step *step);
 
 /* The problem of the step (contact_problem.h), with what it did counted. update: at another point,

@@ -102,8 +102,8 @@ static void visit_stats(cursor *c, nsdae_stats *s)
                           &s->events,         &s->accumulations,
                           &s->fallback_steps, &s->accumulations_early,
                           &s->frozen_steps,   &s->inexact_steps};
-  double *const worst[] = {&s->worst_residual,    &s->contact_tol,  &s->worst_drift,
-                           &s->worst_penetration, &s->energy_start, &s->energy_balance,
+  double *const worst[] = {&s->worst_residual,    &s->contact_tol,   &s->worst_drift,
+                           &s->worst_penetration, &s->energy_start,  &s->energy_balance,
                            &s->rank_retained,     &s->rank_discarded};
   /* all of them, and the clock; room in lists is the simulation's */
   _Static_assert(sizeof *s - sizeof counts / sizeof *counts * sizeof(long) -
@@ -469,8 +469,9 @@ static int check_values(nsdae_sim *sim)
                          c->work,
                          c->unexplained};
   const double certificate[] = {
-      r->worst_residual, r->contact_tol, s->worst_residual, s->contact_tol, s->worst_drift,     s->worst_penetration, c->pull,
-      c->cone_excess,    c->penetration,    c->constraint_rate, c->complementarity};
+      r->worst_residual, r->contact_tol,       s->worst_residual, s->contact_tol,
+      s->worst_drift,    s->worst_penetration, c->pull,           c->cone_excess,
+      c->penetration,    c->constraint_rate,   c->complementarity};
   /* the listed contacts */
   int count = r->closed.count, right = count == 0 || r->end.by.reach >= 0;
   for (int i = 0; i < 2 * count; i++)

@@ -41,7 +41,7 @@ def dominoes() -> Bodies:
 
 def demo() -> Trajectory:
     """The run of the demonstration: 5 s, in 1 s; with 50 records a second."""
-    return solve(dominoes(), 5, method="moreau", dt=2e-3, contact_tol=1e-4, every=10, model="dominoes")
+    return solve(dominoes(), 5, method="moreau", dt=2e-3, every=10, model="dominoes")
 
 
 def has_screen() -> bool:

@@ -842,7 +842,7 @@ def read_scene(path: str | os.PathLike[str]) -> Bodies:
     Examples
     --------
     >>> world = nsdae.read_scene("scene_boxes.csv")
-    >>> nsdae.solve(world, 1, method="moreau", dt=world.scene.dt, contact_tol=1e-4)
+    >>> nsdae.solve(world, 1, method="moreau", dt=world.scene.dt)
     """
     world = Bodies(3)
     read = world._core.add_scene(os.fspath(path))

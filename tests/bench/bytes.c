@@ -135,7 +135,6 @@ static void run_model(const driver_model *m)
   memset(q, 0, sizeof q), memset(v, 0, sizeof v);
   nsdae_sim_options_default(&o);
   if (m->dt > 0) o.dt = m->dt;
-  if (m->contact_tol > 0) o.contact_tol = m->contact_tol;
   nsdae_params_default(m->parameters, m->base);
   if (m->build(m->base, &system, &error) < 0) return;
   m->start(m->base, q, v);

@@ -1,4 +1,4 @@
-/* Time of a step of a heap of spheres with friction, every step at rest solved to 1e-4, beside
+/* Time of a step of a heap of spheres with friction, with the default of contact_tol, beside
  * MuJoCo's CG with elliptic cones, whose contacts are soft; then how the cost grows with the
  * contacts, and what a hundred thousand take. Medians of the processor's time of steps, once the
  * heap has settled. With an argument: heaps up to that many contacts. */
@@ -96,7 +96,6 @@ static double own_packing(const packing *p, int *contacts, double *worst, double
   nsdae_sim_options_default(&options);
   options.method = NSDAE_METHOD_MOREAU;
   options.dt = p->dt;
-  options.contact_tol = 1e-4;
   if (q0 && v0 && world && nsdae_bodies_system(world, &system) >= 0 &&
       nsdae_bodies_get_start(world, q0, v0) >= 0 &&
       nsdae_sim_create(system, &options, &sim, NULL) >= 0 && nsdae_sim_init(sim, 0, q0, v0) >= 0)

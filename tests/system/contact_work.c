@@ -38,16 +38,16 @@ static nsdae_bodies *shaken_box(uint64_t seed, double *q0, double *v0)
   return b;
 }
 
-static nsdae_sim *begin(const nsdae_system *system, double work, int threads, const double *q0,
-                        const double *v0)
+static nsdae_sim *begin(const nsdae_system *system, double tol, double give, double work,
+                        int threads, const double *q0, const double *v0)
 {
   nsdae_sim_options o;
   nsdae_sim *sim;
   nsdae_sim_options_default(&o);
   o.method = NSDAE_METHOD_MOREAU;
   o.dt = 2e-3;
-  o.contact_tol = TOL;
-  o.contact_give = GIVE;
+  o.contact_tol = tol;
+  o.contact_give = give;
   o.contact_work = work;
   o.threads = threads;
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
@@ -64,7 +64,8 @@ static long run(uint64_t seed, double work)
   nsdae_stats before = {0}, stats;
   nsdae_record record, other;
   assert_true(nsdae_bodies_system(b, &system) >= 0);
-  nsdae_sim *one = begin(system, work, 1, q0, v0), *two = begin(system, work, 2, q0, v0);
+  nsdae_sim *one = begin(system, TOL, GIVE, work, 1, q0, v0),
+            *two = begin(system, TOL, GIVE, work, 2, q0, v0);
   for (int i = 0; i < STEPS; i++) {
     assert_true(nsdae_sim_step(one) >= 0 && nsdae_sim_step(two) >= 0);
     nsdae_sim_get_stats(one, &stats);
@@ -92,6 +93,48 @@ static void test_bound_holds(void **state)
     long little = run(seed, 1e4), enough = run(seed, 1e5);
     assert_true(little > enough);
   }
+}
+
+/* To 1e-12, which this work does not reach: steps go on within GIVE times 1e-4, the first with a
+ * warning, and each is counted. With contact_give = 1 the first one fails. */
+static void test_below_1e_5(void **state)
+{
+  static double q0[7 * BALLS], v0[6 * BALLS];
+  enum { FIRST = 12 };
+  const double work = 3e3, tol = 1e-12;
+  nsdae_bodies *b = shaken_box(1, q0, v0);
+  nsdae_system *system;
+  nsdae_stats before = {0}, stats;
+  nsdae_record record;
+  long above = 0, warnings = 0;
+  (void)state;
+  assert_true(nsdae_bodies_system(b, &system) >= 0);
+  nsdae_sim *goes_on = begin(system, tol, GIVE, work, 1, q0, v0),
+            *stops = begin(system, tol, 1, work, 1, q0, v0);
+  for (int i = 0; i < FIRST; i++) {
+    int status = nsdae_sim_step(goes_on);
+    if (status < 0) fail_msg("%s", nsdae_sim_error(goes_on)->text);
+    warnings += status == NSDAE_WARN_CONTACT;
+    nsdae_sim_get_stats(goes_on, &stats);
+    nsdae_sim_get_record(goes_on, &record);
+    above += record.lcp_residual > tol;
+    assert_true(record.contact_tol == tol);
+    assert_at_most(record.lcp_residual, GIVE * 1e-4);
+    assert_int_equal(stats.inexact_steps, above);
+    const double largest = fmin(100, stats.island_contacts),
+                 pivots = (double)(stats.lcp_pivots - before.lcp_pivots);
+    if (stats.islands == 1) assert_at_most(pivots, work / 2 * 100 / largest + REFINE);
+    before = stats;
+  }
+  assert_true(above > FIRST / 2);
+  assert_int_equal(warnings, 1);
+  int status = NSDAE_OK;
+  for (int i = 0; i < FIRST && status >= 0; i++) status = nsdae_sim_step(stops);
+  assert_int_equal(status, NSDAE_E_LCP);
+  nsdae_sim_destroy(&goes_on);
+  nsdae_sim_destroy(&stops);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
 }
 
 static void test_option(void **state)
@@ -203,6 +246,7 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_unsolved), cmocka_unit_test(test_wall),
                                      cmocka_unit_test(test_bound_holds),
+                                     cmocka_unit_test(test_below_1e_5),
                                      cmocka_unit_test(test_option)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

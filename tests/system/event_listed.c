@@ -196,7 +196,6 @@ static void make_model(scene *s, const driver_model *m)
   nsdae_sim_options_default(&s->options);
   s->options.method = NSDAE_METHOD_EVENT;
   if (m->dt > 0) s->options.dt = m->dt;
-  if (m->contact_tol > 0) s->options.contact_tol = m->contact_tol;
   nsdae_params_default(m->parameters, m->base);
   assert_int_equal(m->build(m->base, &s->system, &error), NSDAE_OK);
   m->start(m->base, s->q, s->v);

@@ -29,7 +29,6 @@ static nsdae_stats run(const driver_model *model, int method, double dt, double 
   nsdae_sim_options_default(&options);
   options.method = method;
   options.dt = dt;
-  if (model->contact_tol > 0) options.contact_tol = model->contact_tol;
   int status = simulation_make(model, &options, &system, &sim, &error);
   if (status < 0) print_error("%s: %s\n", model->name, error.text);
   assert_true(status >= 0);

@@ -41,7 +41,6 @@ static nsdae_stats run(const driver_model *model, double dt, double t_end)
   nsdae_sim_options_default(&options);
   options.method = model->method;
   options.dt = dt;
-  if (model->contact_tol > 0) options.contact_tol = model->contact_tol;
   int status = model->build(model->base, &system, &error);
   if (status < 0) print_error("%s\n", error.text);
   assert_int_equal(status, NSDAE_OK);
