@@ -35,7 +35,8 @@ typedef struct nsdae_param {
   double initial;             /* default; of a choice its index */
   double min, max;            /* range */
   int open;                   /* NSDAE_OPEN_MIN | NSDAE_OPEN_MAX | NSDAE_OR_ZERO */
-  const char *const *choices; /* [number of choices + 1], ends with NULL; for NSDAE_PARAM_CHOICE */
+  const char *const *choices; /* [number of choices + 1], ends with NULL; for NSDAE_PARAM_CHOICE.
+                               * Hyphens of a choice may be given as underscores */
 } nsdae_param;
 
 /* A table of n entries for one struct. */
