@@ -16,7 +16,8 @@ def statuses(core):
 def kind_of(kind):
     if isinstance(kind, str):
         return kind
-    choices = f"Literal[{', '.join(repr(choice) for choice in kind)}]"
+    spelled = dict.fromkeys(choice for name in kind for choice in (name.replace("-", "_"), name))
+    choices = f"Literal[{', '.join(map(repr, spelled))}]"
     return f"Union[bool, {choices}]" if kind == ("no", "yes") else choices
 
 

@@ -36,7 +36,8 @@ typedef struct nsdae_param {
   double min, max;            /* range */
   int open;                   /* NSDAE_OPEN_MIN | NSDAE_OPEN_MAX | NSDAE_OR_ZERO */
   const char *const *choices; /* [number of choices + 1], ends with NULL; for NSDAE_PARAM_CHOICE.
-                                 Of a number with NSDAE_OR_ZERO: the word for zero, or NULL */
+                                 Hyphens of a choice may be given as underscores. Of a number with
+                                 NSDAE_OR_ZERO: the word for zero, or NULL */
 } nsdae_param;
 
 /* A table of n entries for one struct. */

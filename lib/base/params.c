@@ -170,10 +170,17 @@ static int unknown_key(const nsdae_params *table, const char *key, nsdae_error *
                          name);
 }
 
+/* Whether a choice has this name; its hyphens may be given as underscores. */
+static int is_named(const char *choice, const char *value)
+{
+  while (*choice && (*choice == *value || (*choice == '-' && *value == '_'))) choice++, value++;
+  return *choice == *value;
+}
+
 static int set_choice(const nsdae_param *param, void *base, const char *value, nsdae_error *error)
 {
   for (int i = 0; param->choices[i]; i++) {
-    if (strcmp(param->choices[i], value) != 0) continue;
+    if (!is_named(param->choices[i], value)) continue;
     store(param, base, i);
     return NSDAE_OK;
   }

@@ -30,7 +30,7 @@ _USER_CALLBACKS = ("mass", "force", "constraint", "constraint_jacobian", "constr
                    "contact_bias", "contact_acceleration", "frictional_joint_tangent", "kinematics", "constraint_rows",
                    "contacts", "potential")
 SHAPES = ("point", "disc", "segment", "polygon", "path", "sphere", "capsule", "box", "plane",
-          "polyhedron", "cylinder", "cone", "ellipsoid", "mesh", "height field")
+          "polyhedron", "cylinder", "cone", "ellipsoid", "mesh", "height_field")
 
 
 def _numbers(name: str, values: Any, n: int) -> list[float]:
@@ -56,10 +56,15 @@ def _quaternion(values: Any) -> list[float]:
     return _numbers("quaternion", values, 4)
 
 
+def _spelled(word: str) -> str:
+    """A word of several parts with underscores, in place of hyphens or spaces."""
+    return word.replace("-", "_").replace(" ", "_") if isinstance(word, str) else word
+
+
 def _one_of(name: str, word: str, words: Sequence[str]) -> int:
-    if word not in words:
+    if _spelled(word) not in words:
         raise refused(name, f"{name} is '{word}'; it must be one of {', '.join(words)}")
-    return words.index(word)
+    return words.index(_spelled(word))
 
 
 @named
@@ -70,7 +75,7 @@ class Solid(NamedTuple):
     ----------
     shape : str
         Planar: "segment", "polygon". Spatial: "sphere", "capsule", "box", "polyhedron", "cylinder", "cone",
-        "ellipsoid". Of the ground: "mesh", "height field". Both: "point", "disc", "plane".
+        "ellipsoid". Of the ground: "mesh", "height_field". Both: "point", "disc", "plane".
     radius : float
         Radius of a disc, sphere, capsule, cylinder or base of a cone; half the thickness of a segment
         [m]. A segment of radius 0 is a floor: there is material below it (y < 0 in its frame).
@@ -122,7 +127,7 @@ class Solid(NamedTuple):
         if not len(np.shape(length)):  # a segment's is along x, a capsule's along z
             length = [0, 0, length] if self.shape in ("capsule", "cylinder", "cone", "mesh") else [length]
         points = np.ascontiguousarray(numbers("points", self.points))
-        field = self.shape == "height field"
+        field = _spelled(self.shape) == "height_field"
         wide = 3 if self.shape in ("polyhedron", "mesh") else 2
         if points.size and (points.ndim != 2 or not field and points.shape[1] != wide):
             wanted = "must be (ny, nx)" if field else f"has {wide} numbers in each row"
@@ -911,6 +916,6 @@ def _spatial(name: str, body: int, solid: Solid) -> Shape:
     size = {"sphere": (solid.radius,), "capsule": (solid.radius, fields["length"][2]), "box": fields["length"],
             "cylinder": (solid.radius, fields["length"][2]), "cone": (solid.radius, fields["length"][2]),
             "ellipsoid": fields["length"], "disc": (solid.radius,), "plane": (0, 0, 1)}.get(solid.shape, ())
-    surface = solid.shape in ("polyhedron", "mesh", "height field")
+    surface = _spelled(solid.shape) in ("polyhedron", "mesh", "height_field")
     points = solid.triangles().reshape(-1, 3) if surface else ()
     return Shape(name, "polyhedron" if surface else solid.shape, size, place, quaternion=_product(quaternion, own), points=points)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,9 @@ assert CERTIFICATE.itemsize == _core.CERTIFICATE_SIZE
 assert IMPACT.itemsize == _core.IMPACT_SIZE and CHANGE.itemsize == _core.CHANGE_SIZE
 assert contact_row(2).itemsize == _core.CONTACT_ROW_SIZE
 assert contact_row(2, True).itemsize == _core.CONTACT_FORCE_ROW_SIZE
+
+_core.set_types(dict(frombuffer=np.frombuffer, number=np.dtype("f8"), whole=np.dtype("i4"), impact=IMPACT, change=CHANGE,
+                     certificate=CERTIFICATE, contact0=contact_row(0), contact1=contact_row(1), contact2=contact_row(2)))
 
 OPEN, SLIP, STICK = 0, 1, 2  # modes of contacts and frictional joints
 
@@ -72,7 +75,9 @@ class ContactColumns:
 
 
 class Record(ContactColumns):
-    """State after a step, with its certificate. The arrays are copies.
+    """State after a step, with its certificate. It stays as it is during further steps.
+
+    An array is made when it is read for the first time, from the numbers of the record: it is a copy, which may be changed.
 
     Attributes
     ----------
@@ -147,17 +152,28 @@ class Record(ContactColumns):
     changes: np.ndarray
     certificate: np.void
 
-    def __init__(self, arrays: dict[str, Any]):
-        self.impacts, self.changes, contacts = events(arrays)
-        self.contacts = contacts[0] if contacts.ndim == 2 else contacts
-        self.certificate = certificates(arrays)[0]
-        for name, values in arrays.items():
-            if name not in EVENTS and name not in ("contact_count", "nt", "certificate"):
-                row = values[0] if isinstance(values, np.ndarray) else values
-                setattr(self, name, row.item() if isinstance(row, np.generic) else row)
+    def __init__(self, kept: Any):
+        self._kept = kept
+
+    if not TYPE_CHECKING:  # so that a type checker knows the names above alone
+        def __getattr__(self, name):
+            """Reads a field for the first time; later it is an attribute."""
+            if name not in FIELDS or "_kept" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            value = self.__dict__[name] = getattr(self._kept, name)
+            return value
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in FIELDS}
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *FIELDS})
 
     def __repr__(self) -> str:
         return f"nsdae.Record(step={self.step}, time={self.time!r}, q={self.q!r}, v={self.v!r})"
+
+
+FIELDS = frozenset(("contacts", *Record.__annotations__))
 
 
 def certificates(arrays: dict[str, Any]) -> np.ndarray:

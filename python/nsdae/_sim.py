@@ -227,17 +227,16 @@ class Sim:
         return self._steps(float(t_end))
 
     def _steps(self, t_end: float) -> Iterator[Record]:
-        now = self.record.time
+        now = self.time
         while now < t_end:
-            if now + 1.001 * self.options["dt"] < t_end:
+            if now + 1.001 * self._core.dt() < t_end:
                 self.step()
             else:  # a rest of dt / 1000 is no step
                 self.run(t_end)
-            record = self.record
-            if record.time <= now:
+            before, now = now, self.time
+            if now <= before:
                 return
-            now = record.time
-            yield record
+            yield self.record
 
     @property
     def record(self) -> Record:
@@ -247,7 +246,22 @@ class Sim:
     @property
     def time(self) -> float:
         """Current time [s]."""
-        return self.record.time
+        return self._core.time()
+
+    @property
+    def q(self) -> np.ndarray:
+        """Current coordinates, a copy, shape (nq,)."""
+        return self._core.q()
+
+    @property
+    def v(self) -> np.ndarray:
+        """Current velocities, a copy, shape (nv,)."""
+        return self._core.v()
+
+    @property
+    def contacts(self) -> np.ndarray:
+        """Contacts of the last step, a copy: as `Record.contacts`."""
+        return self._core.contacts()
 
     @property
     def stats(self) -> dict[str, Any]:
@@ -506,8 +520,7 @@ class Sim:
         start = self.state
 
         def now() -> tuple[float, np.ndarray]:
-            record = self.record
-            return record.time, record.q
+            return self.time, self.q
 
         def restart() -> None:
             self.state = start

@@ -19,6 +19,7 @@ NB_MODULE(_core, m)
   bind_failure(m);
   bind_lists(m);
   bind_system(m);
+  bind_records(m);
   bind_sim(m);
   bind_bodies(m);
   bind_problems(m);

@@ -102,9 +102,8 @@ void columns::add_events(const nsdae_record &r)
   }
 }
 
-void columns::add_contacts(const nsdae_contact_set &set, int nt)
+void append_contacts(std::vector<contact_row> &rows, const nsdae_contact_set &set, int nt)
 {
-  contact_count.push_back(set.count);
   for (int i = 0; i < set.count; i++) {
     contact_row row = {set.id[i],  {set.block[2 * i], set.block[2 * i + 1]},
                        set.gap[i], set.normal_impulse[i],
@@ -113,7 +112,7 @@ void columns::add_contacts(const nsdae_contact_set &set, int nt)
     if (nt > 0)
       std::copy(set.tangential_impulse + i * nt, set.tangential_impulse + (i + 1) * nt,
                 row.tangential_impulse);
-    contacts.push_back(row);
+    rows.push_back(row);
   }
 }
 
@@ -138,7 +137,8 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   penetration.push_back(r.penetration);
   certificates.push_back(r.certificate);
   listed = is_listed(r);
-  add_contacts(r.contacts, d.nt);
+  contact_count.push_back(r.contacts.count);
+  append_contacts(contacts, r.contacts, d.nt);
 }
 
 namespace
@@ -443,18 +443,44 @@ nsdae_record sim::shown() const
   return now;
 }
 
-// Without the leading sizes.
-nb::dict sim::record() const
+kept_record sim::record() const
 {
   look();
-  const nsdae_record now = shown();
-  columns one;
-  one.add(now, dims);
-  one.add_events(now);
-  nb::dict a = one.arrays(dims);
-  a["step"] = now.step;
-  a["duration"] = now.duration;
-  return a;
+  return kept_record(shown(), dims);
+}
+
+double sim::time() const
+{
+  look();
+  return shown().time;
+}
+
+nb::object sim::q() const
+{
+  look();
+  return numbers_from(shown().q, dims.nq);
+}
+
+nb::object sim::v() const
+{
+  look();
+  return numbers_from(shown().v, dims.nv);
+}
+
+nb::object sim::contacts() const
+{
+  look();
+  std::vector<contact_row> rows;
+  append_contacts(rows, shown().contacts, dims.nt);
+  return contacts_from(rows, dims.nt);
+}
+
+double sim::dt() const
+{
+  look();
+  nsdae_sim_options now;
+  check(nsdae_sim_get_options(handle, &now), nullptr);
+  return now.dt;
 }
 
 nb::dict sim::stats() const
@@ -730,6 +756,11 @@ void bind_sim(nb::module_ &m)
       .def("record_run", &sim::record_run, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
            nb::arg(), nb::arg())
       .def("record", &sim::record)
+      .def("time", &sim::time)
+      .def("q", &sim::q)
+      .def("v", &sim::v)
+      .def("contacts", &sim::contacts)
+      .def("dt", &sim::dt)
       .def("stats", &sim::stats)
       .def("options", &sim::options)
       .def("set_options", &sim::set_options)

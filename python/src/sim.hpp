@@ -45,6 +45,8 @@ struct contact_row {
   int mode, nothing;
 };
 
+void append_contacts(std::vector<contact_row> &rows, const nsdae_contact_set &set, int nt);
+
 // The same with its point and force.
 struct contact_force_row {
   contact_row contact;
@@ -71,9 +73,23 @@ struct columns {
   bool listed = false;
   void add(const nsdae_record &r, const nsdae_dims &d);
   void add_events(const nsdae_record &r);
-  void add_contacts(const nsdae_contact_set &set, int nt);
   nb::dict arrays(const nsdae_dims &d);
 };
+
+// A record of its own: the numbers are copied at once, a field becomes an object of Python when it
+// is read. The pointers of `of` are those of the simulation, and not read.
+struct kept_record {
+  kept_record(const nsdae_record &r, const nsdae_dims &d);
+  nsdae_record of;
+  nsdae_dims dims;
+  std::vector<double> q, v, acceleration, multiplier, frictional_joint_impulse;
+  std::vector<int> frictional_joint_mode;
+  columns events;
+};
+
+// Copies as arrays of NumPy.
+nb::object numbers_from(const double *values, int n);
+nb::object contacts_from(const std::vector<contact_row> &rows, int nt);
 
 // Records of record_run; a separate object, so that a second thread does not share it.
 struct recorder {
@@ -112,7 +128,12 @@ public:
   int run(double t_end, bool to_event);
   nb::str record_run(double t_end, int every, recorder &to, nb::object write, double pause,
                      bool contact_forces);
-  nb::dict record() const;
+  kept_record record() const;
+  double time() const;
+  nb::object q() const;
+  nb::object v() const;
+  nb::object contacts() const;
+  double dt() const;
   nsdae_record shown() const;
   nb::dict stats() const;
   nb::dict options() const;
@@ -147,6 +168,7 @@ private:
   bool in_call = false;
 };
 
+void bind_records(nb::module_ &m);
 void bind_sim(nb::module_ &m);
 
 } // namespace nsdae_python

@@ -576,7 +576,7 @@ def test_a_mesh_and_a_height_field():
     """Balls come to rest on a floor of triangles, and one in a bowl; a closed mesh has the inertia of its box."""
     floor = Solid("mesh", points=[[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], triangle=[[0, 1, 2], [0, 2, 3]], length=0.1)
     x = np.linspace(-1, 1, 21)
-    bowl = Solid("height field", points=0.2 * (x[None, :]**2 + x[:, None]**2), length=(2, 2, 0.1), position=(5, 0, 0))
+    bowl = Solid("height_field", points=0.2 * (x[None, :]**2 + x[:, None]**2), length=(2, 2, 0.1), position=(5, 0, 0))
     world = nsdae.Bodies(3, gravity=(0, 0, -9.81))
     for ground in (floor, bowl):
         world.add_solid(GROUND, ground)

@@ -358,3 +358,17 @@ def test_tensor():
         return R @ run.v[-1, 3:]
 
     assert spin(0.7) == pytest.approx(spin(0), abs=1e-9)
+
+
+def test_spellings():
+    """Words of several parts: with underscores; hyphens and spaces are the same words."""
+    ball = nsdae.System(nq=1, mass=lambda t, q, M: None, force=lambda t, q, v, F: None)
+    for word in ("least_norm", "least-norm"):
+        assert nsdae.Sim(ball, redundant=word).options["redundant"] == "least-norm"
+    for word in ("height_field", "height field", "height-field"):
+        Bodies(3).add_solid(GROUND, Solid(word, length=(1, 1, 1), points=np.zeros((2, 2))))
+    world = Bodies(3)
+    body = world.add(1, [1, 1, 1])
+    assert [world.add_sensor(word, body=body) for word in ("angular_velocity", "angular velocity", "angular-velocity")] == [0, 1, 2]
+    with pytest.raises(nsdae.ArgumentError, match="one of .*angular_velocity"):
+        world.add_sensor("angularvelocity", body=body)

@@ -1,5 +1,8 @@
 """Step by step, the state as a value, options on the way."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -115,3 +118,53 @@ def test_certificates_of_a_run(pendulum):
     assert np.allclose(certificate["work"], 0, rtol=0, atol=1e-11)
     assert np.array_equal(certificate["constraint_drift"], run.constraint_drift)
     assert np.array_equal(certificate["drift_constraint"], np.where(run.constraint_drift > 0, 0, -1))
+
+
+FIELDS = set(nsdae.Record.__annotations__) | {"contacts"}
+
+
+def test_only_what_is_read_is_made(ball, monkeypatch):
+    """A record makes the fields that are read; time, q, v and contacts of a simulation make no record."""
+    sim = started(ball)
+    sim.run_to_event(5)
+    record = sim.record
+    assert FIELDS.isdisjoint(vars(record))
+    assert record.gap[0] == sim.contacts["gap"][0] and record.q is record.q
+    assert FIELDS & vars(record).keys() == {"contacts", "q"}
+    monkeypatch.setattr(nsdae.Sim, "record", property(lambda sim: pytest.fail("a record is made")))
+    while sim.time < 0.7:
+        sim.step()
+    assert sim.time == pytest.approx(0.7) and len(sim.q) == len(sim.v) == len(sim.contacts) == 1
+
+
+def test_a_record_is_of_its_step(ball):
+    """Fields that are read after further steps, and without the simulation; arrays are copies."""
+    sim, twin = started(ball), started(ball)
+    for one in (sim, twin):
+        one.run_to_event(5)
+    record, other = sim.record, twin.record
+    early = {name: getattr(other, name) for name in FIELDS}
+    sim.run(2)
+    del sim
+    for name in sorted(FIELDS):
+        assert np.array_equal(getattr(record, name), early[name]), name
+    assert len(record.impacts) == 1 and record.certificate["dissipated"] > 0
+    before = twin.q.copy()
+    twin.q[0] = twin.record.q[0] = 7
+    twin.contacts["gap"] = 7
+    assert np.array_equal(twin.q, before) and twin.contacts["gap"][0] != 7
+    assert np.array_equal(twin.v, twin.record.v) and np.array_equal(twin.contacts, twin.record.contacts)
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda record: pickle.loads(pickle.dumps(record))])
+def test_copies_of_a_record(ball, again):
+    sim = started(ball)
+    sim.run_to_event(5)
+    record, made = sim.record, again(sim.record)
+    sim.step()
+    assert all(np.array_equal(getattr(made, name), getattr(record, name)) for name in FIELDS)
+    with pytest.raises(AttributeError, match="'Record' object has no attribute 'qq'"):
+        made.qq
+    with pytest.raises(AttributeError, match="'Record' object has no attribute 'qq'"):
+        record.qq
+    assert FIELDS < set(dir(record))

@@ -407,9 +407,31 @@ static void test_missing(void **state)
   assert_string_equal(error.argument, "base");
 }
 
+/* Hyphens of a choice may be underscores; nothing else is like it. */
+static void test_spellings(void **state)
+{
+  (void)state;
+  static const char *const words[] = {"no", "as-it-is", "as", NULL};
+  static const nsdae_param entry = {"word", "", "", NSDAE_PARAM_CHOICE, 0, 0, 0, 2, 0, words};
+  const nsdae_params one = {&entry, 1};
+  const char *const same[] = {"as-it-is", "as_it_is", "as_it-is"};
+  const char *const other[] = {"as it is", "as_it", "as_it_is_", "as_", "-no", "_", ""};
+  int choice;
+  for (int i = 0; i < 3; i++) {
+    choice = 0;
+    assert_int_equal(nsdae_params_set(&one, &choice, "word", same[i], NULL), NSDAE_OK);
+    assert_int_equal(choice, 1);
+  }
+  for (int i = 0; i < 7; i++)
+    assert_int_equal(nsdae_params_set(&one, &choice, "word", other[i], NULL), NSDAE_E_OPTION);
+  assert_int_equal(nsdae_params_set(&one, &choice, "word", "as", NULL), NSDAE_OK);
+  assert_int_equal(choice, 2);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_spellings),
       cmocka_unit_test(test_one_bound),
       cmocka_unit_test(test_missing),
       cmocka_unit_test(test_defaults),
