@@ -74,12 +74,14 @@ static int set(void *object, int option, const char *value)
 static int is_hdf5(const char *path)
 {
   char head[8] = {0};
-  FILE *stream = fopen(path, "rb");
+  const char *why;
+  FILE *stream = open_regular(path, &why);
   size_t got = stream ? fread(head, 1, sizeof head, stream) : 0;
-  int failed = !stream || ferror(stream), number = errno;
+  if (stream && ferror(stream)) why = strerror(errno);
+  int failed = !stream || ferror(stream);
   if (stream) fclose(stream);
   if (failed) {
-    tool_complain(&own, "cannot read '%s': %s", path, strerror(number));
+    tool_complain(&own, "cannot read '%s': %s", path, why);
     return -1;
   }
   return got == sizeof head && memcmp(head, "\x89HDF\r\n\x1a\n", sizeof head) == 0;

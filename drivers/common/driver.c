@@ -144,6 +144,7 @@ static int leave(const job *j, int exit_status)
 int driver_main(const driver_model *model, int argc, char **argv)
 {
   job j = {.model = model};
+  interrupt_not_by_size();
   settings_default(&j.settings, model);
   int status = settings_parse(&j.settings, argc, argv, &j.error);
   if (status < 0) return complain(&j, DRIVER_USAGE);

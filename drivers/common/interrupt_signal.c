@@ -15,6 +15,12 @@ void interrupt_catch(void)
 {
   signal(SIGINT, note);
   signal(SIGTERM, note);
+  if (signal(SIGHUP, note) == SIG_IGN) signal(SIGHUP, SIG_IGN); /* by nohup */
+}
+
+void interrupt_not_by_size(void)
+{
+  signal(SIGXFSZ, SIG_IGN);
 }
 
 int interrupt_observe(const nsdae_record *record, nsdae_error *error, void *user)

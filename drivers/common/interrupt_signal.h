@@ -4,8 +4,12 @@
 
 #include <nsdae/nsdae.h>
 
-/* From now on SIGINT and SIGTERM set a flag. */
+/* From now on SIGINT, SIGTERM and SIGHUP set a flag; SIGHUP unless it is ignored. */
 void interrupt_catch(void);
+
+/* A file at the limit of its size is an error of the write, which is reported, and the file is
+ * closed: no signal ends the program. */
+void interrupt_not_by_size(void);
 
 /* Observer: stops the run that it sees. */
 int interrupt_observe(const nsdae_record *record, nsdae_error *error, void *user);

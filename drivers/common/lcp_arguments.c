@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "safe_read.h"
+
 enum { LARGEST = 20000 };
 
 /* A file being read: the first error is kept. */
@@ -257,9 +259,10 @@ int lcp_file_read(const char *path, lcp_file *file, nsdae_error *error)
 {
   reader r = {.path = path, .error = error};
   *file = (lcp_file){0};
-  r.stream = fopen(path, "r");
+  const char *why;
+  r.stream = open_regular(path, &why);
   if (!r.stream) {
-    fail(&r, NSDAE_E_IO, "%s", strerror(errno));
+    fail(&r, NSDAE_E_IO, "%s", why);
     return r.status;
   }
   read_file(&r, file);

@@ -1,5 +1,7 @@
 #include "safe_read.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -70,4 +72,19 @@ int probe(const char *path, probe_fn read_it, void *user, nsdae_error *error)
   if (child < 0) return read_it(path, user, error);
   waitpid(child, &state, 0);
   return got == sizeof *error ? error->status : came_to_no_end(path, error);
+}
+
+FILE *open_regular(const char *path, const char **why)
+{
+  struct stat status;
+  FILE *file = NULL;
+  int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fd >= 0 && fstat(fd, &status) == 0 && !S_ISREG(status.st_mode)) {
+    *why = S_ISDIR(status.st_mode) ? strerror(EISDIR) : "it must be a regular file";
+  } else {
+    file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    *why = strerror(errno);
+  }
+  if (fd >= 0 && !file) close(fd);
+  return file;
 }

@@ -144,9 +144,10 @@ static void locate(nsdae_error *error, const char *path, int line)
 
 int settings_read(settings *s, const char *path, nsdae_error *error)
 {
-  FILE *file = fopen(path, "r");
+  const char *why;
+  FILE *file = open_regular(path, &why);
   if (!file) {
-    usage_error(error, "params", "cannot read '%s': %s", path, strerror(errno));
+    usage_error(error, "params", "cannot read '%s': %s", path, why);
     return error->status = NSDAE_E_IO;
   }
   char line[LINE_SIZE];

@@ -1,5 +1,7 @@
 #include "tool.h"
 
+#include "interrupt_signal.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -62,6 +64,7 @@ static int set_path(const tool *t, tool_arguments *a, const char *word)
 
 int tool_parse(const tool *t, int argc, char **argv, void *job, tool_arguments *a)
 {
+  interrupt_not_by_size();
   *a = (tool_arguments){.path = NULL};
   for (int i = 1; i < argc; i++) {
     int status = TOOL_SOLVED;

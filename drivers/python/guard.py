@@ -6,6 +6,7 @@ therefore walked once, before anything in it is read."""
 import contextlib
 import math
 import os
+import stat
 
 import h5py
 from h5py import h5a, h5d, h5ds, h5g, h5l, h5o, h5t, h5z
@@ -120,6 +121,8 @@ class Walk:
 
 def open_guarded(path, **how):
     """An h5py.File for reading, or Unsafe."""
+    if stat.S_ISFIFO(os.stat(path).st_mode):
+        raise OSError("it must be a regular file")  # of a pipe HDF5 waits for a writer
     file = h5py.File(path, "r", **how)
     try:
         Walk(file)

@@ -225,6 +225,7 @@ static int sweep_main(sweep *s, int argc, char **argv)
 int main(int argc, char **argv)
 {
   static sweep s;
+  interrupt_not_by_size();
   ranks_begin(&argc, &argv);
   int exit_status = DONE, what = command_parse(&s.job, argc, argv, &s.error);
   if (what < 0)
@@ -239,7 +240,10 @@ int main(int argc, char **argv)
   job_release(&s.job);
   free(s.todo);
   free(s.failure);
-  if (fflush(stdout) != 0 && exit_status == DONE) exit_status = FAILED;
+  if ((fflush(stdout) != 0 || ferror(stdout)) && exit_status == DONE) {
+    fputs("nsdae-sweep: error: cannot write to standard output\n", stderr);
+    exit_status = FAILED;
+  }
   ranks_end(exit_status == DONE ? 0 : NSDAE_OK);
   return exit_status;
 }

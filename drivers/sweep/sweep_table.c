@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <hdf5.h>
@@ -356,8 +357,11 @@ static int look_at_file(const sweep_table *t, hid_t file, nsdae_error *error)
 
 static int take_up(sweep_table *t, const char *setting, nsdae_error *error)
 {
+  struct stat found;
   errno = 0;
-  hid_t file = H5Fopen(t->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  /* of a pipe HDF5 waits for a writer */
+  int regular = stat(t->path, &found) == 0 && S_ISREG(found.st_mode);
+  hid_t file = regular ? H5Fopen(t->path, H5F_ACC_RDONLY, H5P_DEFAULT) : H5I_INVALID_HID;
   if (file < 0)
     return fail(error, NSDAE_E_IO, "'%.120s' exists and cannot be read as HDF5", t->path);
   int status = look_at_file(t, file, error);

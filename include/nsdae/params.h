@@ -63,7 +63,8 @@ NSDAE_API int nsdae_params_check(const nsdae_params *table, const void *base, ns
 /* Entry of a key, or NULL. */
 NSDAE_API const nsdae_param *nsdae_params_find(const nsdae_params *table, const char *key);
 
-/* Writes the value of a field as text. nsdae_params_set reads the text back to the same value. */
+/* Writes the value of a field as text. nsdae_params_set reads the text back to the same value. The
+ * text is empty if param or base is NULL, or the field has the index of no choice. */
 NSDAE_API void nsdae_params_format(const nsdae_param *param, const void *base, char *text,
                                    size_t size);
 

@@ -28,9 +28,29 @@ static void store(const nsdae_param *param, void *base, double value)
     *(int *)field(param, base) = (int)value;
 }
 
+/* NULL, or what of an entry is NULL though it must not be. */
+static const char *missing_of(const nsdae_param *param)
+{
+  if (!param->key) return "key";
+  return param->type == NSDAE_PARAM_CHOICE && !param->choices ? "choices" : NULL;
+}
+
+/* NSDAE_OK, or NSDAE_E_ARGUMENT: the entries cannot be read. */
+static int check_entries(const nsdae_params *table, const char *where, nsdae_error *error)
+{
+  if (!table->entry && table->n > 0) return nsdae_error_null(error, where, "table->entry");
+  for (int i = 0; i < table->n; i++) {
+    const char *missing = missing_of(&table->entry[i]);
+    if (missing)
+      return nsdae_error_set(error, NSDAE_E_ARGUMENT, where, missing, "%s of entry %d is NULL",
+                             missing, i);
+  }
+  return NSDAE_OK;
+}
+
 void nsdae_params_default(const nsdae_params *table, void *base)
 {
-  if (!table || !base) return;
+  if (!table || !table->entry || !base) return;
   for (int i = 0; i < table->n; i++) {
     const nsdae_param *param = &table->entry[i];
     if (param->type == NSDAE_PARAM_TEXT)
@@ -42,9 +62,9 @@ void nsdae_params_default(const nsdae_params *table, void *base)
 
 const nsdae_param *nsdae_params_find(const nsdae_params *table, const char *key)
 {
-  if (!table || !key) return NULL;
+  if (!table || !table->entry || !key) return NULL;
   for (int i = 0; i < table->n; i++)
-    if (strcmp(table->entry[i].key, key) == 0) return &table->entry[i];
+    if (table->entry[i].key && strcmp(table->entry[i].key, key) == 0) return &table->entry[i];
   return NULL;
 }
 
@@ -78,11 +98,12 @@ static const char *word_of_zero(const nsdae_param *param)
 
 void nsdae_params_range(const nsdae_param *param, char *text, size_t size)
 {
+  if (!text || size == 0) return;
+  text[0] = '\0';
+  if (!param || missing_of(param) || param->type == NSDAE_PARAM_TEXT) return;
   const char *low = param->open & NSDAE_OPEN_MIN ? "greater than" : "at least";
   const char *zero = word_of_zero(param),
              *high = param->open & NSDAE_OPEN_MAX ? "less than" : "at most";
-  if (size > 0) text[0] = '\0';
-  if (param->type == NSDAE_PARAM_TEXT) return;
   if (param->type == NSDAE_PARAM_CHOICE)
     list_choices(param, " or ", text, size);
   else if (isinf(param->max) && isinf(param->min))
@@ -118,6 +139,8 @@ int nsdae_params_check(const nsdae_params *table, const void *base, nsdae_error 
 {
   if (!table || !base)
     return nsdae_error_null(error, "nsdae_params_check", table ? "base" : "table");
+  int readable = check_entries(table, "nsdae_params_check", error);
+  if (readable < 0) return readable;
   for (int i = 0; i < table->n; i++) {
     const nsdae_param *param = &table->entry[i];
     if (param->type == NSDAE_PARAM_TEXT) continue;
@@ -136,7 +159,8 @@ static const nsdae_param *described(const nsdae_params *table, const char *key, 
   const nsdae_param *found = NULL;
   for (int i = 0; i < table->n; i++) {
     char pair[64] = "";
-    for (const char *at = table->entry[i].help; *(at += strcspn(at, letters));) {
+    const char *help = table->entry[i].help;
+    for (const char *at = help ? help : ""; *(at += strcspn(at, letters));) {
       char word[32] = "";
       size_t length = strspn(at, letters), before = strlen(pair);
       nsdae_suggest nearest = nsdae_suggest_start(key);
@@ -228,6 +252,8 @@ int nsdae_params_set(const nsdae_params *table, void *base, const char *key, con
   const char *missing = !table ? "table" : !base ? "base" : !key ? "key" : !value ? "value" : NULL;
   nsdae_error_clear(error);
   if (missing) return nsdae_error_null(error, "nsdae_params_set", missing);
+  int readable = check_entries(table, "nsdae_params_set", error);
+  if (readable < 0) return readable;
   const nsdae_param *param = nsdae_params_find(table, key);
   if (!param) return unknown_key(table, key, error);
   if (param->type == NSDAE_PARAM_CHOICE) return set_choice(param, base, value, error);
@@ -235,8 +261,18 @@ int nsdae_params_set(const nsdae_params *table, void *base, const char *key, con
   return set_number(param, base, value, error);
 }
 
+/* Nothing if the index is that of no choice. */
+static void write_choice(const nsdae_param *param, int index, char *text, size_t size)
+{
+  for (int i = 0; i <= index && param->choices[i]; i++)
+    if (i == index) snprintf(text, size, "%s", param->choices[i]);
+}
+
 void nsdae_params_format(const nsdae_param *param, const void *base, char *text, size_t size)
 {
+  if (!text || size == 0) return;
+  text[0] = '\0';
+  if (!param || !base || missing_of(param)) return;
   const void *at = (const char *)base + param->offset;
   if (param->type == NSDAE_PARAM_TEXT) {
     snprintf(text, size, "%s", (const char *)at);
@@ -245,7 +281,7 @@ void nsdae_params_format(const nsdae_param *param, const void *base, char *text,
   double value = number_at(param, base);
   const char *zero = word_of_zero(param);
   if (param->type == NSDAE_PARAM_CHOICE)
-    snprintf(text, size, "%s", param->choices[(int)value]);
+    write_choice(param, (int)value, text, size);
   else if (zero && value == 0)
     snprintf(text, size, "%s", zero);
   else if (param->type == NSDAE_PARAM_INT)

@@ -64,6 +64,7 @@ const char *nsdae_suggest_end(const nsdae_suggest *nearest)
 
 const char *nsdae_suggest_name(const char *word, const char *const *names)
 {
+  if (!word || !names) return NULL;
   nsdae_suggest nearest = nsdae_suggest_start(word);
   for (; *names; names++) nsdae_suggest_try(&nearest, *names);
   return nsdae_suggest_end(&nearest);

@@ -21,6 +21,7 @@
 #include "arena.h"
 #include "errors.h"
 #include "mesh.h"
+#include "regular_file.h"
 #include "space.h"
 #include "words.h"
 
@@ -396,8 +397,9 @@ static int read_file(reader *r)
   const char *dot = strrchr(r->path, '.');
   int obj = dot && is_word(dot, ".obj"), stl = dot && is_word(dot, ".stl");
   if (!obj && !stl) return refuse(r, NSDAE_E_ARGUMENT, "the name must end in .obj or .stl");
-  r->file = fopen(r->path, "rb");
-  if (!r->file) return refuse(r, NSDAE_E_IO, "cannot read it: is there such a file?");
+  const char *why;
+  r->file = nsdae_regular_file(r->path, &why);
+  if (!r->file) return refuse(r, NSDAE_E_IO, "cannot read it: %s", why);
   int status = obj ? read_obj(r) : read_stl(r);
   if (ferror(r->file)) status = refuse(r, NSDAE_E_IO, "cannot read it: it must be a regular file");
   fclose(r->file);

@@ -1,6 +1,7 @@
 /* The hull of points by Qhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, ACM TOMS 22, 1996), which
  * merges facets that lie in one plane up to rounding. Points are given to it within a cube of edge
  * 1 about 0: no scale and no offset costs digits. */
+#define _POSIX_C_SOURCE 200809L /* fmemopen */
 #include <libqhull_r/qhull_ra.h>
 
 #include "errors.h"
@@ -99,7 +100,8 @@ int nsdae_hull_create(int points, const double *point, const nsdae_hull **hull, 
   qhT qhull, *qh = &qhull;
   int left, whole;
   double *scaled = malloc(3 * (size_t)points * sizeof *scaled);
-  FILE *nowhere = tmpfile(); /* for its messages */
+  char page[256];
+  FILE *nowhere = fmemopen(page, sizeof page, "w"); /* for its messages: no file, which may fail */
   char command[] = "qhull Pp";
   int status = NSDAE_OK;
   if (!scaled || !nowhere) {

@@ -19,6 +19,7 @@
 #include "arena.h"
 #include "bodies_impl.h"
 #include "errors.h"
+#include "regular_file.h"
 #include "words.h"
 
 enum { LINE_SIZE = 4096, WORD_SIZE = 64 };
@@ -364,10 +365,11 @@ int nsdae_scene_read(const char *path, nsdae_scene *scene, nsdae_error *error)
   if (!path || !scene) return nsdae_error_null(error, "nsdae_scene_read", path ? "scene" : "path");
   *scene = (nsdae_scene){.bodies = 0};
   nsdae_params_default(&table, scene);
-  reader r = {.file = fopen(path, "rb"), .path = path, .scene = scene, .error = error};
+  const char *why;
+  reader r = {.file = nsdae_regular_file(path, &why), .path = path, .scene = scene, .error = error};
   if (!r.file)
-    return nsdae_error_set(error, NSDAE_E_IO, "nsdae_scene_read", "path",
-                           "cannot read '%.90s': is there such a file?", path);
+    return nsdae_error_set(error, NSDAE_E_IO, "nsdae_scene_read", "path", "cannot read '%.90s': %s",
+                           path, why);
   int status;
   while ((status = next_line(&r, text)) > 0 && (status = read_line(&r, text)) == NSDAE_OK) continue;
   if (status == 0) status = check_complete(&r);

@@ -179,6 +179,38 @@ check grep -q 'interrupted at t =' err
 check h5dump -a /status long.h5 >status
 check grep -q interrupted status
 
+# a closed terminal does the same; nohup is heeded
+"$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output hung_up.h5 2>err &
+for wait in $(seq 100); do
+  [ -s hung_up.h5 ] && break
+  sleep 0.1
+done
+sleep 0.2
+kill -HUP $!
+wait $!
+check test $? = 1
+check grep -q 'interrupted at t =' err
+check h5dump -a /status hung_up.h5 >status
+check grep -q interrupted status
+(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 5 --output hung_up.h5) 2>err &
+sleep 0.2
+kill -HUP $!
+wait $!
+check test $? = 0
+
+# a file at the limit of its size: an error of the write, and the run can be continued
+(ulimit -f 3000 && exec "$pendulum" --quiet --dt 1e-4 --t-end 20 --output most.h5) 2>err
+check test $? = 1
+check grep -q "cannot write to 'most.h5': File too large" err
+check "$pendulum" --quiet --restart most.h5 --t-end 20
+
+# a pipe without a writer is refused at once
+mkfifo pipe.ini pipe.h5 pipe.csv
+expect 2 "cannot read 'pipe.ini': it must be a regular file" timeout 60 "$pendulum" --params pipe.ini
+expect 2 "cannot read 'pipe.h5': it is not a regular file" timeout 60 "$pendulum" --restart pipe.h5
+expect 1 "cannot write 'pipe.h5': it is not a regular file" timeout 60 "$pendulum" --output pipe.h5
+expect 2 "cannot read 'pipe.csv': it must be a regular file" timeout 60 "$bin/nsdae-scene" pipe.csv
+
 # inside a step too, here one that the integrator goes on in for minutes: the step is dropped
 "$pendulum" --quiet --method penalty --set e_N=1 --rtol 1e-12 --dt 1e6 --t-end 1e6 --output inside.h5 2>err &
 computing $!

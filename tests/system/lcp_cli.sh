@@ -91,6 +91,8 @@ gives 0 'outcome: solved;n: 0' --solution empty_problem.dat
 refused "no FILE given"
 refused "cannot read 'none.txt': No such file or directory" none.txt
 refused "Is a directory" .
+mkfifo pipe.dat
+refused "cannot read 'pipe.dat': it must be a regular file" pipe.dat
 : >empty.dat
 refused "empty.dat: ends where" empty.dat
 printf 'neither text nor HDF5' >garbage.dat

@@ -49,7 +49,7 @@ static int check_values(nsdae_error *error, const char *argument, size_t first, 
                         const double *a, double least)
 {
   char text[200];
-  if (least < 0 && nsdae_all_finite(n - first, a + first)) return NSDAE_OK;
+  if (n == first || (least < 0 && nsdae_all_finite(n - first, a + first))) return NSDAE_OK;
   for (size_t i = first; i < n; i++) {
     if (fabs(a[i]) <= DBL_MAX && a[i] >= least) continue;
     int status = fabs(a[i]) <= DBL_MAX ? NSDAE_E_ARGUMENT : NSDAE_E_NONFINITE;

@@ -70,7 +70,9 @@ static long long some(const transfer *t, size_t done, size_t size, uint64_t at)
 
 int nsdae_fs_open(const char *path, int writing, int create)
 {
-  int fd = open(path, (writing ? O_RDWR : O_RDONLY) | (create ? O_CREAT : 0) | O_CLOEXEC, 0666);
+  /* a pipe does not wait for a writer: it is refused as no regular file */
+  const int flags = O_CLOEXEC | O_NONBLOCK;
+  int fd = open(path, (writing ? O_RDWR : O_RDONLY) | (create ? O_CREAT : 0) | flags, 0666);
   return fd < 0 ? -errno : fd;
 }
 

@@ -405,6 +405,79 @@ static void test_missing(void **state)
   assert_string_equal(error.argument, "table");
   assert_int_equal(nsdae_params_check(&table, NULL, &error), NSDAE_E_ARGUMENT);
   assert_string_equal(error.argument, "base");
+  for (int i = 0; i < 4; i++) {
+    const void *given[4] = {&table, &s, "count", "3"};
+    const char *const names[4] = {"table", "base", "key", "value"};
+    given[i] = NULL;
+    assert_int_equal(
+        nsdae_params_set(given[0], (void *)(uintptr_t)given[1], given[2], given[3], &error),
+        NSDAE_E_ARGUMENT);
+    assert_string_equal(error.argument, names[i]);
+  }
+}
+
+/* Functions without a status: nothing, or an empty text. */
+static void test_missing_without_status(void **state)
+{
+  (void)state;
+  sample s = filled();
+  char text[32] = "before";
+  const char *const none[] = {NULL};
+  nsdae_params_range(NULL, text, sizeof text);
+  assert_string_equal(text, "");
+  nsdae_params_range(&entries[0], NULL, sizeof text);
+  nsdae_params_range(&entries[0], NULL, 0);
+  strcpy(text, "before");
+  nsdae_params_format(NULL, &s, text, sizeof text);
+  assert_string_equal(text, "");
+  strcpy(text, "before");
+  nsdae_params_format(&entries[0], NULL, text, sizeof text);
+  assert_string_equal(text, "");
+  nsdae_params_format(&entries[0], &s, NULL, sizeof text);
+  nsdae_params_format(&entries[0], &s, NULL, 0);
+  assert_null(nsdae_suggest_name(NULL, colours));
+  assert_null(nsdae_suggest_name("red", NULL));
+  assert_null(nsdae_suggest_name("red", none));
+}
+
+/* Tables whose pointers are NULL, and a choice that there is not. */
+static void test_damaged_tables(void **state)
+{
+  (void)state;
+  sample s = filled(), before = s;
+  nsdae_error error;
+  char text[32];
+  nsdae_param entry[3] = {entries[4], entries[5], entries[0]};
+  const nsdae_params hollow = {NULL, 3}, damaged = {entry, 3};
+  nsdae_params_default(&hollow, &s);
+  assert_memory_equal(&s, &before, sizeof s);
+  assert_null(nsdae_params_find(&hollow, "count"));
+  assert_int_equal(nsdae_params_check(&hollow, &s, &error), NSDAE_E_ARGUMENT);
+  assert_int_equal(nsdae_params_set(&hollow, &s, "count", "3", &error), NSDAE_E_ARGUMENT);
+  for (int i = 0; i < 2; i++) {
+    memcpy(entry, (const nsdae_param[]){entries[4], entries[5], entries[0]}, sizeof entry);
+    if (i == 0) entry[0].key = NULL;
+    if (i == 1) entry[1].choices = NULL;
+    assert_int_equal(nsdae_params_check(&damaged, &s, &error), NSDAE_E_ARGUMENT);
+    assert_string_equal(error.argument, i == 0 ? "key" : "choices");
+    assert_int_equal(nsdae_params_set(&damaged, &s, "colour", "red", &error), NSDAE_E_ARGUMENT);
+    assert_string_equal(error.argument, i == 0 ? "key" : "choices");
+    nsdae_params_range(&entry[i], text, sizeof text);
+    assert_string_equal(text, "");
+    nsdae_params_format(&entry[i], &s, text, sizeof text);
+    assert_string_equal(text, "");
+    assert_non_null(nsdae_params_find(&damaged, "length"));
+  }
+  entry[0] = entries[4];
+  entry[0].help = NULL;
+  entry[1] = entries[5];
+  assert_int_equal(nsdae_params_set(&damaged, &s, "number of them", "3", &error), NSDAE_E_OPTION);
+  s.colour = 3;
+  nsdae_params_format(&entry[1], &s, text, sizeof text);
+  assert_string_equal(text, "");
+  s.colour = -1;
+  nsdae_params_format(&entry[1], &s, text, sizeof text);
+  assert_string_equal(text, "");
 }
 
 /* Hyphens of a choice may be underscores; nothing else is like it. */
@@ -434,6 +507,8 @@ int main(void)
       cmocka_unit_test(test_spellings),
       cmocka_unit_test(test_one_bound),
       cmocka_unit_test(test_missing),
+      cmocka_unit_test(test_missing_without_status),
+      cmocka_unit_test(test_damaged_tables),
       cmocka_unit_test(test_defaults),
       cmocka_unit_test(test_range_in_words),
       cmocka_unit_test(test_set_each_type),
