@@ -1,14 +1,13 @@
 # To be sourced, on Debian 12: compilers for another C library or processor, and what nsdae needs, built with them.
-# PyPI's ziglang has clang and the C libraries. The caller sets $work, a folder of its own.
+# PyPI's ziglang has clang and the C libraries. The caller sets $work, a folder of its own, and $source, that of nsdae.
 
-# zig_tools PYTHON TARGET PACKAGE...: $CC, $CXX, $AR and $RANLIB for zig's TARGET, and what pip installs beside them
+# zig_tools PYTHON TARGET [REQUIREMENTS]: $CC, $CXX, $AR and $RANLIB for zig's TARGET, and what pip installs beside them
 zig_tools() {
   python=$1 target=$2
-  shift 2
   prefix=$work/prefix
   mkdir -p "$prefix/lib" "$prefix/include/libqhull_r" "$work/bin"
   "$python" -m venv "$work/tools" # Debian's NumPy-free Python suffices
-  "$work/tools/bin/pip" install -q ziglang cmake ninja "$@"
+  "$work/tools/bin/pip" install -q --require-hashes -r "$source/packaging/compilers.txt" ${3:+-r "$3"}
   for tool in "cc cc -target $target" "cxx c++ -target $target" "ar ar" "ranlib ranlib"; do
     name=${tool%% *}
     printf '#!/bin/sh\nexec %s -m ziglang %s "$@"\n' "$work/tools/bin/python" "${tool#* }" >"$work/bin/$name"

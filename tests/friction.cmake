@@ -20,7 +20,7 @@ if(NSDAE_HDF5)
     add_test(NAME system/friction_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/friction_cli.sh
       ${PROJECT_BINARY_DIR}/bin $<TARGET_FILE:friction_sample>)
     set_tests_properties(system/friction_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1
-      TIMEOUT 120)
+      TIMEOUT 300)
   endif()
 endif()
 nsdae_test(anomaly friction LINKS test_allocator)

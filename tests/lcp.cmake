@@ -32,7 +32,7 @@ if(NSDAE_DRIVERS)
   add_test(NAME system/lcp_cli COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/lcp_cli.sh
     ${PROJECT_BINARY_DIR}/bin $<IF:$<BOOL:${NSDAE_HDF5}>,ON,OFF>
     $<IF:$<BOOL:${NSDAE_SUNDIALS}>,ON,OFF>)
-  set_tests_properties(system/lcp_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 120)
+  set_tests_properties(system/lcp_cli PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endif()
 nsdae_unit_test(lcp lemke)
 target_sources(test_unit_lcp_lemke PRIVATE bench/bench_lcp_families.c)

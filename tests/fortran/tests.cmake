@@ -26,7 +26,7 @@ function(nsdae_fortran_test name)
   list(TRANSFORM ARG_SOURCES PREPEND fortran/)
   add_executable(test_fortran_${name} fortran/${name}.f90 ${ARG_SOURCES})
   nsdae_uses_module(test_fortran_${name} ${PROJECT_SOURCE_DIR}/drivers/fortran/pendulum_model.f90)
-  target_link_libraries(test_fortran_${name} PRIVATE fortran_support test_own_folder ${ARG_LINKS})
+  target_link_libraries(test_fortran_${name} PRIVATE fortran_support ${ARG_LINKS})
   set_target_properties(test_fortran_${name} PROPERTIES LINKER_LANGUAGE Fortran
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
     Fortran_MODULE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/modules/${name})

@@ -58,7 +58,7 @@ def drawn(tool, path):
 
 
 def ran(program, *arguments):
-    done = subprocess.run([os.path.join(BIN, program), *arguments], capture_output=True, text=True, timeout=60,
+    done = subprocess.run([os.path.join(BIN, program), *arguments], capture_output=True, text=True, timeout=300,
                           env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
                           preexec_fn=unlimited)
     return done.returncode, done.stderr.splitlines()

@@ -65,7 +65,7 @@ killed() {
   kill -KILL -$pid $ranks
   wait $pid
   for rank in $ranks; do
-    while kill -0 "$rank"; do sleep 0.02; done
+    while grep -qs ") [^ZX] " "/proc/$rank/stat"; do sleep 0.02; done
   done
 }
 "$sweep" $ball $many --processes 1 --output whole.h5 || fail "the whole sweep"

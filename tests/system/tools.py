@@ -142,7 +142,7 @@ def browser():
 def browse(program, page, time, *how):
     return subprocess.run([program, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={os.getcwd()}/browser",
                            "--window-size=800,900", *how, f"file://{os.getcwd()}/{page}#t={time}"],
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60, check=True).stdout.decode()
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300, check=True).stdout.decode()
 
 
 def end(what="all as expected"):
