@@ -37,7 +37,7 @@ if [ ! -e "$base/etc/os-release" ] || [ -e "$base.part" ]; then
   rm "$base.part"
 fi
 
-umount -q "$root/proc" || true # left by a run that was killed
+umount "$root/proc" 2>/dev/null || true # left by a run that was killed
 rm -rf "$root"
 cp -a "$base" "$root"
 git clone -q --no-hardlinks "$source" "$root/root/nsdae"
