@@ -54,7 +54,7 @@ for empty in gfortran quadmath; do printf '!<arch>\n' >"$prefix/lib/lib$empty.a"
 export LDFLAGS="-L$prefix/lib"
 cmake -S "$source" -B build -G Ninja -DCMAKE_BUILD_TYPE=Release $system -DCMAKE_AR="$AR" -DCMAKE_RANLIB="$RANLIB" \
   -DCMAKE_FIND_ROOT_PATH="$prefix" -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY \
-  -DCMAKE_FIND_ROOT_PATH_MODE_PACKAGE=ONLY -DNSDAE_STATIC_DEPENDENCIES=ON -DNSDAE_HDF5=OFF -DNSDAE_FORTRAN=OFF \
+  -DCMAKE_FIND_ROOT_PATH_MODE_PACKAGE=ONLY -DNSDAE_STATIC_DEPENDENCIES=ON -DNSDAE_HDF5=OFF -DNSDAE_SUNDIALS=ON -DNSDAE_FORTRAN=OFF \
   -DBUILD_TESTING=OFF
 cmake --build build
 $run build/bin/nsdae-bouncing-ball --no-output

@@ -8,6 +8,7 @@ cmake -S . -B build -G Ninja ${CMAKE_ARGS:-} \
   -DCMAKE_INSTALL_LIBDIR=lib \
   -DNSDAE_CBLAS_LIBRARY="$PREFIX/lib/libcblas.so" \
   -DNSDAE_FORTRAN=ON \
+  -DNSDAE_SUNDIALS=ON \
   -DNSDAE_DRIVERS=OFF \
   -DBUILD_TESTING=OFF
 cmake --build build -j"${CPU_COUNT:-2}"

@@ -18,7 +18,7 @@ class Nsdae(CMakePackage):
     version("main", branch="main")
 
     variant("hdf5", default=True, description="Write trajectories to HDF5 files")
-    variant("sundials", default=True, description="Methods penalty and event")
+    variant("sundials", default=True, description="Stiff phases of penalty and event")
     variant("fortran", default=True, description="Fortran module")
     variant("drivers", default=True, description="Example programs and tools")
 

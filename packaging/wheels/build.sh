@@ -4,7 +4,7 @@
 # wheels comes an SBOM of all that is linked.
 # usage: build.sh [--draft] FOLDER [PYTHON...]
 # --draft: also of a tree that is not ready to be released. PYTHON: an interpreter for each wheel, by default python3; one of
-# 3.12 serves all later ones. Needs the packages of ./run build, python3-venv and the network.
+# 3.12 serves all later ones. Needs the packages of ./run dist, python3-venv and the network.
 set -eu
 draft=""
 [ "${1:-}" = --draft ] && draft=yes && shift
@@ -42,9 +42,15 @@ export CMAKE_PREFIX_PATH="$prefix" LDFLAGS="-L$prefix/lib" CXXFLAGS="-include cs
 for time in first second; do
   for python in "$@"; do # the library is compiled once for all of them
     "$python" -m venv --clear "$work/venv"
+<<<<<<< HEAD
     "$work/venv/bin/pip" install -q --require-hashes -r "$source/packaging/wheels/backend.txt"
     "$work/venv/bin/pip" wheel -v "$source" --no-deps --no-build-isolation -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
       --config-settings=cmake.define.CMAKE_AR="$AR" --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB" >"$work/pip.log" 2>&1 ||
+=======
+    "$work/venv/bin/pip" wheel -v "$source" --no-deps -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
+      --config-settings=cmake.define.NSDAE_SUNDIALS=ON --config-settings=cmake.define.CMAKE_AR="$AR" \
+      --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB" >"$work/pip.log" 2>&1 ||
+>>>>>>> w-deb13
       { tail -40 "$work/pip.log" && exit 1; }
   done
   for wheel in "$work/$time/wheel"/*.whl; do
