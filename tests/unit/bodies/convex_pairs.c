@@ -343,10 +343,11 @@ static void test_rates(void **state)
 {
   enum { POSES = 150 };
   const double deepest = 0.05; /* steps leave less: further in, the search ends before the top */
+  const int stride = test_share() > 1 ? 4 : 1; /* of poses, of which every third is nearly flush */
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     int kinds[4] = {0}, checked = 0;
-    for (int n = 0; n < POSES; n += test_share()) {
+    for (int n = 0; n < POSES; n += stride) {
       shape s[2];
       nsdae_pose pose[2];
       nsdae_manifold m;
@@ -384,7 +385,7 @@ static void test_rates(void **state)
     }
     print_message("pair %d: %d contacts with smooth gaps, %d sharp, %d jump, %d alone; %d poses\n",
                   k, kinds[0], kinds[1], kinds[2], kinds[3], checked);
-    assert_true(kinds[SMOOTH] > share_of(1000) && checked > share_of(POSES) / 8);
+    assert_true(kinds[SMOOTH] > 1000 / stride && checked > POSES / stride / 8);
     assert_true(kinds[ALONE] <= 3); /* in 1e-6 of 1 m, of the 2e4 cases here */
   }
 }
