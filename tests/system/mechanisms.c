@@ -402,7 +402,8 @@ static void expect_same_steps(int dimension, int kind, int bodies, int method)
   for (int i = 0; i < 2; i++) end(&m[i]);
 }
 
-/* Long rows are sparse: in the quick form each joint by one method, each method with some joints. */
+/* Long rows are sparse: in the quick form each joint by one method, each method with some joints.
+ */
 static void test_joints(void **state)
 {
   (void)state;

@@ -171,7 +171,7 @@ static void random_solid(int i, uint64_t *seed, double *point, nsdae_solid *s)
 static void test_piles(void **state)
 {
   (void)state;
-  for (int m = 0; m < 2; m++) {
+  for (int m = 0; m < 2; m += test_share()) {
     enum { SIDE = 2 };
     const int layers = test_share() > 1 ? 3 : 6;
     uint64_t seed = layers == 3 ? 2 : 10;

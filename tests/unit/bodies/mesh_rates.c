@@ -320,8 +320,7 @@ static void test_continuity(void **state)
       scene s;
       for (int number = 0; number < SCENES; number++) {
         make_scene(&s, &shapes[k]);
-        for (int path = 0; path < share_of(100); path++)
-          steps += follow(&s, gap[n], depth[n]);
+        for (int path = 0; path < share_of(100); path++) steps += follow(&s, gap[n], depth[n]);
         end_scene(&s);
       }
       print_message("%s from a gap of %g: %d steps\n", nsdae_solid_name(shapes[k].shape), gap[n],
