@@ -158,7 +158,8 @@ static int go_on(run *r, int fault, long at, int code)
     setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1); /* the parent has the lock */
     disk_reset(fault, at, code);
     the_disk_clock += 1; /* the first record is flushed without being asked for */
-    int stepped = step_by(r, r->more), ended = end(r), met = fault != DISK_WHOLE && the_disk.calls > at;
+    int stepped = step_by(r, r->more), ended = end(r),
+        met = fault != DISK_WHOLE && the_disk.calls > at;
     exit(!met ? 0 : stepped < 0 || ended < 0 ? 1 : 2);
   }
   assert_int_equal(waitpid(child, &state, 0), child);
@@ -231,8 +232,8 @@ static void expect_killed(const run *r, const disk_log *log, const content *whol
     disk_apply(log, at, call->size, copy_path);
   }
   assert_int_equal(expect_copy(r, whole), whole->rows[0]);
-  print_message("%d + %d steps: %ld writes, %ld runs resumed\n", r->before, r->more,
-                log->count, resumed);
+  print_message("%d + %d steps: %ld writes, %ld runs resumed\n", r->before, r->more, log->count,
+                resumed);
   assert_true(log->count > 20 && resumed > 0);
 }
 
@@ -262,8 +263,7 @@ static void expect_same_file(const disk_log *log, const file_image *flushed, int
 {
   file_image got = file_image_read(path);
   file_image_restore(copy_path, flushed);
-  for (long i = 0; i < at; i++)
-    disk_apply(log, i, log->call[i].size, copy_path);
+  for (long i = 0; i < at; i++) disk_apply(log, i, log->call[i].size, copy_path);
   const size_t torn = fault == DISK_TORN ? disk_torn(&log->call[at]) : 0;
   if (torn > 0) disk_apply(log, at, torn, copy_path);
   file_image made = file_image_read(copy_path);

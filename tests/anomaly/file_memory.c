@@ -1,8 +1,9 @@
 /* Allocations of lib/io fail, one in each run: NSDAE_E_MEMORY, nothing is left behind, and the file
  * has the rows that were flushed before.
  *
- * Each place that allocates fails once, told by a line and the four that led to it, in the first run
- * that comes to it. The whole form fails every third allocation of every run too, NSDAE_LONG=1 each. */
+ * Each place that allocates fails once, told by a line and the four that led to it, in the first
+ * run that comes to it. The whole form fails every third allocation of every run too, NSDAE_LONG=1
+ * each. */
 #include "check.h"
 
 #include <hdf5.h>
@@ -249,7 +250,8 @@ static void test_sensors(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_bead), cmocka_unit_test(test_read_params),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_bead),
+                                     cmocka_unit_test(test_read_params),
                                      cmocka_unit_test(test_sensors), cmocka_unit_test(test_listed)};
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -397,7 +397,6 @@ static void test_block(void **state)
     errors of;
     long impacts = 0;
     double numbers[15];
-    if (test_share() > 1 && cases % 2 > 0) continue;
     read_case(line, b.name, numbers, 15);
     memcpy((char *)&b + offsetof(block, a), numbers, sizeof numbers);
     for (int m = 0; m < METHODS; m++)
@@ -468,7 +467,7 @@ static void test_cranks(void **state)
   }
   fclose(file);
   assert_true(cases >= 4);
-  judge_orders(sum);
+  if (test_share() == 1) judge_orders(sum); /* of impacts, which the first has not */
 }
 
 /* ---- plate.csv: a ball on a plate that shakes ---- */
@@ -547,6 +546,7 @@ static void test_plate(void **state)
     shaken p;
     errors of;
     double numbers[8];
+    if (test_share() > 1 && cases % 2 > 0) continue;
     read_case(line, p.name, numbers, 8);
     memcpy((char *)&p + offsetof(shaken, A), numbers, sizeof numbers);
     for (int m = 0; m < METHODS; m++)

@@ -214,7 +214,8 @@ static long attack_from(bench *b, nsdae_sim *sim, int anew)
   memcpy(calls, f->calls, sizeof calls);
   for (f->term = 0; f->term < FAILING_TERMS; f->term++) {
     long stride = stride_of(calls[f->term], b->options.method, anew);
-    long first = calls[f->term] > 0 ? rotation++ % (stride < calls[f->term] ? stride : calls[f->term]) : 0;
+    long first =
+        calls[f->term] > 0 ? rotation++ % (stride < calls[f->term] ? stride : calls[f->term]) : 0;
     for (f->at = first; f->at < calls[f->term]; f->at += stride, tried++) {
       f->code = -1;
       attack_call(b, sim, now);

@@ -243,7 +243,8 @@ static int fail_once(const nsdae_record *r, nsdae_error *error, void *user)
   return write_down(r, error, f->seen);
 }
 
-/* At each step of the run; in the quick form at a few, which begin at another one for each system. */
+/* At each step of the run; in the quick form at a few, which begin at another one for each system.
+ */
 static void observed(bench *b, int method)
 {
   static long rotation;

@@ -22,8 +22,8 @@ typedef struct disk {
 
 extern disk the_disk;
 
-/* The seconds of every clock: a run flushes without being asked if more than 0.25 s have passed since the
- * last record. */
+/* The seconds of every clock: a run flushes without being asked if more than 0.25 s have passed
+ * since the last record. */
 extern double the_disk_clock;
 
 /* From here on. */

@@ -66,7 +66,7 @@ static long run(uint64_t seed, double work)
   assert_true(nsdae_bodies_system(b, &system) >= 0);
   nsdae_sim *one = begin(system, TOL, GIVE, work, 1, q0, v0),
             *two = begin(system, TOL, GIVE, work, 2, q0, v0);
-  for (int i = 0; i < STEPS; i++) {
+  for (int i = 0; i < (test_share() > 1 ? STEPS / 3 : STEPS); i++) {
     assert_true(nsdae_sim_step(one) >= 0 && nsdae_sim_step(two) >= 0);
     nsdae_sim_get_stats(one, &stats);
     nsdae_sim_get_record(one, &record);
@@ -154,7 +154,7 @@ static void test_option(void **state)
  * default each step reaches it. */
 static void test_wall(void **state)
 {
-  enum { COLUMNS = 6, ROWS = 5 };
+  enum { COLUMNS = 4, ROWS = 4 };
   nsdae_bodies *b = floor_and_walls(0.5, 0, 0, 9.81);
   nsdae_system *system;
   nsdae_sim_options o;
@@ -183,7 +183,7 @@ static void test_wall(void **state)
   o.contact_tol = 1e-6;
   assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
   assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
-  if (nsdae_sim_run(sim, 0.2) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
+  if (nsdae_sim_run(sim, 0.1) < 0) fail_msg("%s", nsdae_sim_error(sim)->text);
   nsdae_sim_get_stats(sim, &stats);
   assert_int_equal(stats.inexact_steps, 0);
   nsdae_sim_destroy(&sim);

@@ -421,7 +421,7 @@ static void test_beyond_an_impact(void **state)
   };
   const int usual = steps;
   (void)state;
-  for (size_t i = 0; i < sizeof of / sizeof *of; i += test_share() > 1 ? 3 : 1) {
+  for (size_t i = 0; i<sizeof of / sizeof *of; i += test_share()> 1 ? 3 : 1) {
     drawn = of[i].seed;
     steps = of[i].steps;
     check_scene(two_boxes, of[i].method, of[i].method == NSDAE_METHOD_EVENT);
@@ -434,7 +434,7 @@ static void test_flush(void **state)
   const int usual = steps;
   (void)state;
   steps = 12;
-  for (drawn = 1; drawn <= 20; drawn += (uint64_t)test_share())
+  for (drawn = 1; drawn <= 20; drawn += test_share() > 1 ? 11 : 1)
     check_scene(flush_boxes, NSDAE_METHOD_EVENT, -1);
   steps = usual;
 }

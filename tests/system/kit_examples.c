@@ -73,7 +73,7 @@ static void test_geneva(void **state)
   geneva *p = geneva_model.base;
   uint64_t seed = 3;
   (void)state;
-  for (int i = 0; i < 12; i += test_share() > 1 ? 5 : 1) { /* each method */
+  for (int i = 0; i<12; i += test_share()> 1 ? 5 : 1) { /* each method */
     nsdae_params_default(geneva_model.parameters, p);
     p->slots = 3 + i % 6;
     p->play = pow(10, random_between(&seed, -5, -3));
@@ -96,7 +96,7 @@ static void test_backlash(void **state)
   backlash *p = backlash_model.base;
   uint64_t seed = 5;
   (void)state;
-  for (int i = 0; i < 12; i += test_share() > 1 ? 5 : 1) { /* each method */
+  for (int i = 0; i<12; i += test_share()> 1 ? 5 : 1) { /* each method */
     const double dt = i % 2 ? 1e-3 : 2e-3;
     nsdae_params_default(backlash_model.parameters, p);
     p->amplitude = random_between(&seed, -2, 2);
@@ -123,7 +123,7 @@ static void test_cam(void **state)
   cam *p = cam_model.base;
   uint64_t seed = 5;
   (void)state;
-  for (int i = 0; i < 9; i += test_share() > 1 ? 4 : 1) { /* each method, with both preloads */
+  for (int i = 0; i<9; i += test_share()> 1 ? 4 : 1) { /* each method, with both preloads */
     nsdae_params_default(cam_model.parameters, p);
     p->rise = random_between(&seed, 1.9, 3.1);
     p->lift = random_between(&seed, 0.2, 0.9) * p->radius * p->rise * p->rise / (2 * acos(-1));
@@ -150,7 +150,7 @@ static void test_ragdoll(void **state)
   ragdoll *p = ragdoll_model.base;
   uint64_t seed = 11;
   (void)state;
-  for (int i = 0; i < 6; i += test_share() > 1 ? 5 : 1) { /* each method */
+  for (int i = 0; i<6; i += test_share()> 1 ? 5 : 1) { /* each method */
     nsdae_params_default(ragdoll_model.parameters, p);
     p->steps = random_below(&seed, 8);
     p->rise = random_between(&seed, 0.1, 0.3);

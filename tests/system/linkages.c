@@ -666,7 +666,7 @@ static void test_methods(void **state)
 static void test_play(void **state)
 {
   (void)state;
-  for (int i = 0; i < 5; i += test_share() > 1 ? 2 : 1) {
+  for (int i = 0; i<5; i += test_share()> 1 ? 2 : 1) {
     nsdae_sim_options options = options_of(NSDAE_METHOD_MOREAU, i < 3 ? 1e-5 : 1e-6);
     play p = {.crank = 0.05,
               .rod = 0.12,

@@ -214,7 +214,7 @@ static void test_examples(void **state)
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < 2 && has_integrator(integrators[i]); j++) {
       int impacts = 0;
-      double off = of_model(models[j], integrators[i], 300, &impacts);
+      double off = of_model(models[j], integrators[i], test_share() > 1 ? 100 : 300, &impacts);
       print_message("%s, integrator %d: off by %g, %d impacts\n", models[j]->name, integrators[i],
                     off, impacts);
       assert_true(off == 0);

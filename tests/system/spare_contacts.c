@@ -105,13 +105,15 @@ static void test_same_bytes(void **state)
                                     NSDAE_INTEGRATOR_DOP853, NSDAE_INTEGRATOR_IDA};
   (void)state;
   for (int i = 0; i < 8; i++) {
+    /* places have a period of 3; by event half of the systems have none */
+    const int stride = test_share() == 1 ? 1 : i < 4 ? 7 : 4;
     int impacts = 0, integrator = integrators[i % 4];
     int method = i < 4 ? NSDAE_METHOD_PENALTY : NSDAE_METHOD_EVENT;
     if (integrator == NSDAE_INTEGRATOR_IDA && strstr(nsdae_build_info(), "SUNDIALS none")) continue;
-    for (int seed = i; seed < SEEDS; seed += test_share())
+    for (int seed = i; seed < SEEDS; seed += stride)
       impacts += both((uint64_t)seed, method, integrator);
     print_message("method %d, integrator %d: %d impacts\n", method, integrator, impacts);
-    assert_true(impacts > share_of(10));
+    assert_true(impacts > 10 / stride);
   }
 }
 

@@ -293,7 +293,7 @@ static void test_parts(void **state)
     create(&f, path, method, every, compress);
     run(&f, 50);
     leave(&f, NSDAE_OK);
-    for (int steps = 100; steps <= STEPS; steps += test_share() > 1 ? 100 : 50)
+    for (int steps = 100; steps <= STEPS; steps += test_share() > 1 ? 150 : 50)
       go_on(method, steps);
     go_on(method, STEPS); /* nothing left to do */
     expect_same(DATASETS);

@@ -511,6 +511,10 @@ static void test_rattling(void **state)
 {
   (void)state;
   double x = arm(NSDAE_METHOD_EVENT, 1e-10);
+  if (test_share() > 1) {
+    assert_near(arm(NSDAE_METHOD_EVENT, 1e-7), x, 1e-6);
+    return;
+  }
   for (double rtol = 1e-9; rtol < 2e-6; rtol *= 10)
     assert_near(arm(NSDAE_METHOD_EVENT, rtol), x, 1e-6);
   assert_near(arm(NSDAE_METHOD_IMPLICIT, 1e-6), x, 1e-3);
