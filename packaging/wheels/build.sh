@@ -42,15 +42,10 @@ export CMAKE_PREFIX_PATH="$prefix" LDFLAGS="-L$prefix/lib" CXXFLAGS="-include cs
 for time in first second; do
   for python in "$@"; do # the library is compiled once for all of them
     "$python" -m venv --clear "$work/venv"
-<<<<<<< HEAD
     "$work/venv/bin/pip" install -q --require-hashes -r "$source/packaging/wheels/backend.txt"
     "$work/venv/bin/pip" wheel -v "$source" --no-deps --no-build-isolation -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
-      --config-settings=cmake.define.CMAKE_AR="$AR" --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB" >"$work/pip.log" 2>&1 ||
-=======
-    "$work/venv/bin/pip" wheel -v "$source" --no-deps -w "$work/$time/wheel" --config-settings=build-dir="$work/$time/build" \
       --config-settings=cmake.define.NSDAE_SUNDIALS=ON --config-settings=cmake.define.CMAKE_AR="$AR" \
       --config-settings=cmake.define.CMAKE_RANLIB="$RANLIB" >"$work/pip.log" 2>&1 ||
->>>>>>> w-deb13
       { tail -40 "$work/pip.log" && exit 1; }
   done
   for wheel in "$work/$time/wheel"/*.whl; do
