@@ -1,7 +1,7 @@
 """The bodies of a frame as an image, from far to near (painter's algorithm).
 
-All faces of a body are turned, culled and shaded at once. What does not move is computed once and drawn once where no
-moving body is behind it: the ground with its shadows below the moving shadows, its grid and the far faces above them.
+All faces of a body are turned, culled and shaded at once. Parts that do not move are computed once. The ground and its
+shadows are an image below the moving shadows; its grid, and the faces behind all moving bodies, are an image above them.
 
 A part to draw is (layer, depth, function, coordinates in pixels, look...). In space parts are drawn by layer and depth,
 in the plane in the order of the bodies."""
