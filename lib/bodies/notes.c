@@ -24,14 +24,23 @@ static int note_angle(nsdae_bodies *b, const char *what, int i, const char *argu
   return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
 }
 
+/* `body 0 "crank"` */
+enum { CALLED = 16 + NSDAE_WORD };
+static const char *called(const nsdae_bodies *b, int i, char text[CALLED])
+{
+  const char *name = nsdae_bodies_name_of(b, NSDAE_NAMED_BODY, i);
+  snprintf(text, CALLED, "body %d%s%s%s", i, name ? " \"" : "", name ? name : "", name ? "\"" : "");
+  return text;
+}
+
 static int note_numbers(nsdae_bodies *b, int i, const char *argument, const double *x, int count,
                         const char *why)
 {
-  char numbers[4 * 16];
+  char numbers[4 * 16], name[CALLED];
   for (int j = 0, used = 0; j < count; j++)
     used += snprintf(numbers + used, sizeof numbers - (size_t)used, j ? ", %.6g" : "%.6g", x[j]);
-  nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", argument,
-                  "body %d: %s %s%s%s %s", i, argument, count > 1 ? "(" : "= ", numbers,
+  nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", argument, "%s: %s %s%s%s %s",
+                  called(b, i, name), argument, count > 1 ? "(" : "= ", numbers,
                   count > 1 ? ")" : "", why);
   return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
 }
@@ -59,6 +68,30 @@ static int note_body(nsdae_bodies *b, int i)
         "is half a turn about z: its entries are w, x, y, z, and (1, 0, 0, 0) is no "
         "rotation");
   return NSDAE_OK;
+}
+
+/* The mass of a body lies within its solids, at most a distance r from its centre: J <= m r^2. Some
+ * solids are only the part of a body that touches, so that units alone are noted: inertia in
+ * kg mm^2 or solids in mm are a factor of 1e3 in the radius of gyration. */
+static int note_inertia(nsdae_bodies *b, int i)
+{
+  const double many = 100; /* between 1 and 1e3, in equal parts of their ratio rounded up */
+  const nsdae_rigid_body *body = nsdae_body_at(b, i);
+  double J = body->inertia[2], farthest = 0;
+  char name[CALLED];
+  for (int j = 0; j < 2 && b->dimension == 3; j++) J = fmax(J, body->inertia[j]);
+  for (int j = 0; j < b->solid.count; j++) {
+    const nsdae_solid_of *s = nsdae_solid_at(b, j);
+    if (s->body == i) farthest = fmax(farthest, sqrt(nsdae_dot3(s->origin, s->origin)) + s->size);
+  }
+  double gyration = sqrt(J / body->mass);
+  if (farthest == 0 || gyration <= many * farthest) return NSDAE_OK;
+  nsdae_error_set(
+      &b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "inertia",
+      "%s: the inertia %g kg m^2 of the mass %g kg has a radius of gyration of %.3g m, and "
+      "its solids end %.3g m from its centre: use kg, m and kg m^2 for all",
+      called(b, i, name), J, body->mass, gyration, farthest);
+  return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, i, NAN);
 }
 
 static int note_gravity(nsdae_bodies *b)
@@ -102,7 +135,10 @@ static int note_segment(nsdae_bodies *b, int i)
 static int note_given(nsdae_bodies *b)
 {
   int status = note_gravity(b);
-  for (int i = 0; i < b->body.count && status == NSDAE_OK; i++) status = note_body(b, i);
+  for (int i = 0; i < b->body.count && status == NSDAE_OK; i++) {
+    status = note_body(b, i);
+    if (status == NSDAE_OK) status = note_inertia(b, i);
+  }
   for (int i = 0; i < b->solid.count && status == NSDAE_OK && b->dimension == 2; i++)
     if (in_degrees(nsdae_solid_at(b, i)->turn[0]))
       status = note_angle(b, "solid", i, "angle", nsdae_solid_at(b, i)->turn[0]);
@@ -182,18 +218,19 @@ static int note_contacts(nsdae_bodies *b)
   while (first < b->solid.count && !is_alone(b, first, touches, &last, &empty)) first++;
   if (first == b->solid.count || b->own.contacts) return NSDAE_OK;
   int alone = nsdae_solid_at(b, first)->body;
+  char name[CALLED];
   if (empty >= 0) {
     nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",
-                    "body %d has nothing to touch: %s (solid %d) and %s (solid %d) have no "
+                    "%s has nothing to touch: %s (solid %d) and %s (solid %d) have no "
                     "contacts, as both have no corners or are points: choose other shapes",
-                    alone, nsdae_solid_name(nsdae_solid_at(b, first)->shape), first,
-                    nsdae_solid_name(nsdae_solid_at(b, empty)->shape), empty);
+                    called(b, alone, name), nsdae_solid_name(nsdae_solid_at(b, first)->shape),
+                    first, nsdae_solid_name(nsdae_solid_at(b, empty)->shape), empty);
     return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, alone, NAN);
   }
   nsdae_error_set(&b->error, NSDAE_WARN_MODEL, "nsdae_bodies_system", "solid",
-                  "body %d has solids and nothing to touch: call nsdae_bodies_add_contact or "
+                  "%s has solids and nothing to touch: call nsdae_bodies_add_contact or "
                   "nsdae_bodies_set_pair, or set exclude = -1 if they are for pictures alone",
-                  alone);
+                  called(b, alone, name));
   return nsdae_error_at(&b->error, NSDAE_WARN_MODEL, alone, NAN);
 }
 

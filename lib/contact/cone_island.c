@@ -304,7 +304,7 @@ static int unsolved(const nsdae_cone_island *c, const nsdae_island_equations *w,
   if (c->contacts > 0) nsdae_island_called(w, c->at.item[0], first);
   nsdae_error_set(
       work->error, status, "nsdae_contacts", "",
-      "contact problem of %d contacts (first %s) and %d constraints at t = %.17g: "
+      "contact problem of %d contacts (first %s) and %d constraints at t = %g: "
       "%s, residual %.3g above %.3g; a smaller dt, less friction or more contact_work may help",
       c->contacts, first, c->problem.bilateral, nsdae_terms_time(w->terms),
       nsdae_status_message(status), work->info.residual, work->tol);

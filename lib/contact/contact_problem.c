@@ -291,7 +291,7 @@ static int no_block(nsdae_problem *p, const nsdae_terms *T, int row)
 {
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(p->error, NSDAE_E_RANK, "nsdae_terms", "constraint_rows",
-                  "constraint_rows has no entry for %s at t = %.17g",
+                  "constraint_rows has no entry for %s at t = %g",
                   nsdae_system_called(p->system, NSDAE_NAME_CONSTRAINT, row, called),
                   nsdae_terms_time(T));
   return nsdae_error_at(p->error, NSDAE_E_RANK, row, nsdae_terms_time(T));

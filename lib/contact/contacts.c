@@ -426,7 +426,7 @@ static int unsolved(nsdae_contacts *c, double t, int status)
     nsdae_system_called(c->system, NSDAE_NAME_FRICTIONAL_JOINT, c->slides.number[0], first);
   nsdae_error_set(
       c->error, status, "nsdae_contacts", "",
-      "contact problem of %d rows (first %s) at t = %.17g: %s, residual %.3g above %.3g; a "
+      "contact problem of %d rows (first %s) at t = %g: %s, residual %.3g above %.3g; a "
       "smaller dt or less friction may help",
       c->rows, first, t, nsdae_status_message(status), c->lcp.info.residual, c->lcp.options.tol);
   return nsdae_error_at(

@@ -447,7 +447,7 @@ static int tell(const nsdae_event *e, int status)
   if (error->status != NSDAE_OK) return status;
   nsdae_error_set(
       error, status, "nsdae_event", "",
-      "at t = %.17g: %s; the equations of closed contacts and constraints have no solution",
+      "at t = %g: %s; the equations of closed contacts and constraints have no solution",
       nsdae_terms_time(e->setting.here), nsdae_status_message(status));
   return nsdae_error_at(error, status, -1, nsdae_terms_time(e->setting.here));
 }

@@ -28,7 +28,7 @@ static int refuse(const nsdae_event_setting *s, int kind, int item, const char *
   char called[NSDAE_CALLED_SIZE];
   double t = nsdae_terms_time(&s->result->end);
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "%s %s %.3g up to t = %.17g, above the bound for rtol = %g (%.3g): %smake rtol "
+                  "%s %s %.3g up to t = %g, above the bound for rtol = %g (%.3g): %smake rtol "
                   "smaller, or use method = implicit",
                   nsdae_system_called(s->system, kind, item, called), what, value, t,
                   s->options->rtol, bound,

@@ -90,7 +90,7 @@ int nsdae_event_failed(nsdae_event *e, int status, double t)
     return NSDAE_E_PAINLEVE;
   nsdae_error_set(
       error, status, "nsdae_event", "rtol",
-      "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s; the "
+      "the integrator failed at t = %g: no step length satisfies rtol and atol%s%s; the "
       "equations may have no solution after this time: try a larger rtol, or method = implicit",
       nsdae_system_time(e->setting.system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
   return nsdae_error_at(error, status, -1, nsdae_system_time(e->setting.system, t));
@@ -117,7 +117,7 @@ static int contradiction(nsdae_event *e, int entry, double t)
   int contact = root->kind <= NSDAE_ROOT_HELD;
   nsdae_error *error = e->setting.error;
   nsdae_error_set(error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
-                  "forces contradict the contact modes at t = %.17g: %s is %.3g, below the bound "
+                  "forces contradict the contact modes at t = %g: %s is %.3g, below the bound "
                   "for rtol = %g (%.3g); the rows of closed contacts are nearly dependent: try "
                   "another rtol, or method = implicit",
                   t, root->kind == NSDAE_ROOT_NORMAL ? "a contact force" : "a friction margin",

@@ -120,7 +120,7 @@ int nsdae_least_solve(nsdae_least *p, const nsdae_terms *T)
   if (status == NSDAE_E_MASS) {
     const char *callback = nsdae_system_mass_name(T->system);
     nsdae_error_set(T->error, status, "nsdae_sim", callback,
-                    "the mass matrix is not positive definite at t = %.17g, in a projection: pivot "
+                    "the mass matrix is not positive definite at t = %g, in a projection: pivot "
                     "%d of %d is not above rounding; check the callback %s",
                     nsdae_terms_time(T), p->kkt.pivot, p->kkt.n, callback);
     nsdae_system_name_item(T->system, NSDAE_NAME_VELOCITY, p->kkt.pivot - 1, T->error);

@@ -117,7 +117,7 @@ int nsdae_step_end(const nsdae_step *step)
       is_accepted(s, result->above.residual, result->above.tol))
     return NSDAE_OK;
   nsdae_error_set(s->error, NSDAE_E_LCP, "nsdae_contacts", "contact_tol",
-                  "at t = %.17g the contact problem was solved to %.3g, above %.3g; a smaller dt "
+                  "at t = %g the contact problem was solved to %.3g, above %.3g; a smaller dt "
                   "or less friction may help",
                   step->t_end, result->above.residual, result->above.tol);
   return nsdae_error_at(s->error, NSDAE_E_LCP, -1, step->t_end);
@@ -200,7 +200,7 @@ int nsdae_stepper_goes_on(const nsdae_stepper *s, const char *method, const char
   if (s->counters->iterations < most || t >= t_end)
     return nsdae_interrupted(&s->interrupt, s->error, nsdae_system_time(s->system, t));
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, method, "inner_steps_max",
-                  "the integrator is at t = %.17g after %d steps towards t = %.17g: %s",
+                  "the integrator is at t = %g after %d steps towards t = %g: %s",
                   nsdae_system_time(s->system, t), most, nsdae_system_time(s->system, t_end),
                   advice);
   return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_system_time(s->system, t));

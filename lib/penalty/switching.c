@@ -179,7 +179,7 @@ int nsdae_penalty_failed(nsdae_penalty *p, int status, double t)
   if (s->error->status != NSDAE_OK) return s->error->status;          /* no solution there */
   status = status == NSDAE_E_CALLBACK ? NSDAE_E_CONVERGENCE : status; /* none failed */
   nsdae_error_set(s->error, status, "nsdae_penalty", "rtol",
-                  "the integrator failed at t = %.17g: no step length satisfies rtol and atol%s%s: "
+                  "the integrator failed at t = %g: no step length satisfies rtol and atol%s%s: "
                   "try a larger rtol or a smaller penalty_stiffness%s",
                   nsdae_system_time(s->system, t), *cause ? ", reason of SUNDIALS: " : "", cause,
                   velocity < 0 ? "" : "; fastest change");

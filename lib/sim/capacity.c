@@ -50,7 +50,7 @@ int nsdae_sim_enlarge(nsdae_sim *sim, double t, const nsdae_room *taken, nsdae_r
   size_t most = (size_t)sim->options.contacts_max;
   if (taken[0].entries > most)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "contacts_max",
-                           "the contact list has %zu contacts at t = %.17g, more than contacts_max "
+                           "the contact list has %zu contacts at t = %g, more than contacts_max "
                            "= %d: make it larger, or check the callback contacts",
                            taken[0].entries, t, sim->options.contacts_max);
   *contacts = half_more(contacts, &taken[0]);
@@ -74,7 +74,7 @@ int nsdae_sim_grow(nsdae_sim *sim)
       return nsdae_sim_make_slots(sim, slots_to_have(sim));
     return nsdae_error_set(
         &sim->error, NSDAE_E_MEMORY, "nsdae_sim", "method",
-        "method = %s has no room in a list after t = %.17g, but no list asks for "
+        "method = %s has no room in a list after t = %g, but no list asks for "
         "more: use method = implicit",
         sim->method->name, t);
   }
@@ -143,7 +143,7 @@ static int check_slots(nsdae_sim *sim, int k)
   int most = nsdae_sim_most_slots(sim);
   if (k <= most) return NSDAE_OK;
   return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, "nsdae_sim", "method",
-                         "method = %s has %d contacts near the motion at t = %.17g, and at most "
+                         "method = %s has %d contacts near the motion at t = %g, and at most "
                          "%d: use method = implicit",
                          sim->method->name, k, nsdae_terms_time(&sim->now->result.end), most);
 }

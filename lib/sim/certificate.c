@@ -358,7 +358,7 @@ int nsdae_certificate_energy(const nsdae_sim *sim, const nsdae_point *before, ns
       sim->options.rtol * tolerances * reaction_size(sim, &r->end, r->end.t - before->result.end.t);
   if (!(fabs(off) > bound)) return NSDAE_OK;
   nsdae_error_set(r->end.error, NSDAE_E_CONVERGENCE, "nsdae_sim", "rtol",
-                  "the kinetic energy changed by %.3g without work up to t = %.17g, above the "
+                  "the kinetic energy changed by %.3g without work up to t = %g, above the "
                   "bound for rtol = %g (%.3g): make rtol smaller, or use method = implicit",
                   off, nsdae_terms_time(&r->end), sim->options.rtol, bound);
   return nsdae_error_at(r->end.error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(&r->end));

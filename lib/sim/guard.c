@@ -131,7 +131,7 @@ static int refuse_nonfinite(const nsdae_result *result, const char *name, int in
   char place[16] = "";
   if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
-                  "%s%s overflows at t = %.17g: the step was discarded; make dt smaller", name,
+                  "%s%s overflows at t = %g: the step was discarded; make dt smaller", name,
                   place, nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   return nsdae_error_at(end->error, NSDAE_E_NONFINITE, index, nsdae_terms_time(end));

@@ -46,7 +46,7 @@ static int call(nsdae_sim *sim, nsdae_observation observer, const nsdae_record *
   sim->observers.telling = sim->guard.showing = 0;
   if (status >= 0 || sim->error.status != NSDAE_OK) return status;
   nsdae_error_set(&sim->error, status, "nsdae_sim", "observer",
-                  "an observer returned %d (%s) at t = %.17g", status, nsdae_status_message(status),
+                  "an observer returned %d (%s) at t = %g", status, nsdae_status_message(status),
                   record->time);
   sim->error.code = status;
   return nsdae_error_at(&sim->error, status, -1, record->time);

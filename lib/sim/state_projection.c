@@ -413,7 +413,7 @@ static int not_converged(const nsdae_projector *p, const nsdae_terms *T, int row
   int kind = contact < 0 ? NSDAE_NAME_CONSTRAINT : NSDAE_NAME_CONTACT;
   int i = contact < 0 ? row : contact; /* constraints come first, all of them */
   nsdae_error_set(T->error, NSDAE_E_CONVERGENCE, "nsdae_sim", "projection",
-                  "no state near this one satisfies all constraints at t = %.17g: %s is violated "
+                  "no state near this one satisfies all constraints at t = %g: %s is violated "
                   "by %.3g; check for contradictory constraints",
                   nsdae_terms_time(T), nsdae_terms_called(T, kind, i, called),
                   contact < 0 ? T->constraint.phi[i] : T->gap[i] - p->contacts.depth[i]);

@@ -99,7 +99,7 @@ static int iterate(const nsdae_step *step, const double *a0, double *a1, double 
     if (status < 0) return status;
   }
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_newmark", "dt",
-                  "the smooth step from t = %.17g did not converge in %d iterations (change %.3g, "
+                  "the smooth step from t = %g did not converge in %d iterations (change %.3g, "
                   "wanted %.3g): make dt smaller",
                   nsdae_terms_time(start), o->iteration_max, moved, s->iteration_tol);
   return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(start));

@@ -192,7 +192,7 @@ static int no_convergence(const nsdae_step *step, const progress *p)
              fabs(step->end->constraint.phi[violated]));
   if (rank[0] < rank[1])
     nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "rank_tol",
-                    "the step from t = %.17g did not converge in %d iterations (change %.3g): the "
+                    "the step from t = %g did not converge in %d iterations (change %.3g): the "
                     "rank of Phi_q is %d in one and %d in another, as redundant constraints drift "
                     "by about rank_tol = %g: make it larger than the drift, or dt smaller",
                     nsdae_terms_time(step->start), p->count, p->moved, rank[0], rank[1],
@@ -200,14 +200,14 @@ static int no_convergence(const nsdae_step *step, const progress *p)
   else if (p->since >= STAGNATION && p->moved <= TRUNCATION)
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "iteration_tol",
-        "the step from t = %.17g did not converge in %d iterations, and stagnates at the change "
+        "the step from t = %g did not converge in %d iterations, and stagnates at the change "
         "%.3g, wanted %.3g: make iteration_tol larger, if callbacks have noise of this size, or dt "
         "smaller%s",
         nsdae_terms_time(step->start), p->count, p->moved, settled(step, p), text);
   else
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
-        "the step from t = %.17g did not converge in %d iterations (change %.3g, wanted "
+        "the step from t = %g did not converge in %d iterations (change %.3g, wanted "
         "%.3g): make dt smaller%s%s",
         nsdae_terms_time(step->start), p->count, p->moved, settled(step, p),
         p->apart < DIVERGED ? "" : ", and check force: it may have no bound", text);

@@ -479,7 +479,7 @@ static int not_listed(nsdae_differences *d, int slot, double t, double s)
   char called[NSDAE_CALLED_SIZE];
   d->by_id.status = nsdae_error_set(
       d->by_id.list.error, NSDAE_E_CALLBACK, "nsdae_sim", "contacts",
-      "contacts lists %s at t = %.17g, but not %g before and after along the motion: its "
+      "contacts lists %s at t = %g, but not %g before and after along the motion: its "
       "acceleration at v' = 0 is unknown; list it, or set omega and omega_given",
       nsdae_system_called_id(d->system, d->system->tracked->id[slot], called), t, s);
   d->failed = "contacts";

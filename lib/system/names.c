@@ -297,7 +297,7 @@ int nsdae_system_explain(const nsdae_system *system, double t, const double *q, 
   nsdae_reason reason;
   if (!error || !m->explain || !m->explain(m->of, error->argument, t, q, v, &reason)) return 0;
   const nsdae_error as = *error;
-  nsdae_error_set(error, as.status, as.where, reason.element, "%s, at t = %.17g", reason.text, t);
+  nsdae_error_set(error, as.status, as.where, reason.element, "%s, at t = %g", reason.text, t);
   error->code = as.code;
   nsdae_error_at(error, as.status, reason.index, t);
   return 1;

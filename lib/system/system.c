@@ -428,7 +428,7 @@ int nsdae_system_complete(const nsdae_system *system, nsdae_error *error)
 int nsdae_system_callback_failed(int code, const char *callback, double t, nsdae_error *error)
 {
   nsdae_error_set(error, NSDAE_E_CALLBACK, callback, callback,
-                  "callback %s returned %d (%s) at t = %.17g", callback, code,
+                  "callback %s returned %d (%s) at t = %g", callback, code,
                   code > 0 ? "recoverable: a smaller step may help" : "fatal", t);
   if (error) error->code = code;
   return nsdae_error_at(error, NSDAE_E_CALLBACK, -1, t);
@@ -440,7 +440,7 @@ int nsdae_system_not_finite(const nsdae_system *system, const double *a, int row
   size_t n = (size_t)rows, i = 0;
   while (isfinite(a[i])) i++;
   nsdae_error_set(error, NSDAE_E_NONFINITE, callback, callback,
-                  "callback %s gave %g in entry (%zu, %zu) at t = %.17g", callback,
+                  "callback %s gave %g in entry (%zu, %zu) at t = %g", callback,
                   isnan(a[i]) ? fabs(a[i]) : a[i], i % n, i / n, t);
   nsdae_system_name_entry(system, callback, rows, (int)(i % n), (int)(i / n), error);
   return nsdae_error_at(error, NSDAE_E_NONFINITE, i > INT_MAX ? INT_MAX : (int)i, t);

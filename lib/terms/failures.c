@@ -23,7 +23,7 @@ static int not_symmetric(const nsdae_terms *terms, int b, size_t i, size_t j)
   int row = system->blocks.first[b] + (int)i, column = system->blocks.first[b] + (int)j;
   char a[NSDAE_CALLED_SIZE], c[NSDAE_CALLED_SIZE];
   nsdae_error_set(terms->error, NSDAE_E_MASS, "nsdae_terms", "mass",
-                  "the mass matrix is not symmetric at t = %.17g: M(%d, %d) = %g, M(%d, %d) = %g: "
+                  "the mass matrix is not symmetric at t = %g: M(%d, %d) = %g, M(%d, %d) = %g: "
                   "fill both triangles (%s, %s)",
                   nsdae_terms_time(terms), row, column, terms->M[at + j * n + i], column, row,
                   terms->M[at + i * n + j],
@@ -55,7 +55,7 @@ int nsdae_terms_finite(const nsdae_terms *T, const char *what, int kind, const d
   for (int i = 0; i < n; i++) {
     if (isfinite(a[i])) continue;
     nsdae_error_set(T->error, NSDAE_E_NONFINITE, "nsdae_terms", what,
-                    "%s %d is %g at t = %.17g: overflow; a callback returns values near the "
+                    "%s %d is %g at t = %g: overflow; a callback returns values near the "
                     "largest double, or mass and forces differ too much in scale",
                     what, i, a[i], nsdae_terms_time(T));
     T->error->time = nsdae_terms_time(T);
@@ -70,7 +70,7 @@ int nsdae_terms_bad_mass(const nsdae_terms *T, nsdae_error *error, const char *o
 {
   const char *callback = nsdae_system_mass_name(T->system);
   nsdae_error_set(error, NSDAE_E_MASS, "nsdae_terms", callback,
-                  "the mass matrix%s is not positive definite at t = %.17g: pivot %d of %d is not "
+                  "the mass matrix%s is not positive definite at t = %g: pivot %d of %d is not "
                   "above rounding; check the callback %s",
                   of, nsdae_terms_time(T), pivot, n, callback);
   error->time = nsdae_terms_time(T);
@@ -82,7 +82,7 @@ int nsdae_terms_bad_equations(const nsdae_terms *T, nsdae_error *error, const ch
                               int status)
 {
   nsdae_error_set(error, status, "nsdae_terms", nsdae_system_jacobian_name(T->system),
-                  "%sthe equations of %d constraints were not solved at t = %.17g: %s", in, m,
+                  "%sthe equations of %d constraints were not solved at t = %g: %s", in, m,
                   nsdae_terms_time(T), nsdae_status_message(status));
   return nsdae_error_at(error, status, -1, nsdae_terms_time(T));
 }
@@ -91,7 +91,7 @@ int nsdae_terms_bad_rank(const nsdae_terms *T, nsdae_error *error, const char *i
                          int dependent)
 {
   nsdae_error_set(error, NSDAE_E_RANK, "nsdae_terms", nsdae_system_jacobian_name(T->system),
-                  "%sPhi_q has rank %d of %d at t = %.17g: remove the redundant constraints or set "
+                  "%sPhi_q has rank %d of %d at t = %g: remove the redundant constraints or set "
                   "redundant = least-norm; the first redundant one",
                   in, rank, m, nsdae_terms_time(T));
   error->time = nsdae_terms_time(T);

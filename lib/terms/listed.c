@@ -212,7 +212,7 @@ int nsdae_terms_same_blocks(const nsdae_terms *T, int i, int slot)
   if ((now[0] == was[0] && now[1] == was[1]) || (now[0] == was[1] && now[1] == was[0]))
     return NSDAE_OK;
   nsdae_error_set(T->error, NSDAE_E_CALLBACK, "nsdae_contact_add", "block",
-                  "the contact of id %ld is between blocks %d and %d at t = %.17g, and was between "
+                  "the contact of id %ld is between blocks %d and %d at t = %g, and was between "
                   "%d and %d: an id is of one pair of bodies, use another id for another pair",
                   T->by.list.id[i], now[0], now[1], t, was[0], was[1]);
   long id = T->by.list.id[i];
@@ -223,7 +223,7 @@ int nsdae_terms_id_twice(const nsdae_terms *T, long id)
 {
   double t = nsdae_terms_time(T);
   nsdae_error_set(T->error, NSDAE_E_ARGUMENT, "nsdae_contact_add", "id",
-                  "two contacts of one list have the id %ld at t = %.17g", id, t);
+                  "two contacts of one list have the id %ld at t = %g", id, t);
   return nsdae_error_at(T->error, NSDAE_E_ARGUMENT, -1, t);
 }
 

@@ -130,7 +130,7 @@ static int speed_at(nsdae_tracking *t, const nsdae_terms *T, double *speed)
   if (status < 0 || (*speed >= 0 && isfinite(*speed))) return status;
   status = isfinite(*speed) ? NSDAE_E_CALLBACK : NSDAE_E_NONFINITE;
   nsdae_error_set(t->error, status, "nsdae_sim", "contact_speed",
-                  "contact_speed gave %g at t = %.17g: it must be at least 0, finite", *speed,
+                  "contact_speed gave %g at t = %g: it must be at least 0, finite", *speed,
                   time);
   return nsdae_error_at(t->error, status, -1, time);
 }
@@ -167,7 +167,7 @@ static int check_speed(const nsdae_tracking *t, const nsdae_terms *T, double spe
     if (rate <= speed + ROUNDING * size) continue;
     nsdae_error_set(
         t->error, NSDAE_E_CALLBACK, "nsdae_sim", "contact_speed",
-        "contact_speed gave %g at t = %.17g, but the gap of %s has the rate %g: it must "
+        "contact_speed gave %g at t = %g, but the gap of %s has the rate %g: it must "
         "be a bound of all contacts",
         speed, nsdae_terms_time(T), nsdae_system_called_id(t->model, list->id[i], called), rate);
     return error_of(t, T, list->id[i]);
@@ -303,7 +303,7 @@ static int not_in_time(const nsdae_tracking *t, const nsdae_terms *T, int slot, 
   char called[NSDAE_CALLED_SIZE];
   nsdae_error_set(
       t->error, NSDAE_E_CALLBACK, "nsdae_sim", "contacts",
-      "contacts did not list %s in time: its gap is %g at t = %.17g, before which it was not "
+      "contacts did not list %s in time: its gap is %g at t = %g, before which it was not "
       "listed within %g; list every contact within reach, or set contact_speed",
       nsdae_system_called_id(t->model, t->table->id[slot], called), gap, nsdae_terms_time(T),
       t->table->reach);

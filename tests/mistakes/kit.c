@@ -31,6 +31,7 @@ enum {
   SEGMENT_OF_NO_RADIUS,
   WITHOUT_CORNERS,
   NO_PAIR,
+  INERTIA_IN_MM,
   SAME_BODY,
   RESTITUTION_ABOVE_ONE,
   NO_SUCH_MATERIAL,
@@ -72,6 +73,7 @@ static nsdae_rigid_body rod(int w)
   if (w == NO_SUCH_INERTIA) body.inertia[2] = 5;
   if (w == PRODUCT_TOO_LARGE) body.product[0] = 2;
   if (w == MASS_MISSING) body.mass = 0;
+  if (w == INERTIA_IN_MM) body.inertia[2] = 83333;
   if (w == QUATERNION_IN_PLANE) body.quaternion[0] = 0.8, body.quaternion[3] = 0.6;
   if (w == QUATERNION_XYZW) body.quaternion[3] = 1;
   for (int i = 0; i < 3 && w == QUATERNION_OF_THREE; i++) body.quaternion[i] = 0.1 * (i + 1);

@@ -286,7 +286,7 @@ int nsdae_event_strayed(const nsdae_event_instant *p, double t, const double *y)
   nsdae_error_set(
       s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "rtol",
       "constraints, closed contacts or their velocities have %.3g times the error that rtol = %g "
-      "allows at t = %.17g: check their derivatives (nsdae_system_check), or make rtol larger",
+      "allows at t = %g: check their derivatives (nsdae_system_check), or make rtol larger",
       lost, s->options->rtol, nsdae_terms_time(s->here));
   return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(s->here));
 }

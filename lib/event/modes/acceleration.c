@@ -184,7 +184,7 @@ static int tell(const nsdae_contacts *c, int kind, int item, double t, const cha
   char called[NSDAE_CALLED_SIZE];
   t = nsdae_system_time(c->system, t);
   nsdae_error_set(c->error, NSDAE_E_PAINLEVE, "nsdae_event", "mu",
-                  "%s has %s at t = %.17g (Painleve's paradox: friction increases the normal "
+                  "%s has %s at t = %g (Painleve's paradox: friction increases the normal "
                   "force, coefficient %.3g): reduce mu, or use method = implicit (impulses)",
                   nsdae_system_called(c->system, kind, item, called), what, t, coefficient);
   c->error->index = nsdae_system_index(c->system, kind, item);

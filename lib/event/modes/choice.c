@@ -229,7 +229,7 @@ static int share(nsdae_event_acceleration *p)
                            .slide_part = m->slide_part};
   if (nsdae_share(&p->sharing, &of)) return NSDAE_OK;
   nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_event", "polygon",
-                  "no friction forces of the sticking contacts were found at t = %.17g: try more "
+                  "no friction forces of the sticking contacts were found at t = %g: try more "
                   "edges of the polygon, or method = implicit",
                   nsdae_terms_time(s->here));
   return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, nsdae_terms_time(s->here));

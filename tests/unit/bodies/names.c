@@ -48,6 +48,28 @@ static void test_shown(void **state)
   nsdae_bodies_destroy(&b);
 }
 
+/* A likely mistake names the body; nothing is noted of an inertia that the solids can have. */
+static void test_in_warnings(void **state)
+{
+  (void)state;
+  for (int heavy = 0; heavy < 2; heavy++) {
+    nsdae_bodies *b;
+    nsdae_system *system;
+    const double J = heavy ? 101 * 101 * 0.01 : 99 * 99 * 0.01; /* m (100 r)^2 of r = 0.1 m */
+    assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
+    nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = 1, .inertia = {0, 0, J}});
+    nsdae_bodies_set_name(b, NSDAE_NAMED_BODY, 0, "crank");
+    nsdae_bodies_add_solid(b, 0, &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = 0.1});
+    assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_WARN_MODEL);
+    assert_non_null(strstr(nsdae_bodies_error(b)->text,
+                           heavy ? "body 0 \"crank\": the inertia 102.01 kg m^2 of the mass 1 kg "
+                                   "has a radius of gyration of 10.1 m"
+                                 : "body 0 \"crank\" has solids and nothing to touch"));
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
 static void test_materials(void **state)
 {
   nsdae_bodies *b = begin();
@@ -115,8 +137,9 @@ static void test_colours_refused(void **state)
 
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_shown), cmocka_unit_test(test_materials),
-                                     cmocka_unit_test(test_refused),
-                                     cmocka_unit_test(test_colours_refused)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_shown), cmocka_unit_test(test_in_warnings),
+      cmocka_unit_test(test_materials), cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_colours_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
