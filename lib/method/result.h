@@ -40,6 +40,7 @@ typedef struct nsdae_twofold {
 /* The deepest contact of a list that the step did not close and that overlaps at its end. */
 typedef struct nsdae_entered {
   double depth; /* 0: none */
+  double rate;  /* v_N */
   long id;
   int block[2];
 } nsdae_entered;
@@ -67,8 +68,8 @@ typedef struct nsdae_result {
                             of motion and by impacts, NAN where backward differences of
                             event do not control it; of event its amounts */
   nsdae_rate rate;
-  double worst_residual;          /* of its contact problems */
-  double contact_tol;             /* the largest tolerance of them; 0: there was none */
+  double worst_residual; /* of its contact problems */
+  double contact_tol;    /* the largest tolerance of them; 0: there was none */
   struct {
     double residual, tol;
   } above;                        /* of the one that is furthest above its tolerance */

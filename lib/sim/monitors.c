@@ -45,6 +45,7 @@ static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const ns
   }
   for (int a = 0; a < result->closed.count; a++)
     w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
+  if (result->entered.depth > 0) w->change = fmax(w->change, h * fabs(result->entered.rate));
   if (d->m == 0) return; /* no row to go along */
   for (int j = 0; j < d->nv; j++)
     speed = nsdae_larger(speed, nsdae_larger(fabs(from->v[j]), fabs(to->v[j])));
@@ -268,11 +269,12 @@ static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
   const nsdae_terms *end = &point->result.end;
   if (!point->result.counters.inexact || !(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
-  nsdae_error_set(end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
-                  "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g%s: "
-                  "make contact_tol larger or dt smaller, or set contact_give = 1 to stop there",
-                  nsdae_terms_time(end), point->result.above.residual, point->result.above.tol,
-                  sim->options.contact_tol > 0 ? "" : " (auto)");
+  nsdae_error_set(
+      end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
+      "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g%s: "
+      "make contact_tol larger or dt smaller, or set contact_give = 1 to stop there",
+      nsdae_terms_time(end), point->result.above.residual, point->result.above.tol,
+      sim->options.contact_tol > 0 ? "" : " (auto)");
   return nsdae_error_at(end->error, NSDAE_WARN_CONTACT, -1, nsdae_terms_time(end));
 }
 
