@@ -12,8 +12,7 @@
 #include "vector.h"
 
 /* Newton steps after the solution of islands with few contacts, and of those without impulses of a
- * step before, until rounding rules: bodies that stick there, or are placed at rest, do not creep.
- */
+ * step before, to rounding: bodies that stick there, or are placed at rest, do not creep. */
 enum { FEW = 16, REFINE = 4, STEPS = 10 };
 
 /* Where a joint is: at its limit in either direction, within it; or a planar contact. */
