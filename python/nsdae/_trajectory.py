@@ -116,7 +116,7 @@ class Trajectory(ContactColumns):
     lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
         Residual of the contact problem, max abs(Phi), largest overlap [m].
     contact_tol : ndarray, shape (n,)
-        The largest tolerance of the contact problems, 0 without one.
+        The largest tolerance of the contact problems, 0 without one; NaN from files, which have none.
     certificate : structured ndarray or None, shape (n,)
         ``Record.certificate`` of each record.
     sensors : dict
