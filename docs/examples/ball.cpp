@@ -18,9 +18,10 @@ int main()
     world.contact(ball, floor, 0, 0.5); // mu, e_N
 
     nsdae::sim sim(world.system()); // default options: implicit, dt 0.005 s
+    if (world.last_error()->status > 0) std::puts(world.last_error()->text); // a warning
     const auto start = world.start();
     sim.init(0, start.first, start.second);
-    sim.run(3);
+    if (sim.run(3) > 0) std::puts(sim.last_error()->text); // a warning
     const nsdae_record now = sim.record();
     std::printf("t %g s, height %.1e m, velocity %.1e m/s\n", now.time, now.gap[0], now.v[1]);
   } catch (const nsdae::error &error) {

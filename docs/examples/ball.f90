@@ -17,7 +17,8 @@ program ball
                                 nsdae_solid(shape=NSDAE_SHAPE_DISC, radius=0.05d0))
   floor = nsdae_bodies_add_solid(world, NSDAE_GROUND, nsdae_solid(shape=NSDAE_SHAPE_PLANE))
   status = nsdae_bodies_add_contact(world, disc, floor, 0d0, 0.5d0, 0d0)  ! mu, e_N, e_T
-  status = nsdae_bodies_system(world, system, error)  ! the first failure of a call above, too
+  status = nsdae_bodies_system(world, system, error)  ! < 0: the first failure above, > 0: a warning
+  if (status > 0) print '(a)', trim(error%text)
   if (status < 0) error stop trim(error%text)
   status = nsdae_bodies_get_start(world, q, v)
   status = nsdae_sim_create(system, sim, error=error)  ! default options: implicit, dt 0.005 s
@@ -25,6 +26,7 @@ program ball
   status = nsdae_sim_init(sim, 0d0, q, v)
   if (status >= 0) status = nsdae_sim_run(sim, 3d0)
   error = nsdae_sim_error(sim)
+  if (status > 0) print '(a)', trim(error%text)
   if (status < 0) error stop trim(error%text)
   status = nsdae_sim_get_record(sim, now)
   print '(a, i0, a, es8.1, a, es7.1, a)', 't ', nint(now%time), ' s, height ', now%gap(1), &

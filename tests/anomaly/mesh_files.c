@@ -7,7 +7,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "allocator.h"
 #include "support/random.h"
@@ -575,44 +574,12 @@ static void test_million(void **state)
   }
 }
 
-/* A pipe without a writer is refused at once: opening it waits for one. So are folders and devices.
- */
-static void test_not_regular(void **state)
-{
-  (void)state;
-  const char *const path[] = {"mesh_files_pipe.obj", "mesh_files_pipe.stl", "mesh_files_pipe.csv",
-                              "mesh_files_pipe.h5"};
-  enum { PATHS = sizeof path / sizeof *path };
-  alarm(60); /* ends the test that waits */
-  for (int i = 0; i < PATHS; i++)
-    for (int folder = 0; folder < 2; folder++) {
-      nsdae_error error;
-      nsdae_solid solid;
-      nsdae_scene scene;
-      nsdae_lcp_file lcp;
-      nsdae_friction_file friction;
-      remove(path[i]);
-      assert_int_equal(folder ? mkdir(path[i], 0700) : mkfifo(path[i], 0600), 0);
-      int status = i < 2    ? nsdae_solid_read(path[i], 1, &solid, &error)
-                   : i == 2 ? nsdae_scene_read(path[i], &scene, &error)
-                            : nsdae_lcp_read(path[i], &lcp, &error);
-      if (status != NSDAE_E_UNSUPPORTED) { /* built without HDF5 */
-        assert_int_equal(status, NSDAE_E_IO);
-        if (i < 3 || !folder) assert_non_null(strstr(error.text, "regular file"));
-        if (i == 3) assert_int_equal(nsdae_friction_read(path[i], &friction, &error), NSDAE_E_IO);
-      }
-      assert_int_equal(remove(path[i]), 0);
-    }
-  alarm(0);
-}
-
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_written), cmocka_unit_test(test_topology),
       cmocka_unit_test(test_block),   cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_cut),     cmocka_unit_test(test_not_regular),
-      cmocka_unit_test(test_damaged), cmocka_unit_test(test_memory),
-      cmocka_unit_test(test_million)};
+      cmocka_unit_test(test_cut),     cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_memory),  cmocka_unit_test(test_million)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

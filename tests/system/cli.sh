@@ -195,15 +195,17 @@ for wait in $(seq 100); do
   [ -s hung_up.h5 ] && break
   sleep 0.1
 done
-sleep 0.2
 kill -HUP $!
 wait $!
 check test $? = 1
 check grep -q 'interrupted at t =' err
 check h5dump -a /status hung_up.h5 >status
 check grep -q interrupted status
-(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 5 --output hung_up.h5) 2>err &
-sleep 0.2
+(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 40 --output heeded.h5) 2>err &
+for wait in $(seq 100); do
+  [ -s heeded.h5 ] && break
+  sleep 0.1
+done
 kill -HUP $!
 wait $!
 check test $? = 0
