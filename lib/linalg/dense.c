@@ -20,14 +20,14 @@ static inline void subtract(int n, double factor, const double *restrict a, doub
   for (int i = 0; i < n; i++) b[i] -= factor * a[i];
 }
 
-/* b [n] -= f_0 a_0 + .. + f_3 a_3 of columns that are lda apart, one after the other: b is read and
- * written once. */
+/* b [n] -= f_0 a_0 + .. + f_3 a_3 of columns that are lda apart: b is read, rounded and written
+ * once. */
 static inline void subtract_four(int n, const double f[4], const double *restrict a, size_t lda,
                                  double *restrict b)
 {
   const double f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];
   const double *restrict a1 = a + lda, *restrict a2 = a1 + lda, *restrict a3 = a2 + lda;
-  for (int i = 0; i < n; i++) b[i] = b[i] - f0 * a[i] - f1 * a1[i] - f2 * a2[i] - f3 * a3[i];
+  for (int i = 0; i < n; i++) b[i] -= (f0 * a[i] + f1 * a1[i]) + (f2 * a2[i] + f3 * a3[i]);
 }
 
 /* b [n] -= A [n x p] f, f_k = factor[k stride]. */

@@ -77,5 +77,6 @@ nsdae_system *dense_copy(const nsdae_system *system)
   memcpy(copy->frictional_joint, system->frictional_joint,
          (size_t)d->f * sizeof *copy->frictional_joint);
   copy->maker = system->maker;
+  copy->maker.release = NULL; /* the system owns its bodies */
   return copy;
 }
