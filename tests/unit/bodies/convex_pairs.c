@@ -201,7 +201,7 @@ static void test_apart(void **state)
 static void test_overlap(void **state)
 {
   static const double depths[] = {1e-7, 4e-5, 1e-2};
-  const int poses = test_share() > 1 ? 60 : 200; /* of 2 % there is something to count */
+  const int poses = test_share() > 1 ? 100 : 200; /* of 2 % there is something to count */
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     double off = 0;
