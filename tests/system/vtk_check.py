@@ -234,9 +234,9 @@ def newtons_cradle(a, f, p):
 def woodpecker(a, f, p):
     gap, wall = f["contacts/gap"][...], a.body("sleeve, right")
     middle = (a.centre("sleeve, left") + a.centre("sleeve, right")) / 2
-    tip = a.body("bird")[0, :, :2] - [p["l_M"] + p["l_G"] - p["l_S"], a.centre("spring")[0, 1] + p["h_S"]]
-    beak = np.argmin(np.linalg.norm(tip, axis=1))  # at the start the tilt is small
-    close("gap of the beak", a.body("bird")[:, beak, 0] - p["r_0"], gap[:, 0])
+    beak = a.body("beak")
+    tip = np.argmin(beak[0, :, 0])  # nearest to the pole
+    close("gap of the beak", beak[:, tip, 0] - p["r_0"], gap[:, 0])
     close("radius of the pole", np.ptp(a.body("pole")[..., 0]) / 2, p["r_0"])
     low, high = (edge(wall[0, :, 1]) for edge in (np.min, np.max))  # at the start the tilt is small
     for contact, level in ((1, low), (2, high)):
