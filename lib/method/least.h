@@ -21,6 +21,10 @@ typedef struct nsdae_least {
   double *change;          /* nv: r, then d */
 } nsdae_least;
 
+/* With redundant rows the sine up to which one is dependent at the terms' point, rank_tol at least.
+ * Takes Phi and Phi_q, which the terms have. */
+double nsdae_least_rank_tol(const nsdae_terms *terms, double rank_tol);
+
 /* most: rows; 0: nothing is projected. */
 void nsdae_least_layout(nsdae_least *least, const nsdae_system *system, int most, double rank_tol,
                         nsdae_arena *arena);

@@ -373,6 +373,9 @@ static int solve_projection(nsdae_projector *p, const nsdae_terms *T, int least)
 {
   int n = T->system->dims.nv;
   double *change = p->least.change;
+  const nsdae_sim_options *o = p->tools->options;
+  if (T->system->dims.m > 0 && o->redundant == NSDAE_REDUNDANT_LEAST_NORM)
+    p->least.kkt.rank_tol = nsdae_least_rank_tol(T, o->rank_tol);
   if (least) nsdae_blocks_add_product(&T->system->blocks, T->M, p->total, change);
   for (int j = 0; j < n; j++) change[j] = -change[j];
   return nsdae_least_solve(&p->least, T);

@@ -112,12 +112,12 @@ static void right_hand_side(const nsdae_step *step, int impact)
   nsdae_problem_add_impulse(p, start, 0.5, 1, s->r);
 }
 
-static int factor_mean_mass(const nsdae_step *step, int hold)
+static int factor_mean_mass(const nsdae_step *step, int redundant)
 {
   nsdae_stepper *s = step->tools;
   size_t size = s->system->blocks.square[s->system->blocks.count];
   for (size_t i = 0; i < size; i++) s->mean.M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_problem_factor(&step->tools->problem, step->end, hold);
+  return nsdae_problem_factor(&step->tools->problem, step->end, redundant);
 }
 
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */
@@ -128,9 +128,10 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   int nq = s->system->dims.nq;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end, frozen);
-  /* of redundant constraints the same are left out in all iterates: which these are is decided by
-   * rounding, and they differ by the drift, so that the iteration would go to and fro */
-  if (status == NSDAE_OK) status = factor_mean_mass(step, !first);
+  /* of redundant constraints as many are left out in all iterates as at the start, and the same if
+   * they can: which these are is decided by rounding, and the iteration would go to and fro */
+  if (status == NSDAE_OK)
+    status = factor_mean_mass(step, s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -282,6 +283,8 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status < 0) return status;
   status = nsdae_step_close(&step, start);
   if (status == NSDAE_OK) status = need(&step, start, 0);
+  int redundant;
+  if (status == NSDAE_OK) status = nsdae_step_judge_rank(&step, start, &redundant);
   if (status == NSDAE_OK) status = attempt(&step, 0);
   if (worth_another_attempt(&step, status)) {
     status = nsdae_step_close(&step, start);
