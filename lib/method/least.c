@@ -17,7 +17,7 @@ enum { DENSE = 1 << 20 };
  * is no drift: there is nothing that turns its rows back. */
 static const double DRIFT = 50, LEAST = 1e-6, MOST = 1e-2;
 
-double nsdae_least_rank_tol(const nsdae_terms *T, double rank_tol)
+double nsdae_least_drift(const nsdae_terms *T)
 {
   const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
   double drift = 0;
@@ -27,7 +27,17 @@ double nsdae_least_rank_tol(const nsdae_terms *T, double rank_tol)
     if (!(arm > 0)) arm = nsdae_rows_largest(&T->system->blocks, &T->by.jacobian, i);
     if (arm > 0) drift = nsdae_larger(drift, fabs(T->constraint.phi[i]) / arm);
   }
-  return fmax(rank_tol, fmax(LEAST, fmin(DRIFT * drift, MOST)));
+  return drift;
+}
+
+double nsdae_least_rank_tol_least(double rank_tol)
+{
+  return fmax(rank_tol, LEAST);
+}
+
+double nsdae_least_rank_tol(const nsdae_terms *T, double rank_tol)
+{
+  return fmax(nsdae_least_rank_tol_least(rank_tol), fmin(DRIFT * nsdae_least_drift(T), MOST));
 }
 
 void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, double rank_tol,

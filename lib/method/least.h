@@ -21,9 +21,12 @@ typedef struct nsdae_least {
   double *change;          /* nv: r, then d */
 } nsdae_least;
 
-/* With redundant rows the sine up to which one is dependent at the terms' point, rank_tol at least.
- * Takes Phi and Phi_q, which the terms have. */
+/* The largest Phi of the terms' point as an angle, by the arm of each constraint. With redundant
+ * rows the sine up to which one is dependent there; it is this at least where Phi = 0. The terms
+ * have Phi and Phi_q. */
+double nsdae_least_drift(const nsdae_terms *terms);
 double nsdae_least_rank_tol(const nsdae_terms *terms, double rank_tol);
+double nsdae_least_rank_tol_least(double rank_tol);
 
 /* most: rows; 0: nothing is projected. */
 void nsdae_least_layout(nsdae_least *least, const nsdae_system *system, int most, double rank_tol,

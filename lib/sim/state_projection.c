@@ -437,6 +437,15 @@ static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, 
   return worst <= rounding || (worst <= still && worst > before / 2);
 }
 
+/* Whether what is left contradicts in rows that count as dependent alone: up to ten times the sine
+ * at which they do, as axes that are off by that are once the mechanism has moved. */
+static int contradict_little(const nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_least *l = &p->least;
+  double sine = nsdae_least_rank_tol_least(p->tools->options->rank_tol);
+  return l->rows == T->system->dims.m && l->kkt.rank < l->rows && nsdae_least_drift(T) <= 10 * sine;
+}
+
 /* Newton's method at first aims at the least change; far from the constraints that may not come to
  * rest, and then each step is the least one. */
 int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
@@ -456,7 +465,8 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
     if (penetrating && most > rounds) rounds = most;
     int least = penetrating && round < rounds / 2;
     int rows = position_rows(p, T, &worst, &row);
-    if (rows == 0 || converged(p, T, least, worst, before)) {
+    int still = !least && worst > before / 2 && contradict_little(p, T);
+    if (rows == 0 || still || converged(p, T, least, worst, before)) {
       if (!penetrating || !close_deepest(p, T)) return NSDAE_OK;
       before = INFINITY;
       rows = position_rows(p, T, &worst, &row);
