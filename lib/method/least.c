@@ -17,27 +17,29 @@ enum { DENSE = 1 << 20 };
  * is no drift: there is nothing that turns its rows back. */
 static const double DRIFT = 50, LEAST = 1e-6, MOST = 1e-2;
 
-double nsdae_least_drift(const nsdae_terms *T)
+double nsdae_least_drift(const nsdae_terms *T, int *worst)
 {
   const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
-  double drift = 0;
+  double most = 0;
+  *worst = -1;
   for (int i = 0; i < T->system->dims.m; i++) {
     double arm = size ? size[i] : 0;
     /* unknown: what the fastest of its coordinates would have to move, of coordinates of size 1 */
     if (!(arm > 0)) arm = nsdae_rows_largest(&T->system->blocks, &T->by.jacobian, i);
-    if (arm > 0) drift = nsdae_larger(drift, fabs(T->constraint.phi[i]) / arm);
+    double drift = arm > 0 ? fabs(T->constraint.phi[i]) / arm : 0;
+    if (drift > most) most = drift, *worst = i;
   }
-  return drift;
+  return most;
 }
 
-double nsdae_least_rank_tol_least(double rank_tol)
+double nsdae_least_turned(double drift)
 {
-  return fmax(rank_tol, LEAST);
+  return DRIFT * drift;
 }
 
-double nsdae_least_rank_tol(const nsdae_terms *T, double rank_tol)
+double nsdae_least_sine(double rank_tol, double drift)
 {
-  return fmax(nsdae_least_rank_tol_least(rank_tol), fmin(DRIFT * nsdae_least_drift(T), MOST));
+  return fmax(fmax(rank_tol, LEAST), fmin(nsdae_least_turned(drift), MOST));
 }
 
 void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, double rank_tol,

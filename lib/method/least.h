@@ -21,12 +21,12 @@ typedef struct nsdae_least {
   double *change;          /* nv: r, then d */
 } nsdae_least;
 
-/* The largest Phi of the terms' point as an angle, by the arm of each constraint. With redundant
- * rows the sine up to which one is dependent there; it is this at least where Phi = 0. The terms
- * have Phi and Phi_q. */
-double nsdae_least_drift(const nsdae_terms *terms);
-double nsdae_least_rank_tol(const nsdae_terms *terms, double rank_tol);
-double nsdae_least_rank_tol_least(double rank_tol);
+/* The largest Phi of the terms' point as an angle, by the arm of its constraint, which is worst
+ * (-1: none). By this sine it turns a dependent row out of the others, at most. Up to the last sine
+ * a row is dependent, rank_tol at least. The terms have Phi and Phi_q. */
+double nsdae_least_drift(const nsdae_terms *terms, int *worst);
+double nsdae_least_turned(double drift);
+double nsdae_least_sine(double rank_tol, double drift);
 
 /* most: rows; 0: nothing is projected. */
 void nsdae_least_layout(nsdae_least *least, const nsdae_system *system, int most, double rank_tol,

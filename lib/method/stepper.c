@@ -184,8 +184,10 @@ int nsdae_step_judge_rank(const nsdae_step *step, const nsdae_terms *terms, int 
   int status = nsdae_terms_need(start, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_problem_factor(&s->problem, terms, 0);
   if (status < 0) return status;
+  int worst;
+  double drift = nsdae_least_drift(start, &worst);
   nsdae_island_dispatch_rank_tol(&s->problem.dispatch,
-                                 nsdae_least_rank_tol(start, s->options->rank_tol));
+                                 nsdae_least_sine(s->options->rank_tol, drift));
   memset(s->r, 0, (size_t)d->nv * sizeof *s->r);
   memset(s->rate, 0, (size_t)d->m * sizeof *s->rate);
   return nsdae_step_solve(step, start, start->M, s->r, 0, s->v_other, s->rate);

@@ -374,8 +374,9 @@ static int solve_projection(nsdae_projector *p, const nsdae_terms *T, int least)
   int n = T->system->dims.nv;
   double *change = p->least.change;
   const nsdae_sim_options *o = p->tools->options;
+  int worst;
   if (T->system->dims.m > 0 && o->redundant == NSDAE_REDUNDANT_LEAST_NORM)
-    p->least.kkt.rank_tol = nsdae_least_rank_tol(T, o->rank_tol);
+    p->least.kkt.rank_tol = nsdae_least_sine(o->rank_tol, nsdae_least_drift(T, &worst));
   if (least) nsdae_blocks_add_product(&T->system->blocks, T->M, p->total, change);
   for (int j = 0; j < n; j++) change[j] = -change[j];
   return nsdae_least_solve(&p->least, T);
@@ -442,8 +443,10 @@ static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, 
 static int contradict_little(const nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_least *l = &p->least;
-  double sine = nsdae_least_rank_tol_least(p->tools->options->rank_tol);
-  return l->rows == T->system->dims.m && l->kkt.rank < l->rows && nsdae_least_drift(T) <= 10 * sine;
+  double sine = nsdae_least_sine(p->tools->options->rank_tol, 0);
+  int worst;
+  return l->rows == T->system->dims.m && l->kkt.rank < l->rows &&
+         nsdae_least_drift(T, &worst) <= 10 * sine;
 }
 
 /* Newton's method at first aims at the least change; far from the constraints that may not come to
