@@ -53,7 +53,7 @@ typedef struct nsdae_kkt {
   int n, m; /* of blocks and rows; those of the layout are the most */
   const nsdae_blocks *blocks;
   double rank_tol;
-  int spare;         /* set before: so many rows are known not to count; the rows that are held
+  int spare;         /* set before: the number of rows known not to count; those that are held
                         stay, if they can (dense) */
   int rank;          /* of the last factorisation */
   double kept, left; /* smallest such sine that counts in it, largest that does not; 1, 0: none */

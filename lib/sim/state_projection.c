@@ -438,8 +438,9 @@ static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, 
   return worst <= rounding || (worst <= still && worst > before / 2);
 }
 
-/* Whether what is left contradicts in rows that count as dependent alone: up to ten times the sine
- * at which they do, as axes that are off by that are once the mechanism has moved. */
+/* Whether rows that count as dependent are the only ones that contradict each other: up to ten
+ * times the sine at which they do, as axes that are off by that are once the mechanism has moved.
+ */
 static int contradict_little(const nsdae_projector *p, const nsdae_terms *T)
 {
   const nsdae_least *l = &p->least;

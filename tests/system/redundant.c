@@ -228,13 +228,13 @@ static double distance(const outcome *a, const outcome *b)
  * of a step is off by what gravity adds in it, h g t. Second order: (omega h)^2 m with 10 rad/s.
  * Axes that are off turn the motion by that, and the way is a metre; a hinge that is off by more
  * than the other is on the way in between. */
-static void expect(enum kind kind, int seed)
+static int expect(enum kind kind, int seed)
 {
   const int methods[] = {NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_EVENT};
   const double tols[] = {fine * acceleration * t_end, 100 * fine * fine, 1e-6};
   outcome exact = run(kind, seed, kind >= HINGES && kind != BALLS, NSDAE_METHOD_EVENT);
   assert_true(exact.status >= 0);
-  assert_true(exact.moved > 2 * tols[0]);
+  if (!(exact.moved > 2 * tols[0])) return 0; /* it stands still by weight alone */
   for (int i = 0; i < 3; i++) {
     outcome now = run(kind, seed, 0, methods[i]);
     double off = distance(&now, &exact), bound = tols[i] + 10 * offs[seed % OFFS];
@@ -244,6 +244,7 @@ static void expect(enum kind kind, int seed)
                 names[kind], seed, methods[i], now.status, off, bound, now.moved, exact.moved);
     fail();
   }
+  return 1;
 }
 
 /* NSDAE_SEED: the first of the members. */
@@ -252,8 +253,11 @@ static void test_family(void **state)
   (void)state;
   const char *given = getenv("NSDAE_SEED");
   int first = given ? atoi(given) : 0;
-  for (int kind = 0; kind < KINDS; kind++)
-    for (int seed = first; seed < first + OFFS; seed++) expect((enum kind)kind, seed);
+  for (int kind = 0; kind < KINDS; kind++) {
+    int moving = 0;
+    for (int seed = first; seed < first + OFFS; seed++) moving += expect((enum kind)kind, seed);
+    assert_true(moving > OFFS / 2);
+  }
 }
 
 int main(void)
