@@ -281,25 +281,19 @@ static void gather_right_hand_side(nsdae_gathered *g, const nsdae_island_equatio
     g->lambda[i] = w->lambda[is->row.of[is->row.first[island] + i]];
 }
 
-static void copy_held(nsdae_dense_island *l, const nsdae_island_equations *w, int island, int back)
-{
-  const nsdae_members *row = &w->islands->row;
-  int *held = l->kkt.dense.pivoted.held;
-  for (int i = 0; i < l->kkt.m; i++) {
-    int *of = w->factorisation->held + row->of[row->first[island] + i];
-    *(back ? of : held + i) = *(back ? held + i : of);
-  }
-}
-
 static int factor(nsdae_dense_island *l, const nsdae_island_equations *w, int island)
 {
   const nsdae_factorisation *f = w->factorisation;
-  l->kkt.hold = f->hold && f->dropped && !l->kkt.is_sparse;
-  if (l->kkt.hold) copy_held(l, w, island, 0);
-  int status = nsdae_kkt_factor(&l->kkt, l->at.M, l->at.J);
-  if (status < 0 || l->kkt.is_sparse || (l->kkt.rank == l->kkt.m && !f->dropped)) return status;
-  for (int i = 0; l->kkt.rank == l->kkt.m && i < l->kkt.m; i++) l->kkt.dense.pivoted.held[i] = 1;
-  copy_held(l, w, island, 1);
+  nsdae_kkt *kkt = &l->kkt;
+  const int *row = w->islands->row.of + w->islands->row.first[island];
+  int *held = kkt->dense.pivoted.held;
+  kkt->spare = nsdae_factorisation_spare(f, kkt->m, row);
+  for (int i = 0; kkt->spare > 0 && !kkt->is_sparse && i < kkt->m; i++) held[i] = f->held[row[i]];
+  int status = nsdae_kkt_factor(kkt, l->at.M, l->at.J);
+  if (status < 0 || (kkt->rank == kkt->m && !f->dropped)) return status;
+  for (int i = 0; i < kkt->m; i++)
+    f->held[row[i]] = kkt->rank == kkt->m ||
+                      (kkt->is_sparse ? !nsdae_sparse_kkt_is_dropped(&kkt->sparse, i) : held[i]);
   return status;
 }
 

@@ -20,6 +20,14 @@ typedef struct nsdae_factorisation {
   int *held;   /* rows: 1 for each that was independent */
 } nsdae_factorisation;
 
+/* How many of these rows the one before left out, where they are to be held; else 0. */
+static inline int nsdae_factorisation_spare(const nsdae_factorisation *f, int rows, const int *row)
+{
+  int spare = 0;
+  for (int i = 0; f->hold && f->dropped && i < rows; i++) spare += !f->held[row[i]];
+  return spare;
+}
+
 /* Contacts are known by number: their rows in the terms, their places in all that follows. */
 typedef struct nsdae_island_equations {
   const nsdae_system *system;

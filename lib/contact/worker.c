@@ -207,11 +207,15 @@ static int factor_sparse(nsdae_worker *w, const nsdae_island_equations *whole, i
                                .row_count = nsdae_members_count(&is->row, island),
                                .block = is->block.of + is->block.first[island],
                                .row = is->row.of + is->row.first[island]};
+  const nsdae_factorisation *f = whole->factorisation;
   int status = nsdae_sparse_kkt_analyse(k, &part);
+  k->spare = nsdae_factorisation_spare(f, part.row_count, part.row);
   if (status == NSDAE_OK) status = nsdae_sparse_kkt_factor(k, whole->M);
   if (status == NSDAE_E_MASS) return bad_mass(w, whole->terms, k->bad_block, k->pivot);
   if (status < 0) return unsolved(w, whole, island, status);
   count_rank(&w->solved, k->rank.count, k->rank.kept, k->rank.left);
+  for (int i = 0; i < part.row_count && (f->dropped || k->rank.count < part.row_count); i++)
+    f->held[part.row[i]] = !nsdae_sparse_kkt_is_dropped(k, i);
   return k->rank.count < part.row_count && !w->least_norm
              ? bad_rank(w, whole, island, k->rank.count, k->rank.dependent)
              : NSDAE_OK;

@@ -110,11 +110,12 @@ static void transform_rows(const nsdae_kkt *kkt, const nsdae_rows *J, double *Y)
 /* ---- S */
 
 /* Pivoted QR of Y with its columns at unit length, those that are held before all others; returns
- * the number of sines above tol. */
+ * the number of sines above tol, without those that are spare. */
 static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
 {
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int n = kkt->n, m = kkt->m, most = n < m ? n : m, rank = 0;
+  int n = kkt->n, m = kkt->m, all = n < m ? n : m, rank = 0;
+  int most = m - kkt->spare < all ? m - kkt->spare : all;
   memcpy(p->Q, kkt->dense.Y, (size_t)n * (size_t)m * sizeof *p->Q);
   for (int j = 0; j < m; j++) {
     double *column = p->Q + (size_t)j * (size_t)n;
@@ -138,6 +139,7 @@ static int pivoted_rank(nsdae_kkt *kkt, int hold, double tol)
     }
     kkt->kept = fmin(kkt->kept, sine);
   }
+  if (rank == most && most < all) kkt->left = fabs(p->Q[(size_t)rank * (size_t)n + (size_t)rank]);
   return rank;
 }
 
@@ -211,13 +213,12 @@ static int dense_kkt_factor(nsdae_kkt *kkt, const double *M, const nsdae_rows *J
   int status = begin(kkt, M, NULL);
   if (status < 0 || kkt->m == 0) return status;
   transform_rows(kkt, J, kkt->dense.Y);
-  kkt->kept = kkt->m <= kkt->n ? factor_schur(kkt, kkt->m, 0) : 0;
+  kkt->kept = kkt->m <= kkt->n && kkt->spare == 0 ? factor_schur(kkt, kkt->m, 0) : 0;
   if (kkt->kept >= TRUSTED && kkt->kept >= kkt->rank_tol) return NSDAE_OK;
   /* Those held that the factorisation before found independent, as long as they are. */
   nsdae_kkt_pivoted *p = &kkt->dense.pivoted;
-  int rank = pivoted_rank(kkt, kkt->hold, kkt->rank_tol), held = 0;
-  for (int j = 0; j < kkt->m && kkt->hold; j++) held += p->held[j];
-  if (rank < held) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
+  int hold = kkt->spare > 0, rank = pivoted_rank(kkt, hold, kkt->rank_tol);
+  if (hold && rank < kkt->m - kkt->spare) rank = pivoted_rank(kkt, 0, kkt->rank_tol);
   memset(p->held, 0, (size_t)kkt->m * sizeof *p->held);
   for (int i = 0; i < rank; i++) p->held[p->column[i] - 1] = 1;
   factor_by_rank(kkt, rank);
@@ -256,6 +257,7 @@ static int dense_kkt_factor_in(nsdae_kkt *kkt, const double *A, const nsdae_coup
   kkt->kept = factor_schur(kkt, kkt->rank, basis ? DAMPING : 0);
   if (basis) return kkt->kept > 0 ? NSDAE_OK : NSDAE_E_CONVERGENCE;
   if (kkt->kept >= TRUSTED) return NSDAE_OK;
+  kkt->spare = 0;
   if (pivoted_rank(kkt, 0, 0) < m) return NSDAE_E_CONVERGENCE;
   factor_by_rank(kkt, m);
   return NSDAE_OK;
@@ -459,6 +461,7 @@ static int factor_sparse(nsdae_kkt *kkt, const double *M, const nsdae_coupling *
   nsdae_sparse_kkt *s = &kkt->sparse;
   const nsdae_kkt_part all = whole(kkt, J);
   s->rank_tol = kkt->rank_tol;
+  s->spare = kkt->spare;
   int status = nsdae_sparse_kkt_analyse(s, &all);
   if (status == NSDAE_OK)
     status = coupling && coupling->count > 0

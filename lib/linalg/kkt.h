@@ -8,7 +8,9 @@
  * on dense arrays of one block or of few velocities and rows, else sparse factors
  * (sparse_kkt.h). Both use the Schur complement S = J M^-1 J^T, and both find the rank of J: a row
  * depends on others if the sine of its angle to them, in the metric of M^-1, is at most rank_tol.
- * l is of least norm then, and the equations must be consistent. */
+ * l is of least norm then, and the equations must be consistent. Where the constraints do not hold,
+ * a dependent row has a sine as large as they are off: spare is how many were dependent where they
+ * do, and those of the smallest sines do not count. */
 #ifndef NSDAE_LINALG_KKT_H
 #define NSDAE_LINALG_KKT_H
 
@@ -33,7 +35,8 @@ typedef struct nsdae_kkt_pivoted {
   double *Z, *T;      /* m x rank, rank x rank (leading dimension m); T of a basis m x m */
   double *tau, *norm; /* min(n, m), m */
   int *column;        /* m: column order of the QR */
-  int *held;          /* m: 1 for each constraint that it found independent */
+  int *held;          /* m: 1 for each constraint that it found independent; where some are spare
+                         set before */
   int *order;         /* m: constraints by decreasing length, the order of the rows of Z */
 } nsdae_kkt_pivoted;
 
@@ -50,7 +53,8 @@ typedef struct nsdae_kkt {
   int n, m; /* of blocks and rows; those of the layout are the most */
   const nsdae_blocks *blocks;
   double rank_tol;
-  int hold;          /* the independent rows of the factorisation before stay, if they can: dense */
+  int spare;         /* set before: the number of rows known not to count; those that are held
+                        stay, if they can (dense) */
   int rank;          /* of the last factorisation */
   double kept, left; /* smallest such sine that counts in it, largest that does not; 1, 0: none */
   int dependent;     /* the first row that does not count */

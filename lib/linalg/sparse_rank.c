@@ -146,15 +146,27 @@ static int mark(nsdae_sparse_kkt *k)
   return more;
 }
 
+static int count_dropped(const nsdae_sparse_kkt *k)
+{
+  int count = 0;
+  for (int row = 0; row < k->part.row_count; row++) count += nsdae_sparse_kkt_is_dropped(k, row);
+  return count;
+}
+
+/* As long as fewer rows are dropped than are spare, the smallest sine that counts is too small. */
 int nsdae_sparse_kkt_find_rank(nsdae_sparse_kkt *k)
 {
   nsdae_multifrontal_rank *r = &k->schur.rank;
   r->drop = fmax(k->rank_tol * k->rank_tol, ROUNDED);
   k->rank = (nsdae_kkt_rank){.count = k->part.row_count, .dependent = -1, .kept = 1};
   memset(r->forced, 0, (size_t)k->part.row_count * sizeof *r->forced);
-  do {
-    if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
-  } while (mark(k) > 0);
+  for (int more = 1; more;) {
+    do {
+      if (nsdae_multifrontal_factor(&k->schur, 1) != 0) return NSDAE_E_NONFINITE;
+    } while (mark(k) > 0);
+    more = count_dropped(k) < k->spare && k->rank.kept < 1;
+    if (more) r->drop = fmax(r->drop, k->rank.kept * k->rank.kept) * (1 + DBL_EPSILON);
+  }
   /* Counts the dropped rows, and measures the sine of the one with the largest pivot. */
   int largest = -1;
   for (int row = 0; row < k->part.row_count; row++) {

@@ -71,6 +71,7 @@ typedef struct nsdae_kkt_whole {
 
 typedef struct nsdae_sparse_kkt {
   double rank_tol; /* set before; likewise */
+  int spare;       /* likewise, see kkt.h */
   double enough;   /* the relative error at which refinement may end; 0: as far as it falls */
   int ready, coupled;
   int pivot, bad_block; /* the pivot of this block of the system is not positive */

@@ -1,5 +1,6 @@
 #include "least.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "arena.h"
@@ -8,6 +9,38 @@
 /* Entries of dense rows up to which they have room in the arena, 8 MB. Longer rows of a list are
  * copied into memory that grows when they are first used. */
 enum { DENSE = 1 << 20 };
+
+/* At a distance from the constraints a dependent row has turned out of the span of the others. A
+ * body that is off by the angle a turns its rows by a, two bodies by 2 a; a constraint that is off
+ * by phi at the arm r stands for the angle phi / r, and those of a chain of s bodies add up: DRIFT
+ * is for 25 pairs. Rounding of the poses makes LEAST. A start that is off by more than MOST / DRIFT
+ * is no drift: there is nothing that turns its rows back. */
+static const double DRIFT = 50, LEAST = 1e-6, MOST = 1e-2;
+
+double nsdae_least_drift(const nsdae_terms *T, int *worst)
+{
+  const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
+  double most = 0;
+  *worst = -1;
+  for (int i = 0; i < T->system->dims.m; i++) {
+    double arm = size ? size[i] : 0;
+    /* unknown: what the fastest of its coordinates would have to move, of coordinates of size 1 */
+    if (!(arm > 0)) arm = nsdae_rows_largest(&T->system->blocks, &T->by.jacobian, i);
+    double drift = arm > 0 ? fabs(T->constraint.phi[i]) / arm : 0;
+    if (drift > most) most = drift, *worst = i;
+  }
+  return most;
+}
+
+double nsdae_least_turned(double drift)
+{
+  return DRIFT * drift;
+}
+
+double nsdae_least_sine(double rank_tol, double drift)
+{
+  return fmax(fmax(rank_tol, LEAST), fmin(nsdae_least_turned(drift), MOST));
+}
 
 void nsdae_least_layout(nsdae_least *p, const nsdae_system *system, int most, double rank_tol,
                         nsdae_arena *arena)

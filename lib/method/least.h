@@ -21,6 +21,13 @@ typedef struct nsdae_least {
   double *change;          /* nv: r, then d */
 } nsdae_least;
 
+/* The largest Phi of the terms' point as an angle, by the arm of its constraint, which is worst
+ * (-1: none). By this sine it turns a dependent row out of the others, at most. Up to the last sine
+ * a row is dependent, rank_tol at least. The terms have Phi and Phi_q. */
+double nsdae_least_drift(const nsdae_terms *terms, int *worst);
+double nsdae_least_turned(double drift);
+double nsdae_least_sine(double rank_tol, double drift);
+
 /* most: rows; 0: nothing is projected. */
 void nsdae_least_layout(nsdae_least *least, const nsdae_system *system, int most, double rank_tol,
                         nsdae_arena *arena);

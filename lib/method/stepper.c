@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "errors.h"
+#include "least.h"
 #include "vector.h"
 
 void nsdae_stepper_prepare_terms(nsdae_stepper *s, nsdae_terms *terms)
@@ -171,6 +172,25 @@ int nsdae_step_solve(const nsdae_step *step, const nsdae_terms *terms, const dou
   step->result->single = solved->single;
   if (solved->cones) step->result->cones = solved->cones;
   return status;
+}
+
+int nsdae_step_judge_rank(const nsdae_step *step, const nsdae_terms *terms, int *redundant)
+{
+  nsdae_stepper *s = step->tools;
+  const nsdae_dims *d = &s->system->dims;
+  nsdae_terms *start = step->start;
+  *redundant = d->m > 0 && s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  if (!*redundant) return NSDAE_OK;
+  int status = nsdae_terms_need(start, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&s->problem, terms, 0);
+  if (status < 0) return status;
+  int worst;
+  double drift = nsdae_least_drift(start, &worst);
+  nsdae_island_dispatch_rank_tol(&s->problem.dispatch,
+                                 nsdae_least_sine(s->options->rank_tol, drift));
+  memset(s->r, 0, (size_t)d->nv * sizeof *s->r);
+  memset(s->rate, 0, (size_t)d->m * sizeof *s->rate);
+  return nsdae_step_solve(step, start, start->M, s->r, 0, s->v_other, s->rate);
 }
 
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,

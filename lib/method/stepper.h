@@ -90,6 +90,9 @@ int nsdae_step_end(const nsdae_step *step);
  */
 int nsdae_step_close(const nsdae_step *step, nsdae_terms *terms);
 int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms);
+/* Whether rows of Phi_q may depend on each other, and which do: at the start of the step, where the
+ * constraints hold up to their drift. The islands are those of the terms named. */
+int nsdae_step_judge_rank(const nsdae_step *step, const nsdae_terms *terms, int *redundant);
 /* v and the stepper's impulse from momentum r [nv] with the closed contacts of the terms' point:
  * M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t. lambda: impulses nearby, or NULL. */
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,

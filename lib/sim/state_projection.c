@@ -373,6 +373,10 @@ static int solve_projection(nsdae_projector *p, const nsdae_terms *T, int least)
 {
   int n = T->system->dims.nv;
   double *change = p->least.change;
+  const nsdae_sim_options *o = p->tools->options;
+  int worst;
+  if (T->system->dims.m > 0 && o->redundant == NSDAE_REDUNDANT_LEAST_NORM)
+    p->least.kkt.rank_tol = nsdae_least_sine(o->rank_tol, nsdae_least_drift(T, &worst));
   if (least) nsdae_blocks_add_product(&T->system->blocks, T->M, p->total, change);
   for (int j = 0; j < n; j++) change[j] = -change[j];
   return nsdae_least_solve(&p->least, T);
@@ -434,6 +438,18 @@ static int converged(const nsdae_projector *p, const nsdae_terms *T, int least, 
   return worst <= rounding || (worst <= still && worst > before / 2);
 }
 
+/* Whether rows that count as dependent are the only ones that contradict each other: up to ten
+ * times the sine at which they do, as axes that are off by that are once the mechanism has moved.
+ */
+static int contradict_little(const nsdae_projector *p, const nsdae_terms *T)
+{
+  const nsdae_least *l = &p->least;
+  double sine = nsdae_least_sine(p->tools->options->rank_tol, 0);
+  int worst;
+  return l->rows == T->system->dims.m && l->kkt.rank < l->rows &&
+         nsdae_least_drift(T, &worst) <= 10 * sine;
+}
+
 /* Newton's method at first aims at the least change; far from the constraints that may not come to
  * rest, and then each step is the least one. */
 int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
@@ -453,7 +469,8 @@ int nsdae_project_positions(nsdae_projector *p, nsdae_terms *T, int penetrating)
     if (penetrating && most > rounds) rounds = most;
     int least = penetrating && round < rounds / 2;
     int rows = position_rows(p, T, &worst, &row);
-    if (rows == 0 || converged(p, T, least, worst, before)) {
+    int still = !least && worst > before / 2 && contradict_little(p, T);
+    if (rows == 0 || still || converged(p, T, least, worst, before)) {
       if (!penetrating || !close_deepest(p, T)) return NSDAE_OK;
       before = INFINITY;
       rows = position_rows(p, T, &worst, &row);

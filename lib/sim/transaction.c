@@ -336,6 +336,31 @@ static int look_at_end(nsdae_sim *sim, double length)
   return status;
 }
 
+/* With redundant rows: whether the rank is above that of the run before by rows whose sine the
+ * drift of the constraints explains, but which is too large to tell. They would lock the mechanism.
+ */
+static int find_risen_rank(nsdae_sim *sim)
+{
+  const nsdae_counters *c = &sim->next->result.counters;
+  nsdae_terms *start = &sim->now->result.end;
+  int was = sim->now->accounts.stats.rank, worst;
+  if (sim->options.redundant != NSDAE_REDUNDANT_LEAST_NORM || !sim->method->closes ||
+      c->rank_most <= was)
+    return NSDAE_OK;
+  int status = nsdae_terms_need(start, NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
+  if (status < 0) return status;
+  double drift = nsdae_least_drift(start, &worst), t = nsdae_terms_time(start);
+  if (c->rank_retained > nsdae_least_turned(drift)) return NSDAE_OK;
+  nsdae_error_set(&sim->error, NSDAE_E_RANK, "nsdae_sim", "projection",
+                  "the rank of Phi_q was %d and is %d at t = %g, by a sine of %.2g, where the "
+                  "constraints are off by %.2g of their arms: as much is drift, and would lock the "
+                  "mechanism: set projection = constraints, or make dt smaller; off by most is",
+                  was, c->rank_most, t, c->rank_retained, drift);
+  sim->error.time = t;
+  nsdae_system_name_item(sim->system, NSDAE_NAME_CONSTRAINT, worst, &sim->error);
+  return NSDAE_E_RANK;
+}
+
 /* A step to t1 into next, complete except for its observers. */
 static int try_step(nsdae_sim *sim, double t1, double length)
 {
@@ -343,6 +368,7 @@ static int try_step(nsdae_sim *sim, double t1, double length)
   int status = advance_method(sim, t1, length);
   int problem = status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_PAINLEVE;
   sim->stage.failed = problem && (next->result.problem || next->result.cones);
+  if (status == NSDAE_OK) status = find_risen_rank(sim);
   if (status == NSDAE_OK) status = correct(sim, length);
   if (status == NSDAE_OK) status = look_at_end(sim, length);
   if (next->result.end.t < t1) length = next->result.end.t - now->result.end.t; /* so far it came */

@@ -49,7 +49,6 @@ typedef struct progress {
   int since, count;   /* iterations since then; in all */
   int apart;          /* those in turn with a change of 1 and more */
   int frozen;         /* W_1 and w_1 are those of an iterate before */
-  int rank[2];        /* least and largest of the constraints */
 } progress;
 
 enum {
@@ -112,12 +111,12 @@ static void right_hand_side(const nsdae_step *step, int impact)
   nsdae_problem_add_impulse(p, start, 0.5, 1, s->r);
 }
 
-static int factor_mean_mass(const nsdae_step *step, int hold)
+static int factor_mean_mass(const nsdae_step *step, int redundant)
 {
   nsdae_stepper *s = step->tools;
   size_t size = s->system->blocks.square[s->system->blocks.count];
   for (size_t i = 0; i < size; i++) s->mean.M[i] = (step->start->M[i] + step->end->M[i]) / 2;
-  return nsdae_problem_factor(&step->tools->problem, step->end, hold);
+  return nsdae_problem_factor(&step->tools->problem, step->end, redundant);
 }
 
 /* Moves end to s->q, s->v and solves there for the next s->q, s->v. */
@@ -128,9 +127,10 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   int nq = s->system->dims.nq;
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   int status = need(step, step->end, frozen);
-  /* of redundant constraints the same are left out in all iterates: which these are is decided by
-   * rounding, and they differ by the drift, so that the iteration would go to and fro */
-  if (status == NSDAE_OK) status = factor_mean_mass(step, !first);
+  /* of redundant constraints as many are left out in all iterates as at the start, and the same if
+   * they can: which these are is decided by rounding, and the iteration would go to and fro */
+  if (status == NSDAE_OK)
+    status = factor_mean_mass(step, s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -179,25 +179,15 @@ static int most_violated(const nsdae_step *step)
   return worst;
 }
 
-/* Redundant constraints that drift apart by about rank_tol count in one iterate and not in the
- * next. */
 static int no_convergence(const nsdae_step *step, const progress *p)
 {
   const nsdae_stepper *s = step->tools;
-  const int *rank = p->rank;
-  int violated = rank[0] < rank[1] ? -1 : most_violated(step);
+  int violated = most_violated(step);
   char text[48] = "";
   if (violated >= 0)
     snprintf(text, sizeof text, "; largest violation %.3g",
              fabs(step->end->constraint.phi[violated]));
-  if (rank[0] < rank[1])
-    nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "rank_tol",
-                    "the step from t = %g did not converge in %d iterations (change %.3g): the "
-                    "rank of Phi_q is %d in one and %d in another, as redundant constraints drift "
-                    "by about rank_tol = %g: make it larger than the drift, or dt smaller",
-                    nsdae_terms_time(step->start), p->count, p->moved, rank[0], rank[1],
-                    s->options->rank_tol);
-  else if (p->since >= STAGNATION && p->moved <= TRUNCATION)
+  if (p->since >= STAGNATION && p->moved <= TRUNCATION)
     nsdae_error_set(
         s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "iteration_tol",
         "the step from t = %g did not converge in %d iterations, and stagnates at the change "
@@ -234,7 +224,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
 {
   nsdae_stepper *s = step->tools;
   const nsdae_dims *dims = &s->system->dims;
-  progress p = {.moved = INFINITY, .mark = INFINITY, .rank = {dims->m, 0}};
+  progress p = {.moved = INFINITY, .mark = INFINITY};
   int impact = 0;
   nsdae_problem_before(&s->problem, step->start, step->start->v, 0);
   int status = nsdae_problem_position(&s->problem, step->start, step->h, step->h / 2);
@@ -246,9 +236,6 @@ static int attempt(const nsdae_step *step, int all_impacts)
     status = iterate(step, i == 0, p.frozen, all_impacts, &impact);
     if (status < 0) return status;
     step->result->counters.iterations++;
-    int now = s->problem.dispatch.solved->rank;
-    if (now < p.rank[0]) p.rank[0] = now;
-    if (now > p.rank[1]) p.rank[1] = now;
     p.moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
               nsdae_relative_change(dims->nv, s->v, step->end->v);
     p.since++;
@@ -281,6 +268,8 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status < 0) return status;
   status = nsdae_step_close(&step, start);
   if (status == NSDAE_OK) status = need(&step, start, 0);
+  int redundant;
+  if (status == NSDAE_OK) status = nsdae_step_judge_rank(&step, start, &redundant);
   if (status == NSDAE_OK) status = attempt(&step, 0);
   if (worth_another_attempt(&step, status)) {
     status = nsdae_step_close(&step, start);

@@ -236,9 +236,10 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_stepper *s = own;
   nsdae_terms *middle = &s->middle;
   const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
-  int status = to_middle(&step);
+  int redundant = 0, status = to_middle(&step);
   if (status == NSDAE_OK) status = close_contacts(&step);
-  if (status == NSDAE_OK) status = nsdae_problem_factor(&step.tools->problem, middle, 0);
+  if (status == NSDAE_OK) status = nsdae_step_judge_rank(&step, middle, &redundant);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&step.tools->problem, middle, redundant);
   if (status == NSDAE_OK) status = midpoint_force(&step);
   if (status < 0) return status;
   nsdae_stepper_momentum(&s->system->blocks, middle->M, step.start->v, step.h, middle->F, s->r);
