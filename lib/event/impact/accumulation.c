@@ -189,7 +189,7 @@ void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *a
       arena, d->k,
       (int **[]){&p->settles, &p->sticks, &p->friction.slider, &p->friction.pivot, NULL});
   nsdae_arena_doubles(arena, d->k, (double **[]){&p->after, &p->normal, &p->friction.P, NULL});
-  nsdae_arena_doubles(arena, d->nv, (double **[]){&p->parting, &p->lost, NULL});
+  nsdae_arena_doubles(arena, d->nv, (double **[]){&p->parting, &p->lost, &p->flight, NULL});
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->friction.value = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
@@ -205,14 +205,35 @@ void nsdae_event_unsettle(nsdae_event_accumulation *p)
   p->work = p->rest = 0;
 }
 
+/* The accelerations at v- with the contact forces of the phase that ends, from y: a row of angles
+ * has no part of the weight but by the forces of joints, or of what lies on its body. */
+int nsdae_event_take_flight(nsdae_event_accumulation *p, const double *y)
+{
+  const nsdae_event_phase *phase = p->acceleration->phase;
+  const nsdae_event_setting *s = phase->setting;
+  const nsdae_terms *T = s->here;
+  const nsdae_dims *d = &T->system->dims;
+  memcpy(p->flight, T->F, (size_t)d->nv * sizeof *p->flight);
+  for (int i = 0; i < d->m; i++) p->reaction[i] = -T->constraint.omega[i];
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
+    if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
+    nsdae_rows_add(&T->system->blocks, &T->by.normal, i, y[s->at.normal + i], p->flight);
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, y[s->at.tangential + j], p->flight);
+  }
+  return nsdae_terms_solve(T, s->kkt, 1, p->flight, p->reaction);
+}
+
 /* How fast what contact i can be closed with may be: what it gains or loses by the accelerations
  * there are in accumulation_time, or on as short a way as the integrator's errors. */
 static double slow_for(const nsdae_event_accumulation *p, int i)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
-  double rate =
-      fabs(T->omega.N[i]) + nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, p->lost);
+  const nsdae_blocks *b = &T->system->blocks;
+  double rate = fabs(T->omega.N[i]) + fmax(nsdae_rows_dot_sizes(b, &T->by.normal, i, p->lost),
+                                           nsdae_rows_dot_sizes(b, &T->by.normal, i, p->flight));
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
   return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
 }

@@ -342,13 +342,15 @@ int nsdae_event_collide(nsdae_event_impacts *p, double *y)
   memset(q->hit, 0, (size_t)s->system->dims.k * sizeof *q->hit);
   q->hits = q->together = 0;
   q->decay = 0;
-  while (approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
-    int status = impact(p, y);
-    if (status < 0) return status;
+  int status = approaching(p) ? nsdae_event_take_flight(&p->accumulation, y) : NSDAE_OK;
+  while (status == NSDAE_OK && approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
+    status = impact(p, y);
+    if (status < 0) break;
     shrink(q, &p->problem, p->coming, s->options->rtol);
     q->together |= ++count >= most;
     find_touching(p);
   }
+  if (status < 0) return status;
   q->endless |= approaching(p);
   q->together = 0;
   return count;
