@@ -151,6 +151,13 @@ static double size_of_pair(const double *size, const int *block)
   return isfinite(least) ? least : 0;
 }
 
+double nsdae_contact_size(const nsdae_system *s, int i)
+{
+  const double *size = s->size[NSDAE_NAME_CONTACT];
+  if (!size) return 0;
+  return s->tracked ? size_of_pair(size, s->tracked->block + 2 * i) : size[i];
+}
+
 /* The overlap that the method explains if sizes are unknown. Time stepping: see above; or the
  * rounding of a gap, 1.1 of which projection = slop leaves.
  * penalty: a spring has stored no more than its contact has taken, of what was in motion, or of the
@@ -177,10 +184,7 @@ static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsd
   double way = depth_of(sim, point), apart = point->accounts.watch.apart;
   excess e = {OF_OVERLAP, 0, 1, 0};
   for (int i = 0; i < s->dims.k; i++)
-    compare_excess(&e, i, -r->end.gap[i],
-                   !size        ? 0
-                   : s->tracked ? watch_quarter * size_of_pair(size, s->tracked->block + 2 * i)
-                                : watch_quarter * size[i],
+    compare_excess(&e, i, -r->end.gap[i], watch_quarter * nsdae_contact_size(s, i),
                    apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
   for (int a = 0; a < r->closed.count; a++)
     compare_excess(&e, a, -r->closed.gap[a],
