@@ -268,6 +268,24 @@ static int judge_law(const nsdae_sim *sim, nsdae_point *point)
   return status;
 }
 
+/* event: an approach without its e_N, which a smaller rtol resolves. */
+static int judge_unresolved(const nsdae_sim *sim, nsdae_point *point, int new)
+{
+  const nsdae_unresolved *of = &point->result.unresolved;
+  const nsdae_terms *end = &point->result.end;
+  char fastest[NSDAE_CALLED_SIZE];
+  if (!(of->velocity > 0) || !(new &NSDAE_MONITORS_RESTITUTION)) return NSDAE_OK;
+  point->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_RESTITUTION, "nsdae_sim", "rtol",
+      "at t = %.6g the velocity %.3g of %s is lost without e_N: the tolerance of velocities, "
+      "by rtol = %g and the speed of %s, is %.3g; make rtol smaller than %.2g",
+      of->t, of->velocity, of->called, sim->options.rtol,
+      nsdae_system_called(end->system, NSDAE_NAME_VELOCITY, of->fastest, fastest), of->tol,
+      of->least);
+  return nsdae_error_at(end->error, NSDAE_WARN_RESTITUTION, of->contact, of->t);
+}
+
 /* What the solver left of the contact problem of the step; new: warnings not yet given. */
 static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
@@ -333,6 +351,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
     }
   status = judge_tunnelling(sim, before, point, new);
   if (status == NSDAE_OK) status = judge_law(sim, point);
+  if (status == NSDAE_OK) status = judge_unresolved(sim, point, new);
   if (status == NSDAE_OK) status = judge_residual(sim, point, new);
   if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;

@@ -173,9 +173,6 @@ static int event_close(nsdae_event_projection *p, const int *closed, const int *
   return NSDAE_OK;
 }
 
-/* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
-static const double SLOW = 4;
-
 /* In accumulation_time: what is closed with more than that left is not told when it would end. */
 static const double MOST = 1000;
 
@@ -235,7 +232,8 @@ static double slow_for(const nsdae_event_accumulation *p, int i)
   double rate = fabs(T->omega.N[i]) + fmax(nsdae_rows_dot_sizes(b, &T->by.normal, i, p->lost),
                                            nsdae_rows_dot_sizes(b, &T->by.normal, i, p->flight));
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
-  return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
+  return fmax(way, fmax(NSDAE_EVENT_SLOW * nsdae_event_velocity_size(s),
+                        s->options->accumulation_time * rate));
 }
 
 /* The candidates; how many of them part. M^-1 F is in `lost`. */
@@ -252,7 +250,7 @@ static int choose_slow(nsdae_event_accumulation *p, double most)
     int near = is->touching[i] || T->gap[i] <= nsdae_event_position_size(s);
     p->after[i] = nsdae_terms_normal_rate(T, i, T->v);
     is->candidate[i] = near && p->after[i] <= fmin(slow_for(p, i), most);
-    if (is->candidate[i]) p->slow = fmax(p->slow, SLOW * p->after[i]);
+    if (is->candidate[i]) p->slow = fmax(p->slow, NSDAE_EVENT_SLOW * p->after[i]);
     part += is->candidate[i] && p->after[i] > nsdae_event_velocity_size(s);
   }
   return part;
@@ -534,7 +532,7 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
   p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
   double told = undecided ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
-  int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
+  int ends = !p->early || p->fastest <= NSDAE_EVENT_SLOW * nsdae_event_velocity_size(s) ||
              p->fastest * flight / 4 <= told;
   ends = ends && closed_forces(p, closed) && is_admissible(p, impact);
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;
