@@ -388,8 +388,8 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
  * - NSDAE_WARN_PAINLEVE: event chose one of two solutions; the text names the frictional joint and
  *  its multiplier
  * - NSDAE_WARN_IMPACTS: a time-stepping step solved many consecutive impacts as one
- * - NSDAE_WARN_RESTITUTION, in the first step: the restitution of the law of penalty differs from
- *  e_N
+ * - NSDAE_WARN_RESTITUTION: an impact had another restitution than e_N. penalty: by its law, in the
+ *  first step. event: it was slower than the tolerance of velocities that another body sets
  * - NSDAE_WARN_CONTACT: a contact problem was left above its tolerance, see contact_give */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* Runs to t_end, or to the end of the first step for which nsdae_sim_step returns NSDAE_EVENT or

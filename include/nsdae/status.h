@@ -25,7 +25,7 @@ extern "C" {
   X(NSDAE_WARN_DRIFT, 7, "the constraint drift exceeds the bound of the method")      \
   X(NSDAE_WARN_PAINLEVE, 8, "friction forces are not unique (Painleve)")              \
   X(NSDAE_WARN_IMPACTS, 9, "consecutive impacts were solved as one")                  \
-  X(NSDAE_WARN_RESTITUTION, 10, "the penalty law gives another restitution than e_N") \
+  X(NSDAE_WARN_RESTITUTION, 10, "an impact had another restitution than its own e_N") \
   X(NSDAE_WARN_CONTACT, 11, "a contact problem was left above its tolerance")         \
   X(NSDAE_WARN_MODEL, 12, "the model may have a mistake")                             \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                              \

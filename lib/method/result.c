@@ -106,6 +106,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->worst_residual = r->contact_tol = 0;
   r->smooth = r->located = r->given_up = 0;
   r->twofold.frictional_joint = -1;
+  r->unresolved.velocity = 0;
   r->rate = (nsdae_rate){0, -1, 0};
   r->problem = NULL;
   r->single = NULL;

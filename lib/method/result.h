@@ -37,6 +37,15 @@ typedef struct nsdae_twofold {
   double t, lambda;
 } nsdae_twofold;
 
+/* A velocity of contact that was closed without its e_N because of the speeds of other bodies
+ * alone; velocity 0: none. The contact as texts call it, and its index; tol is the tolerance of all
+ * velocities, by the coordinate `fastest`; an rtol below `least` resolves it. */
+typedef struct nsdae_unresolved {
+  int contact, fastest;
+  char called[NSDAE_CALLED_SIZE];
+  double t, velocity, tol, least;
+} nsdae_unresolved;
+
 /* The deepest contact of a list that the step did not close and that overlaps at its end. */
 typedef struct nsdae_entered {
   double depth; /* 0: none */
@@ -74,6 +83,7 @@ typedef struct nsdae_result {
     double residual, tol;
   } above;                        /* of the one that is furthest above its tolerance */
   nsdae_twofold twofold;          /* the first of the step */
+  nsdae_unresolved unresolved;    /* the first of the step */
   int smooth;                     /* nothing was closed */
   const nsdae_contacts *problem;  /* the one that was asked last, for who wants to see it fail */
   const nsdae_single *single;     /* the same of one contact in closed form */

@@ -151,6 +151,13 @@ static double size_of_pair(const double *size, const int *block)
   return isfinite(least) ? least : 0;
 }
 
+double nsdae_contact_size(const nsdae_system *s, int i)
+{
+  const double *size = s->size[NSDAE_NAME_CONTACT];
+  if (!size) return 0;
+  return s->tracked ? size_of_pair(size, s->tracked->block + 2 * i) : size[i];
+}
+
 /* The overlap that the method explains if sizes are unknown. Time stepping: see above; or the
  * rounding of a gap, 1.1 of which projection = slop leaves.
  * penalty: a spring has stored no more than its contact has taken, of what was in motion, or of the
@@ -177,10 +184,7 @@ static excess deepest(const nsdae_sim *sim, const nsdae_point *before, const nsd
   double way = depth_of(sim, point), apart = point->accounts.watch.apart;
   excess e = {OF_OVERLAP, 0, 1, 0};
   for (int i = 0; i < s->dims.k; i++)
-    compare_excess(&e, i, -r->end.gap[i],
-                   !size        ? 0
-                   : s->tracked ? watch_quarter * size_of_pair(size, s->tracked->block + 2 * i)
-                                : watch_quarter * size[i],
+    compare_excess(&e, i, -r->end.gap[i], watch_quarter * nsdae_contact_size(s, i),
                    apart > 0 && gap_before[i] > 0 ? fmin(way, apart) : way);
   for (int a = 0; a < r->closed.count; a++)
     compare_excess(&e, a, -r->closed.gap[a],
@@ -264,6 +268,24 @@ static int judge_law(const nsdae_sim *sim, nsdae_point *point)
   return status;
 }
 
+/* event: an approach without its e_N, which a smaller rtol resolves. */
+static int judge_unresolved(const nsdae_sim *sim, nsdae_point *point, int new)
+{
+  const nsdae_unresolved *of = &point->result.unresolved;
+  const nsdae_terms *end = &point->result.end;
+  char fastest[NSDAE_CALLED_SIZE];
+  if (!(of->velocity > 0) || !(new &NSDAE_MONITORS_RESTITUTION)) return NSDAE_OK;
+  point->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION;
+  nsdae_error_set(
+      end->error, NSDAE_WARN_RESTITUTION, "nsdae_sim", "rtol",
+      "at t = %.6g the velocity %.3g of %s is lost without e_N: the tolerance of velocities, "
+      "by rtol = %g and the speed of %s, is %.3g; make rtol smaller than %.2g",
+      of->t, of->velocity, of->called, sim->options.rtol,
+      nsdae_system_called(end->system, NSDAE_NAME_VELOCITY, of->fastest, fastest), of->tol,
+      of->least);
+  return nsdae_error_at(end->error, NSDAE_WARN_RESTITUTION, of->contact, of->t);
+}
+
 /* What the solver left of the contact problem of the step; new: warnings not yet given. */
 static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
@@ -329,6 +351,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
     }
   status = judge_tunnelling(sim, before, point, new);
   if (status == NSDAE_OK) status = judge_law(sim, point);
+  if (status == NSDAE_OK) status = judge_unresolved(sim, point, new);
   if (status == NSDAE_OK) status = judge_residual(sim, point, new);
   if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;

@@ -7,9 +7,11 @@
  * r / 2 <= 10 rtol dt.
  *
  * Length. A row (gap or constraint) whose way in a step is less than its tolerance has a velocity
- * that is zero to the method. It passes its lengths sum_j |W_ij q_j| unseen within a hundred steps
- * where the tolerance is more than a hundredth of them: atol, or rtol of the rotations, is no
- * measure of the bodies. */
+ * that is zero to the method. It passes its lengths unseen within a hundred steps where the
+ * tolerance is more than a hundredth of them: atol, or rtol of the rotations, is no measure of the
+ * bodies. They are the largest of sum_j |W_ij q_j|, |g_i| and the size of its bodies, if one is
+ * given: the sum alone is rounding where a body starts beside the origin. Where the sum is no more
+ * than that of the other coordinates, and no size is given, nothing is known. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -72,10 +74,15 @@ static int check_rows(nsdae_sim *sim, const nsdae_terms *T, const nsdae_rows *ro
   /* ten errors of a position, as the integrators control them far from the origin (runge_kutta.h)
    */
   double tol = 10 * (o->rtol * o->dt * nsdae_largest(T->system->dims.nv, T->v) + o->atol), way;
+  double rounding = DBL_EPSILON * nsdae_largest(T->system->dims.nq, T->q);
+  const double *arm = T->system->size[NSDAE_NAME_CONSTRAINT];
   char called[NSDAE_CALLED_SIZE];
   for (int i = 0; i < rows->count; i++) {
     double lengths = lengths_of(T, rows, i, o->dt, &way);
-    if (!(way > 0 && lengths > 0)) continue; /* at rest; at the origin: nothing is known */
+    double size = kind == NSDAE_NAME_CONTACT ? nsdae_contact_size(T->system, i) : arm ? arm[i] : 0;
+    if (!(way > 0 && (lengths > rounding || size > 0))) continue; /* at rest; nothing is known */
+    lengths = fmax(lengths, size);
+    if (kind == NSDAE_NAME_CONTACT) lengths = fmax(lengths, fabs(T->gap[i]));
     if (tol <= way || tol <= OWN_LENGTHS * lengths) continue;
     nsdae_error_set(
         &sim->error, NSDAE_E_ARGUMENT, "nsdae_sim_init", "atol",

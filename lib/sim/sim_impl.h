@@ -197,6 +197,9 @@ int nsdae_sim_check_state(nsdae_sim *sim, const char *where, double t0, const do
 /* Puts next in the place of the state. */
 void nsdae_sim_commit(nsdae_sim *sim);
 
+/* Of contact i, as nsdae_system_set_size gave it; 0: not known. */
+double nsdae_contact_size(const nsdae_system *system, int i);
+
 /* NSDAE_OK, or NSDAE_E_ARGUMENT with the reason why the run cannot be resolved from there. */
 int nsdae_start_resolved(nsdae_sim *sim, const nsdae_terms *start);
 

@@ -309,16 +309,65 @@ static void test_units(void **state)
   assert_true(resolved >= 40 && refused >= 40);
 }
 
-/* What starts at the origin shows no lengths: it is not refused, however fast it slides. */
-static void test_origin(void **state)
+/* A body of the kit, as wide as 0.1, that slides along a wall with distance `gap` and starts
+ * `beside` 0 in that direction, towards it; the wall is met, or not, as from 0. */
+static void slide_beside(int d, double beside, double gap)
+{
+  const int normal = d - 1;
+  nsdae_bodies *b;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  nsdae_record r;
+  double q[7], v[6];
+  nsdae_rigid_body body = {.mass = 1, .inertia = {d == 3, d == 3, 1}, .velocity = {1.2}};
+  nsdae_solid wall = {.shape = NSDAE_SHAPE_PLANE},
+              disc = {.shape = d == 2 ? NSDAE_SHAPE_DISC : NSDAE_SHAPE_SPHERE, .radius = 0.05};
+  wall.position[normal] = -0.05 - gap;
+  body.position[normal] = beside;
+  body.velocity[normal] = -beside;
+  assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
+  nsdae_bodies_add(b, &body);
+  int one = nsdae_bodies_add_solid(b, NSDAE_GROUND, &wall);
+  assert_true(nsdae_bodies_add_contact(b, one, nsdae_bodies_add_solid(b, 0, &disc), 0, 1, 0) >= 0);
+  assert_int_equal(nsdae_bodies_system(b, &system), NSDAE_OK);
+  nsdae_bodies_get_start(b, q, v);
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_METHOD_EVENT;
+  assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+  int status = nsdae_sim_init(sim, 0, q, v);
+  if (status >= 0) status = nsdae_sim_run(sim, 0.5);
+  if (status != NSDAE_OK)
+    fail_msg("beside %g, gap %g: %s", beside, gap, nsdae_sim_error(sim)->text);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.q[0], 0.6, 1e-9);
+  assert_near(r.q[normal], beside, fabs(beside));
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+  nsdae_bodies_destroy(&b);
+}
+
+/* Rounding of a place is no length: the gap and the width of the body are. */
+static void test_beside_the_origin(void **state)
+{
+  uint64_t random = 7;
+  (void)state;
+  for (int i = 0; i < 100; i++) {
+    double beside = pow(10, random_between(&random, -20, -9));
+    slide_beside(2 + random_below(&random, 2), i % 2 ? beside : -beside,
+                 i % 3 ? 0.75 * random_uniform(&random) : 2e-9);
+  }
+}
+
+/* What starts at the origin shows no lengths: it is not refused, however fast it slides. Nor is
+ * what starts there by the rounding of where it is along the wall. */
+static void start_at_origin(const double *q, const double *v)
 {
   const nsdae_dims dims = {.nq = 3, .k = 1, .nt = 1};
-  const double q[3] = {0}, v[] = {1e6, 0, 0};
   ball b = {1, 9.81};
   nsdae_system *system;
   nsdae_sim *sim;
   nsdae_sim_options o;
-  (void)state;
   assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
   nsdae_system_set_user(system, &b);
   nsdae_system_set_mass(system, ball_mass);
@@ -336,11 +385,18 @@ static void test_origin(void **state)
   nsdae_system_destroy(&system);
 }
 
+static void test_origin(void **state)
+{
+  (void)state;
+  start_at_origin((double[]){0, 0, 0}, (double[]){1e6, 0, 0});
+  start_at_origin((double[]){3, 7e-17, 0}, (double[]){1e6, 0, 0});
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_any_start),
-                                     cmocka_unit_test(test_moving),
-                                     cmocka_unit_test(test_short_steps),
-                                     cmocka_unit_test(test_units), cmocka_unit_test(test_origin)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_any_start),         cmocka_unit_test(test_moving),
+      cmocka_unit_test(test_short_steps),       cmocka_unit_test(test_units),
+      cmocka_unit_test(test_beside_the_origin), cmocka_unit_test(test_origin)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -173,9 +173,6 @@ static int event_close(nsdae_event_projection *p, const int *closed, const int *
   return NSDAE_OK;
 }
 
-/* Slower than this multiple of the velocity threshold, a contact that opens is closed. */
-static const double SLOW = 4;
-
 /* In accumulation_time: what is closed with more than that left is not told when it would end. */
 static const double MOST = 1000;
 
@@ -189,7 +186,7 @@ void nsdae_event_accumulation_layout(nsdae_event_accumulation *p, nsdae_arena *a
       arena, d->k,
       (int **[]){&p->settles, &p->sticks, &p->friction.slider, &p->friction.pivot, NULL});
   nsdae_arena_doubles(arena, d->k, (double **[]){&p->after, &p->normal, &p->friction.P, NULL});
-  nsdae_arena_doubles(arena, d->nv, (double **[]){&p->parting, &p->lost, NULL});
+  nsdae_arena_doubles(arena, d->nv, (double **[]){&p->parting, &p->lost, &p->flight, NULL});
   p->reaction = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->tangential = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->friction.value = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
@@ -205,16 +202,38 @@ void nsdae_event_unsettle(nsdae_event_accumulation *p)
   p->work = p->rest = 0;
 }
 
+/* The accelerations at v- with the contact forces of the phase that ends, from y: a row of angles
+ * has no part of the weight but by the forces of joints, or of what lies on its body. */
+int nsdae_event_take_flight(nsdae_event_accumulation *p, const double *y)
+{
+  const nsdae_event_phase *phase = p->acceleration->phase;
+  const nsdae_event_setting *s = phase->setting;
+  const nsdae_terms *T = s->here;
+  const nsdae_dims *d = &T->system->dims;
+  memcpy(p->flight, T->F, (size_t)d->nv * sizeof *p->flight);
+  for (int i = 0; i < d->m; i++) p->reaction[i] = -T->constraint.omega[i];
+  for (int n = 0; n < d->k; n++) {
+    int i = nsdae_system_contact(T->system, n);
+    if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
+    nsdae_rows_add(&T->system->blocks, &T->by.normal, i, y[s->at.normal + i], p->flight);
+    for (int j = i * d->nt; j < (i + 1) * d->nt; j++)
+      nsdae_rows_add(&T->system->blocks, &T->by.tangent, j, y[s->at.tangential + j], p->flight);
+  }
+  return nsdae_terms_solve(T, s->kkt, 1, p->flight, p->reaction);
+}
+
 /* How fast what contact i can be closed with may be: what it gains or loses by the accelerations
  * there are in accumulation_time, or on as short a way as the integrator's errors. */
 static double slow_for(const nsdae_event_accumulation *p, int i)
 {
   const nsdae_event_setting *s = p->acceleration->phase->setting;
   const nsdae_terms *T = s->here;
-  double rate =
-      fabs(T->omega.N[i]) + nsdae_rows_dot_sizes(&T->system->blocks, &T->by.normal, i, p->lost);
+  const nsdae_blocks *b = &T->system->blocks;
+  double rate = fabs(T->omega.N[i]) + fmax(nsdae_rows_dot_sizes(b, &T->by.normal, i, p->lost),
+                                           nsdae_rows_dot_sizes(b, &T->by.normal, i, p->flight));
   double way = sqrt(2 * rate * nsdae_event_position_size(s));
-  return fmax(way, fmax(SLOW * nsdae_event_velocity_size(s), s->options->accumulation_time * rate));
+  return fmax(way, fmax(NSDAE_EVENT_SLOW * nsdae_event_velocity_size(s),
+                        s->options->accumulation_time * rate));
 }
 
 /* The candidates; how many of them part. M^-1 F is in `lost`. */
@@ -231,7 +250,7 @@ static int choose_slow(nsdae_event_accumulation *p, double most)
     int near = is->touching[i] || T->gap[i] <= nsdae_event_position_size(s);
     p->after[i] = nsdae_terms_normal_rate(T, i, T->v);
     is->candidate[i] = near && p->after[i] <= fmin(slow_for(p, i), most);
-    if (is->candidate[i]) p->slow = fmax(p->slow, SLOW * p->after[i]);
+    if (is->candidate[i]) p->slow = fmax(p->slow, NSDAE_EVENT_SLOW * p->after[i]);
     part += is->candidate[i] && p->after[i] > nsdae_event_velocity_size(s);
   }
   return part;
@@ -513,7 +532,7 @@ int nsdae_event_ends(nsdae_event_accumulation *p, const double *closed,
   p->rest = p->left < p->all ? flight / (1 - sqrt(p->left / p->all)) : INFINITY;
   p->early = !(p->rest < s->options->accumulation_time);
   double told = undecided ? nsdae_event_position_size(s) : nsdae_event_rounding(s);
-  int ends = !p->early || p->fastest <= SLOW * nsdae_event_velocity_size(s) ||
+  int ends = !p->early || p->fastest <= NSDAE_EVENT_SLOW * nsdae_event_velocity_size(s) ||
              p->fastest * flight / 4 <= told;
   ends = ends && closed_forces(p, closed) && is_admissible(p, impact);
   if (!isfinite(p->rest) || p->rest > MOST * s->options->accumulation_time) p->rest = 0;

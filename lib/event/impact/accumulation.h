@@ -59,6 +59,7 @@ typedef struct nsdae_event_accumulation {
   int *settles, *sticks;       /* k: in the set; and held by friction */
   double *after;               /* k: normal velocities with v+ */
   double *parting, *lost;      /* nv: v+; in work */
+  double *flight;              /* nv: accelerations before the impact */
   double left, all;            /* E, E- */
   double *reaction;            /* m: bilateral impulses of a guess */
   double *normal, *tangential; /* k, k nt: impulses of the closing, which may pull */
@@ -73,6 +74,10 @@ void nsdae_event_accumulation_layout(nsdae_event_accumulation *accumulation, nsd
 
 /* Nothing settles. */
 void nsdae_event_unsettle(nsdae_event_accumulation *accumulation);
+
+/* For nsdae_event_find_set, before the impacts of an instant: from y with the forces of the phase
+ * that ends. A status of the solution. */
+int nsdae_event_take_flight(nsdae_event_accumulation *accumulation, const double *y);
 
 /* The set at v+ [nv]: of what touches, or has just left, and parts slowly, not faster than `most`.
  * Returns whether any of it parts; or a callback's status. */

@@ -229,6 +229,41 @@ static void record(nsdae_event_impacts *p, int i)
     impact->tangential_impulse[l] += c->tangential[j] + a->tangential[j];
 }
 
+/* The set ends because it is slow for the speeds of other bodies, not for those of its own. */
+static void note_slow_set(const nsdae_event_impacts *p)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_event_accumulation *a = &p->accumulation;
+  double most = 0;
+  int fastest = -1;
+  for (int i = 0; i < s->system->dims.k; i++) {
+    if (!a->settles[i]) continue;
+    most = fmax(most, nsdae_event_own_speed(s, i));
+    if (fastest < 0 || a->after[i] > a->after[fastest]) fastest = i;
+  }
+  double own = NSDAE_EVENT_SLOW * nsdae_event_velocity_size_of(s, most);
+  if (fastest >= 0 && a->after[fastest] > own &&
+      a->after[fastest] <= NSDAE_EVENT_SLOW * nsdae_event_velocity_size(s))
+    nsdae_event_unresolved(s, fastest, a->after[fastest]);
+}
+
+/* The same of contacts that come together too slowly to have an impact, or part too slowly after
+ * one to open. */
+static void note_slow(const nsdae_event_impacts *p, int parted)
+{
+  nsdae_event_setting *s = p->acceleration->phase->setting;
+  const nsdae_event_modes *m = &p->acceleration->phase->modes;
+  double size = nsdae_event_velocity_size(s);
+  for (int i = 0; i < s->system->dims.k; i++) {
+    int met = parted ? p->sequence.hit[i] && !p->accumulation.settles[i]
+                     : p->acceleration->is.touching[i] && m->contact[i] == NSDAE_MODE_OPEN;
+    if (!met || !(s->system->contact[i].e_n > 0)) continue;
+    double rate = (parted ? 1 : -1) * nsdae_terms_normal_rate(s->here, i, s->here->v);
+    double own = nsdae_event_velocity_size_of(s, nsdae_event_own_speed(s, i));
+    if (rate > own && rate <= size) nsdae_event_unresolved(s, i, rate);
+  }
+}
+
 /* What the impact did, with what closed a set, for the step. */
 static void keep(nsdae_event_impacts *p)
 {
@@ -251,6 +286,7 @@ static void keep(nsdae_event_impacts *p)
   nsdae_event_account_impact(p->account, c, p->multiplier);
   nsdae_add(d->k, 1, a->normal, r->impulses.normal);
   nsdae_add(d->k * d->nt, 1, a->tangential, r->impulses.tangential);
+  if (ends && a->early) note_slow_set(p);
   r->counters.accumulations += ends;
   r->counters.accumulations_early += (ends && a->early) || rattled;
 }
@@ -342,13 +378,17 @@ int nsdae_event_collide(nsdae_event_impacts *p, double *y)
   memset(q->hit, 0, (size_t)s->system->dims.k * sizeof *q->hit);
   q->hits = q->together = 0;
   q->decay = 0;
-  while (approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
-    int status = impact(p, y);
-    if (status < 0) return status;
+  note_slow(p, 0);
+  int status = approaching(p) ? nsdae_event_take_flight(&p->accumulation, y) : NSDAE_OK;
+  while (status == NSDAE_OK && approaching(p) && count <= most + nsdae_system_contacts(s->system)) {
+    status = impact(p, y);
+    if (status < 0) break;
     shrink(q, &p->problem, p->coming, s->options->rtol);
     q->together |= ++count >= most;
     find_touching(p);
   }
+  if (status < 0) return status;
+  if (count > 0) note_slow(p, 1);
   q->endless |= approaching(p);
   q->together = 0;
   return count;

@@ -73,9 +73,41 @@ double nsdae_event_rounding(const nsdae_event_setting *s)
 
 double nsdae_event_velocity_size(const nsdae_event_setting *s)
 {
-  double most = nsdae_largest(s->system->dims.nv, s->here->v);
+  return nsdae_event_velocity_size_of(s, nsdae_largest(s->system->dims.nv, s->here->v));
+}
+
+double nsdae_event_velocity_size_of(const nsdae_event_setting *s, double most)
+{
   const double *error = s->error_by_differences;
   double drift = fmin(error[0] + error[1] * s->options->dt, NSDAE_EVENT_DIFFERENCES * most);
   return fmax(s->options->impact_velocity,
               10 * (s->options->rtol * most + s->options->atol + drift));
+}
+
+double nsdae_event_own_speed(const nsdae_event_setting *s, int i)
+{
+  const nsdae_blocks *b = &s->system->blocks;
+  const nsdae_rows *rows = &s->here->by.normal;
+  double most = 0;
+  for (int p = rows->first[i]; p < rows->first[i + 1]; p++) {
+    int block = rows->block[p];
+    most = fmax(most, nsdae_largest(nsdae_blocks_size(b, block), s->here->v + b->first[block]));
+  }
+  return most;
+}
+
+void nsdae_event_unresolved(nsdae_event_setting *s, int i, double velocity)
+{
+  nsdae_unresolved *to = &s->result->unresolved;
+  const double *v = s->here->v;
+  double tol = nsdae_event_velocity_size(s);
+  if (to->velocity > 0) return;
+  *to = (nsdae_unresolved){.contact = nsdae_system_index(s->system, NSDAE_NAME_CONTACT, i),
+                           .t = nsdae_terms_time(s->here),
+                           .velocity = velocity,
+                           .tol = tol,
+                           .least = s->options->rtol * velocity / (NSDAE_EVENT_SLOW * tol)};
+  nsdae_system_called(s->system, NSDAE_NAME_CONTACT, i, to->called);
+  for (int j = 1; j < s->system->dims.nv; j++)
+    if (fabs(v[j]) > fabs(v[to->fastest])) to->fastest = j;
 }

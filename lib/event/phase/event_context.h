@@ -15,6 +15,9 @@
 #include "stepper.h"
 #include "tracking.h"
 
+/* Slower than this multiple of the velocity tolerance, a contact that opens is closed. */
+#define NSDAE_EVENT_SLOW 4
+
 /* The largest relative error of differences, eps^(1/2): beyond it the function is not smooth. */
 #define NSDAE_EVENT_DIFFERENCES 1.5e-8
 
@@ -57,6 +60,15 @@ int nsdae_event_solve(nsdae_event_setting *setting, nsdae_contacts *contacts,
 double nsdae_event_position_size(const nsdae_event_setting *setting);
 double nsdae_event_rounding(const nsdae_event_setting *setting);
 double nsdae_event_velocity_size(const nsdae_event_setting *setting);
+
+/* The tolerance of velocities if `most` were the largest; the largest of the bodies of contact i.
+ */
+double nsdae_event_velocity_size_of(const nsdae_event_setting *setting, double most);
+double nsdae_event_own_speed(const nsdae_event_setting *setting, int i);
+
+/* For a warning: contact i was closed with this velocity, though it exceeds the tolerance that the
+ * speeds of its bodies give. The first of the step is kept. */
+void nsdae_event_unresolved(nsdae_event_setting *setting, int i, double velocity);
 
 /* Everything that an instant asks of its point. */
 enum {
