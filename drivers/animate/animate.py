@@ -155,7 +155,7 @@ def number(low, high, whole=False):
 
 def parse(argv):
     parser = Parser(prog="nsdae-animate", description=__doc__)
-    parser.add_argument("files", nargs="+", metavar="FILE", help="trajectory, e.g. pendulum.h5")
+    parser.add_argument("files", nargs="+", metavar="file", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", action="append", metavar="OUT",
                         help=".gif, .mp4 or .html, of one file; repeatable; default FILE.gif, FILE.html and, with ffmpeg, FILE.mp4")
     parser.add_argument("--speed", type=number(1e-9, 1e9), metavar="X",

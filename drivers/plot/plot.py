@@ -502,7 +502,7 @@ parameter_at.__name__ = "value of a parameter (NAME=VALUE)"  # argparse quotes i
 
 def parse(argv):
     parser = Parser(prog="nsdae-plot", description=__doc__)
-    parser.add_argument("files", nargs="+", metavar="FILE", help="trajectory, e.g. pendulum.h5")
+    parser.add_argument("files", nargs="+", metavar="file", help="trajectory, e.g. pendulum.h5")
     parser.add_argument("-o", "--output", help="picture of one file: .png, .svg or .pdf; default FILE.png")
     parser.add_argument("--only", action="append", metavar="PANEL",
                         help=f"draw this panel ({', '.join(PANELS)}), or this quantity of a sweep, e.g. final/q; repeatable")

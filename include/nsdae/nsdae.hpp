@@ -869,7 +869,8 @@ public:
     return *this;
   }
 
-  /* nsdae_bodies_system; the system keeps the model and its callbacks. A warning is in last_error. */
+  /* nsdae_bodies_system; the system keeps the model and its callbacks. A warning is in last_error.
+   */
   nsdae::system system() const
   {
     nsdae::system made;

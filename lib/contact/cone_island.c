@@ -12,8 +12,7 @@
 #include "vector.h"
 
 /* Newton steps after the solution of islands with few contacts, and of those without impulses of a
- * step before, until rounding rules: bodies that stick there, or are placed at rest, do not creep.
- */
+ * step before, to rounding: bodies that stick there, or are placed at rest, do not creep. */
 enum { FEW = 16, REFINE = 4, STEPS = 10 };
 
 /* Where a joint is: at its limit in either direction, within it; or a planar contact. */
@@ -402,8 +401,7 @@ static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsd
   return status == NSDAE_E_LCP && work->info.residual <= work->tol ? NSDAE_OK : status;
 }
 
-/* The tolerances of accuracy.h in turn. A share of the work is for the last; the rest is for the
- * residual that is accepted instead. */
+/* To the tolerances of accuracy.h in turn, then to the residual that is accepted instead. */
 static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                  nsdae_cone_work *work)
 {
@@ -563,11 +561,10 @@ static int change_sets(nsdae_cone_island *c, const nsdae_island_equations *w, in
 static int solve_sets(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                       nsdae_cone_work *work)
 {
-  int status, planar;
   c->fastest = 0;
   gather(c, w, island, 0);
-  planar = c->problem.contacts > c->contacts;
-  status = planar ? find_fastest(c, w, work) : NSDAE_OK;
+  const int planar = c->problem.contacts > c->contacts;
+  int status = planar ? find_fastest(c, w, work) : NSDAE_OK;
   if (status < 0) return status;
   for (double times = NSDAE_BOUND_CONE;; times *= NSDAE_BOUND_FURTHER) {
     if (planar) gather(c, w, island, times);

@@ -128,8 +128,8 @@ static void whole_map(nsdae_contacts *c)
   }
   memcpy(c->map.offset, c->delassus.offset, (size_t)c->columns * sizeof *c->map.offset);
   /* G = W^T P W is symmetric */
-  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, 1, c->delassus.G, c->columns, c->map.Z,
-                               c->columns, 0, c->map.GZ, c->columns);
+  nsdae_la_multiply_transposed(c->columns, c->columns, c->rows, 1, c->delassus.G, c->columns,
+                               c->map.Z, c->columns, 0, c->map.GZ, c->columns);
   nsdae_la_multiply_transposed(c->columns, c->columns, 1, 1, c->delassus.G, c->columns, c->map.z0,
                                c->columns, 1, c->map.offset, c->columns);
 }

@@ -40,6 +40,7 @@ typedef struct nsdae_twofold {
 /* The deepest contact of a list that the step did not close and that overlaps at its end. */
 typedef struct nsdae_entered {
   double depth; /* 0: none */
+  double rate;  /* v_N */
   long id;
   int block[2];
 } nsdae_entered;

@@ -72,11 +72,10 @@ int nsdae_sim_grow(nsdae_sim *sim)
       (sim->model.tracked || !sim->model.call.contacts)) {
     if (sim->model.tracked && sim->tracked.wanted > sim->model.dims.k)
       return nsdae_sim_make_slots(sim, slots_to_have(sim));
-    return nsdae_error_set(
-        &sim->error, NSDAE_E_MEMORY, "nsdae_sim", "method",
-        "method = %s has no room in a list after t = %g, but no list asks for "
-        "more: use method = implicit",
-        sim->method->name, t);
+    return nsdae_error_set(&sim->error, NSDAE_E_MEMORY, "nsdae_sim", "method",
+                           "method = %s has no room in a list after t = %g, but no list asks for "
+                           "more: use method = implicit",
+                           sim->method->name, t);
   }
   status = nsdae_sim_make_room(sim, &contacts, &rows);
   if (status == NSDAE_OK) sim->lists.growths++;

@@ -31,8 +31,9 @@ static int refuse_concurrent(const nsdae_call *call)
   return nsdae_error_set(
       nsdae_refusal_on(call->sim), NSDAE_E_STATE, call->where, "sim",
       "%s was called while another call on this simulation was in progress, in a callback or in "
-      "another thread: call it before or after, or give each thread a simulation of its own. If a "
-      "callback left by longjmp, call nsdae_sim_destroy in the function that ran the simulation",
+      "another thread: call it before or after, or give each thread a simulation of its own. After "
+      "a "
+      "callback that left by longjmp, destroy the simulation in the function that ran it",
       call->where);
 }
 
@@ -131,8 +132,8 @@ static int refuse_nonfinite(const nsdae_result *result, const char *name, int in
   char place[16] = "";
   if (kind != OF_ONE) snprintf(place, sizeof place, "[%d]", index);
   nsdae_error_set(end->error, NSDAE_E_NONFINITE, "nsdae_sim", name,
-                  "%s%s overflows at t = %g: the step was discarded; make dt smaller", name,
-                  place, nsdae_terms_time(end));
+                  "%s%s overflows at t = %g: the step was discarded; make dt smaller", name, place,
+                  nsdae_terms_time(end));
   if (kind >= 0) nsdae_system_name_item(end->system, kind, item, end->error);
   return nsdae_error_at(end->error, NSDAE_E_NONFINITE, index, nsdae_terms_time(end));
 }

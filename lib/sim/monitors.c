@@ -45,6 +45,7 @@ static void measure_lengths(nsdae_monitors *w, const nsdae_terms *from, const ns
   }
   for (int a = 0; a < result->closed.count; a++)
     w->change = fmax(w->change, h * fmax(fabs(r->before[a]), fabs(r->after[a])));
+  if (result->entered.depth > 0) w->change = fmax(w->change, h * fabs(result->entered.rate));
   if (d->m == 0) return; /* no row to go along */
   for (int j = 0; j < d->nv; j++)
     speed = nsdae_larger(speed, nsdae_larger(fabs(from->v[j]), fabs(to->v[j])));

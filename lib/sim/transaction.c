@@ -320,6 +320,19 @@ static int is_closed(const nsdae_closed *closed, long id)
   return any;
 }
 
+/* v_N of entry i of the list. */
+static double rate_of(const nsdae_terms *T, int i)
+{
+  const nsdae_contact_list *list = &T->by.list;
+  const nsdae_blocks *blocks = &T->system->blocks;
+  double rate = list->w[(size_t)i * (size_t)(1 + list->nt)];
+  for (int s = 2 * i; s < 2 * i + 2; s++)
+    if (list->block[s] >= 0)
+      rate += nsdae_dot(nsdae_blocks_size(blocks, list->block[s]), list->value + list->at[s],
+                        T->v + blocks->first[list->block[s]]);
+  return rate;
+}
+
 /* What a contact list of the end of the step has: the gaps of the contacts that the step closed,
  * and the deepest that it did not. implicit begins its next step with this list. */
 static int look_at_end(nsdae_sim *sim, double length)
@@ -339,8 +352,10 @@ static int look_at_end(nsdae_sim *sim, double length)
   for (int i = 0; i < list->count && status == NSDAE_OK; i++) {
     if (-list->gap[i] <= fmax(touch, r->entered.depth) || is_closed(&r->closed, list->id[i]))
       continue;
-    r->entered =
-        (nsdae_entered){-list->gap[i], list->id[i], {list->block[2 * i], list->block[2 * i + 1]}};
+    r->entered = (nsdae_entered){.depth = -list->gap[i],
+                                 .rate = rate_of(&r->end, i),
+                                 .id = list->id[i],
+                                 .block = {list->block[2 * i], list->block[2 * i + 1]}};
   }
   return status;
 }

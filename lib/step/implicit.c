@@ -205,12 +205,11 @@ static int no_convergence(const nsdae_step *step, const progress *p)
         "smaller%s",
         nsdae_terms_time(step->start), p->count, p->moved, settled(step, p), text);
   else
-    nsdae_error_set(
-        s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
-        "the step from t = %g did not converge in %d iterations (change %.3g, wanted "
-        "%.3g): make dt smaller%s%s",
-        nsdae_terms_time(step->start), p->count, p->moved, settled(step, p),
-        p->apart < DIVERGED ? "" : ", and check force: it may have no bound", text);
+    nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
+                    "the step from t = %g did not converge in %d iterations (change %.3g, wanted "
+                    "%.3g): make dt smaller%s%s",
+                    nsdae_terms_time(step->start), p->count, p->moved, settled(step, p),
+                    p->apart < DIVERGED ? "" : ", and check force: it may have no bound", text);
   if (violated >= 0) nsdae_system_name_item(s->system, NSDAE_NAME_CONSTRAINT, violated, s->error);
   s->error->time = nsdae_terms_time(step->start);
   return NSDAE_E_CONVERGENCE;

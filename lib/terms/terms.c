@@ -374,8 +374,8 @@ static int bound(nsdae_terms *T)
   if (negative < 0) return status;
   T->have &= ~(unsigned)NSDAE_TERM_BOUND;
   nsdae_error_set(T->error, NSDAE_E_CALLBACK, "nsdae_terms", callback,
-                  "%s gives a negative bound %g at t = %g: it must be at least 0", callback,
-                  value, t);
+                  "%s gives a negative bound %g at t = %g: it must be at least 0", callback, value,
+                  t);
   if (nsdae_system_explain(s, t, T->q, T->v, T->error)) return NSDAE_E_CALLBACK;
   nsdae_system_name_item(s, NSDAE_NAME_FRICTIONAL_JOINT, negative, T->error);
   return nsdae_error_at(T->error, NSDAE_E_CALLBACK, negative, t);

@@ -130,8 +130,7 @@ static int speed_at(nsdae_tracking *t, const nsdae_terms *T, double *speed)
   if (status < 0 || (*speed >= 0 && isfinite(*speed))) return status;
   status = isfinite(*speed) ? NSDAE_E_CALLBACK : NSDAE_E_NONFINITE;
   nsdae_error_set(t->error, status, "nsdae_sim", "contact_speed",
-                  "contact_speed gave %g at t = %g: it must be at least 0, finite", *speed,
-                  time);
+                  "contact_speed gave %g at t = %g: it must be at least 0, finite", *speed, time);
   return nsdae_error_at(t->error, status, -1, time);
 }
 
@@ -165,11 +164,11 @@ static int check_speed(const nsdae_tracking *t, const nsdae_terms *T, double spe
   for (int i = 0; i < list->count; i++) {
     double size, rate = rate_of(list, i, T->v, &size);
     if (rate <= speed + ROUNDING * size) continue;
-    nsdae_error_set(
-        t->error, NSDAE_E_CALLBACK, "nsdae_sim", "contact_speed",
-        "contact_speed gave %g at t = %g, but the gap of %s has the rate %g: it must "
-        "be a bound of all contacts",
-        speed, nsdae_terms_time(T), nsdae_system_called_id(t->model, list->id[i], called), rate);
+    nsdae_error_set(t->error, NSDAE_E_CALLBACK, "nsdae_sim", "contact_speed",
+                    "contact_speed gave %g at t = %g, but the gap of %s has the rate %g: it must "
+                    "be a bound of all contacts",
+                    speed, nsdae_terms_time(T),
+                    nsdae_system_called_id(t->model, list->id[i], called), rate);
     return error_of(t, T, list->id[i]);
   }
   return NSDAE_OK;

@@ -7,11 +7,13 @@ import functools
 import itertools
 import os
 import tempfile
+import warnings
 from typing import Any, Iterable, NamedTuple
 
 import numpy as np
 
 from . import _core, _lists, _pointers
+from ._errors import ModelWarning
 
 # calls of the extension module that change nothing
 _READS = ("blocks", "check", "differences", "dims", "locate", "name", "simulations", "start", "system", "unseen")
@@ -96,6 +98,10 @@ class Callback:
             return None, 0, 0
         pointer = _pointers.compiled(self.name, self.function, self.user)
         if pointer is None:
+            lost = _pointers.rebound(self.name, self.function)
+            if lost:
+                warnings.warn(f"{self.name}: {lost} = ... rebinds the name and writes nothing: use {lost}[:] = ...", ModelWarning,
+                              stacklevel=4)
             return _lists.wrapped(self.name, self.function, np.asarray(self.nv, dtype=int)), 0, 0
         return None, *pointer
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
+import inspect
 import math
 import re
 from typing import Any
@@ -119,8 +121,14 @@ def of_record(status: int, code: int, index: int, time: float, argument: str, wh
                                                None if math.isnan(time) else time, argument, where)
 
 
-def of_callback(cause: BaseException) -> CallbackError:
-    return CallbackError(f"a callback raised {type(cause).__name__}: {cause}", Status.E_CALLBACK)
+def of_callback(cause: BaseException, function: Any = None) -> CallbackError:
+    """Returns the exception of a callback, which names the function and its arguments."""
+    name = getattr(function, "__qualname__", None)
+    signature = ""
+    with contextlib.suppress(TypeError, ValueError):  # of a compiled function
+        signature = str(inspect.signature(function)) if name else ""
+    by = f"the callback {name}{signature}" if name else "a callback"
+    return CallbackError(f"{by} raised {type(cause).__name__}: {cause}", Status.E_CALLBACK)
 
 
 def needed(module: str, extra: str) -> Any:

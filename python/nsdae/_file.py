@@ -38,8 +38,6 @@ RECORDS = (
      "potential energy that projection = slop added so far; a part of dissipated, < 0 there", ("time",)),
     ("certificate/lcp_residual", "lcp_residual", "1",
      "scaled natural residual of the step's complementarity problem", ("time",)),
-    ("certificate/contact_tol", "contact_tol", "1",
-     "largest tolerance of the contact problems of the step; 0: there was none", ("time",)),
     ("certificate/constraint_drift", "constraint_drift", "of the model", "max |Phi|", ("time",)),
     ("certificate/penetration", "penetration", "m|rad", "largest overlap over the contacts", ("time",)),
 )
@@ -631,9 +629,9 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
         columns[name] = _rows(file, path, n) if path in file else np.zeros((n, 0), dtype=kind)
     if "energy/potential" not in file:
         columns["potential"] = None
-    for path, name in (("energy/projection", "projection_energy"), ("certificate/contact_tol", "contact_tol")):
-        if path not in file:
-            columns[name] = np.zeros(n)
+    if "energy/projection" not in file:
+        columns["projection_energy"] = np.zeros(n)
+    columns["contact_tol"] = np.full(n, np.nan)
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"),
                ("frictional_joint", "frictional_joint_impulse"))}

@@ -29,6 +29,16 @@ def _array(name: str, values: Any, shape: tuple[int, ...], kind: Any = float) ->
         raise refused(name, f"{name} has the shape {np.shape(values)}; it must be {shape}") from None
 
 
+def _whole(name: str, values: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """An array of integers; a fraction is not cut."""
+    given = np.asarray(values)
+    if given.dtype.kind == "f":
+        wrong = given[~(given == np.rint(given))]
+        if wrong.size:
+            raise refused(name, f"{name} = {wrong.flat[0]:g} is not a whole number")
+    return _array(name, values, shape, np.int64)
+
+
 class ContactList:
     """Contact list, filled by the callback ``contacts``. It is valid until the callback returns."""
 
@@ -71,13 +81,13 @@ class ContactList:
         -----
         Values out of range fail the step. The error names the contact and the field.
         """
-        id = np.atleast_1d(np.ascontiguousarray(id, dtype=np.int64))
+        id = _whole("id", id, np.shape(np.atleast_1d(id)))
         n, rows, direction = len(id), 1 + self._core.nt, np.asarray(direction, dtype=float)
         width = direction.shape[-1] if direction.ndim else 1
         law = np.empty((n, 3))
         law[:, 0], law[:, 1], law[:, 2] = mu, e_n, e_t
         given = omega is not None
-        self._core.add(id, _array("block", block, (n, 2), np.int64), _array("gap", gap, (n,)), law,
+        self._core.add(id, _whole("block", block, (n, 2)), _array("gap", gap, (n,)), law,
                        _array("w", w, (n, rows)), given, _array("omega", omega if given else 0, (n, rows)),
                        _array("direction", direction, (n, 2, rows, width)))
 
@@ -105,10 +115,10 @@ class RowList:
         value : array_like, shape (n, nv)
             Entries of the rows for the velocities of the blocks.
         """
-        row = np.atleast_1d(np.ascontiguousarray(row, dtype=np.int64))
+        row = _whole("row", row, np.shape(np.atleast_1d(row)))
         value = np.asarray(value, dtype=float)
         width = value.shape[-1] if value.ndim else 1
-        self._core.add(row, _array("block", block, row.shape, np.int64), _array("value", value, (len(row), width)))
+        self._core.add(row, _whole("block", block, row.shape), _array("value", value, (len(row), width)))
 
 
 class BlockList:
@@ -130,10 +140,10 @@ class BlockList:
         value : array_like, shape (n, nv, nv)
             Entries [velocity of row, velocity of column].
         """
-        row = np.atleast_1d(np.ascontiguousarray(row, dtype=np.int64))
+        row = _whole("row", row, np.shape(np.atleast_1d(row)))
         value = np.asarray(value, dtype=float)
         shape = value.shape[-2:] if value.ndim > 1 else (1, 1)
-        self._core.add(row, _array("column", column, row.shape, np.int64), _array("value", value, (len(row), *shape)))
+        self._core.add(row, _whole("column", column, row.shape), _array("value", value, (len(row), *shape)))
 
 
 def sizes_of(blocks: Any) -> tuple[np.ndarray, np.ndarray]:

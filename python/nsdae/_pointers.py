@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import dis
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -36,6 +37,28 @@ _ARGUMENTS = {
     "drive": "double t, double *drive, void *user",
     "load": "double t, const double *position, const double *velocity, double *force, double *torque, void *user",
 }
+
+
+def rebound(name: str, function: Any) -> str | None:
+    """The array that the function should fill and assigns to instead, as by F = np.array(...): its values are lost.
+
+    In-place operations such as F += 1 write into the array.
+    """
+    method = getattr(function, "__self__", None) is not None
+    code = getattr(getattr(function, "__func__", function), "__code__", None)
+    if code is None:
+        return None
+    arguments = [a.strip() for a in _ARGUMENTS[name].split(",") if not a.strip().startswith(("int ", "void "))]
+    given = code.co_varnames[method : code.co_argcount]
+    filled = {of for of, kind in zip(given, arguments) if kind.startswith("double *")}
+    in_place = False
+    for step in dis.get_instructions(code):
+        stored = step.argval if isinstance(step.argval, tuple) else (step.argval,)
+        if step.opname.startswith("STORE_FAST") and not in_place and stored[0] in filled:
+            return str(stored[0])
+        in_place = step.opname.startswith("INPLACE_") or step.opname == "BINARY_OP" and step.argrepr.endswith("=")
+    return None
+
 
 
 def _kind(argument: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import tempfile
 from dataclasses import dataclass, field
@@ -116,7 +117,7 @@ class Trajectory(ContactColumns):
     lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
         Residual of the contact problem, max abs(Phi), largest overlap [m].
     contact_tol : ndarray, shape (n,)
-        The largest tolerance of the contact problems, 0 without one.
+        The largest tolerance of the contact problems, 0 without one; NaN from files, which have none.
     certificate : structured ndarray or None, shape (n,)
         ``Record.certificate`` of each record.
     sensors : dict
@@ -222,7 +223,7 @@ class Trajectory(ContactColumns):
             raise KeyError(f"'{name}' is the name of a sensor and of a coordinate or velocity: use q, v or sensors")
         if found or name in self.sensors:
             return found[0] if found else self.sensors[name]
-        known = [has for kind in ("coordinate", "velocity") for has, _ in self.names[kind]] + list(self.sensors)
+        known = dict.fromkeys([has for kind in ("coordinate", "velocity") for has, _ in self.names[kind]] + list(self.sensors))
         raise KeyError(f"no coordinate, velocity or sensor is called '{name}': they are {', '.join(known)}")
 
     def __repr__(self) -> str:
@@ -410,10 +411,13 @@ class Trajectory(ContactColumns):
                 value = ",".join("-" if c is None else str(c) for c in value)
             if value is not False:
                 arguments.append(f"--{words.get(name, name)}" + ("" if value is True else f"={value}"))
+        complaint = io.StringIO()
         try:
-            told = animate.parse(arguments)
+            with contextlib.redirect_stderr(complaint):
+                told = animate.parse(arguments)
         except SystemExit:
-            raise ValueError(f"animate() was given {options!r} for '{path}': see its help") from None
+            why = complaint.getvalue().strip().split("error: ")[-1]
+            raise ValueError(f"animate('{path}'): {why}") from None
         try:
             with self._opened() as file:
                 told.file = self.model or "the trajectory"

@@ -348,8 +348,8 @@ nb::dict bodies::add_scene(const std::string &path)
 }
 
 // Owned by the caller. The garbage collector sees its reference to the bodies, which own the
-// functions of drives and loads: one of them may refer to an owner of the system. With the text of its
-// warning, or "".
+// functions of drives and loads: one of them may refer to an owner of the system. With the text of
+// its warning, or "".
 nb::tuple bodies::make_system(nb::object self)
 {
   const bodies &b = nb::cast<const bodies &>(self);

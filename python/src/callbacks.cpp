@@ -14,6 +14,7 @@ namespace
 {
 
 thread_local PyObject *pending = nullptr;
+thread_local PyObject *raised_by = nullptr; // the function, or nullptr
 
 std::size_t length(const slot &s)
 {
@@ -66,8 +67,11 @@ void callback::clear()
   Py_XDECREF(f);
 }
 
-void remember_exception()
+void remember_exception(PyObject *function)
 {
+  Py_XINCREF(function);
+  Py_XDECREF(raised_by);
+  raised_by = function;
   PyObject *type, *value, *trace;
   PyErr_Fetch(&type, &value, &trace);
   PyErr_NormalizeException(&type, &value, &trace);
@@ -88,8 +92,10 @@ void raise_pending()
 {
   PyObject *value = pending;
   pending = nullptr;
+  nb::object by = raised_by ? nb::steal(raised_by) : nb::none();
+  raised_by = nullptr;
   if (PyErr_GivenExceptionMatches(value, PyExc_Exception)) {
-    nb::object error = make_callback_error(nb::borrow(value));
+    nb::object error = make_callback_error(nb::borrow(value), by);
     PyException_SetCause(error.ptr(), value);
     PyErr_SetObject(reinterpret_cast<PyObject *>(Py_TYPE(error.ptr())), error.ptr());
   } else {
@@ -211,7 +217,7 @@ int call::run()
   int code = result ? judge(result) : -1;
   Py_XDECREF(result);
   if (PyErr_Occurred()) {
-    remember_exception();
+    remember_exception(of.function);
     return -1;
   }
   if (code == 0) copy_out();

@@ -87,8 +87,8 @@ private:
   int used = 0;
 };
 
-// Exception of a callback on this thread, until the call of the library returns.
-void remember_exception();
+// Exception of a callback on this thread, until the call of the library returns; the function.
+void remember_exception(PyObject *function = nullptr);
 bool exception_pending();
 [[noreturn]] void raise_pending();
 

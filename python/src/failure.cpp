@@ -23,9 +23,9 @@ nb::object errors()
 
 } // namespace
 
-nb::object make_callback_error(nb::object cause)
+nb::object make_callback_error(nb::object cause, nb::object function)
 {
-  return errors().attr("of_callback")(cause);
+  return errors().attr("of_callback")(cause, function);
 }
 
 nb::str readable(const char *text)

@@ -12,8 +12,8 @@ namespace nsdae_python
 
 namespace nb = nanobind;
 
-// The CallbackError with this exception as its cause.
-nb::object make_callback_error(nb::object cause);
+// The CallbackError with this exception as its cause, of this function or None.
+nb::object make_callback_error(nb::object cause, nb::object function);
 
 // Raises the exception of the record. With the GIL.
 [[noreturn]] void raise(const nsdae_error &error);

@@ -707,9 +707,11 @@ nb::list methods()
   return names;
 }
 
-// float, int, or the choices.
+// float, int, or the choices; float or the word for zero.
 nb::object kind_of(const nsdae_param &p)
 {
+  if (p.type == NSDAE_PARAM_REAL && p.choices)
+    return nb::str((std::string("Union[float, Literal['") + p.choices[0] + "']]").c_str());
   if (p.type == NSDAE_PARAM_REAL) return nb::str("float");
   if (p.type == NSDAE_PARAM_INT) return nb::str("int");
   nb::list choices;

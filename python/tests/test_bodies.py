@@ -657,4 +657,20 @@ def test_a_simulation_keeps_what_it_reads():
     sim = build()
     gc.collect()
     sim.run(1)
-    assert sim.q[2] == pytest.approx(1 - G / 2, abs=1e-11)
+    assert sim.record.q[2] == pytest.approx(1 - G / 2, abs=1e-11)
+
+
+def test_a_name_that_is_not_there_lists_each_once():
+    world = Bodies(2, gravity=(0, -G))
+    world.add(mass=1, inertia=1)
+    with pytest.raises(KeyError) as caught:
+        nsdae.solve(world, 0.1)["zz"]
+    assert str(caught.value).count("x0") == 1
+
+
+def test_a_picture_of_an_unknown_kind_says_why(tmp_path):
+    pytest.importorskip("PIL")
+    world = Bodies(2, gravity=(0, -G))
+    world.add(mass=1, inertia=1)
+    with pytest.raises(ValueError, match=r"x\.avi'\): .*\.gif"):
+        nsdae.solve(world, 0.1).animate(str(tmp_path / "x.avi"))

@@ -190,3 +190,42 @@ def test_a_system_is_constant_while_it_has_simulations(ball):
     sim.run(1)
     del sim
     ball.set_contact(0, e_n=0.1)
+
+
+def refuse_to_write(t, q, v, F):
+    F = np.array([-1.0])  # noqa: F841
+
+
+def write_in_place(t, q, v, F):
+    F += 1
+    F[0] -= 2
+    F *= 1
+
+
+def test_an_array_that_is_rebound_is_a_warning():
+    """F = np.array(...) leaves the array of the library as it was: zero force."""
+    with pytest.warns(nsdae.ModelWarning, match=r"force: F = \.\.\. rebinds the name and writes nothing: use F\[:\] = \.\.\."):
+        nsdae.System(nq=1, k=1, **{**ball_callbacks(), "force": refuse_to_write})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        nsdae.System(nq=1, k=1, **{**ball_callbacks(), "force": write_in_place})
+
+
+def test_an_exception_names_its_callback():
+    def pull(t, q, F):
+        F[0] = 1
+
+    def widen(t, q, v, F):
+        F[:] = np.ones(3)
+
+    for force, text in ((pull, r"the callback .*pull\(t, q, F\) raised TypeError"), (widen, r"the callback .*widen\(t, q, v, F\) raised ValueError.*shape")):
+        with pytest.raises(nsdae.CallbackError, match=text):
+            nsdae.solve(nsdae.System(nq=1, k=1, **{**ball_callbacks(), "force": force}), 1, [1])
+
+
+def test_a_fraction_is_no_index():
+    from nsdae._lists import _whole
+
+    with pytest.raises(nsdae.ArgumentError, match="id = 1.5 is not a whole number"):
+        _whole("id", [1, 1.5], (2,))
+    assert _whole("id", [1.0, 2], (2,)).tolist() == [1, 2]

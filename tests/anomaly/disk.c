@@ -39,7 +39,6 @@ static const char *const column[] = {"/time",
                                      "/energy/dissipated",
                                      "/energy/projection",
                                      "/certificate/lcp_residual",
-                                     "/certificate/contact_tol",
                                      "/certificate/constraint_drift",
                                      "/certificate/penetration"};
 enum { COLUMNS = sizeof column / sizeof *column };

@@ -510,7 +510,7 @@ static int another(const nsdae_param *p, const nsdae_sim_options *o, char *text)
   int whole;
   if (p->type == NSDAE_PARAM_REAL) {
     memcpy(&value, (const char *)o + p->offset, sizeof value);
-    double half = value > 0 ? value / 2 : 1;
+    double half = value > 0 ? value / 2 : p->open & NSDAE_OR_ZERO ? p->max : 1;
     return snprintf(text, 32, "%.17g", half > p->min ? half : 1.5 * value);
   }
   memcpy(&whole, (const char *)o + p->offset, sizeof whole);

@@ -72,6 +72,7 @@ static void test_press(void **state)
     nsdae_record record;
     nsdae_sim *sim;
     nsdae_sim_options_default(&options);
+    options.contact_tol = 1e-10;
     options.method = methods[i];
     assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
     assert_int_equal(nsdae_sim_get_failed_lcp(sim, &problem), NSDAE_E_STATE);

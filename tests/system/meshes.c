@@ -108,6 +108,7 @@ static void slide(const nsdae_solid *solid, double height, int method, const cha
   nsdae_rigid_body body = body_of(solid);
   double most = 0;
   nsdae_sim_options_default(&o);
+  o.contact_tol = 1e-10;
   o.method = method;
   o.dt = 1e-3;
   body.position[0] = -0.7;

@@ -148,7 +148,6 @@ static const struct {
                 {"/energy/dissipated", 1, 0},
                 {"/energy/projection", 1, 0},
                 {"/certificate/lcp_residual", 1, 0},
-                {"/certificate/contact_tol", 1, 0},
                 {"/certificate/constraint_drift", 1, 0},
                 {"/certificate/penetration", 1, 0},
                 {"/certificate/penetration_contact", 1, 0},
