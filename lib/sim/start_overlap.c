@@ -73,9 +73,8 @@ int nsdae_initial_overlap(nsdae_terms *T, const nsdae_sim_options *options)
                           " (see start_tol); nsdae_sim_project corrects it");
   if (large.contact >= 0)
     return report_overlap(T, &large, NSDAE_E_ARGUMENT,
-                          ", a tenth of the smaller body (see start_tol), as projection = slop "
-                          "moves bodies apart in the first step; nsdae_sim_project corrects it, "
-                          "projection = none keeps it");
+                          ", a tenth of its size, with projection = slop (see start_tol); "
+                          "nsdae_sim_project corrects it");
   return report_overlap(T, &any, NSDAE_WARN_PENETRATION,
                         slop || projection == NSDAE_PROJECTION_CONTACTS
                             ? "): the first step in which it is closed moves it out; "

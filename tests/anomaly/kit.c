@@ -431,7 +431,7 @@ static void test_words(void **state)
     if (!deep) assert_int_equal(nsdae_sim_step(w.sim), status);
     named(&w, status, "q0", 0,
           deep ? "(disc 0 of body 0, disc 1 of body 1) overlaps by 0.5 at the start: it must be at "
-                 "most 0.2, a tenth of the smaller body"
+                 "most 0.2, a tenth of its size"
                : "(disc 0 of body 0, disc 1 of body 1) overlaps by 0.1 at the start");
     end(&w);
   }
