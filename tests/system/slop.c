@@ -734,32 +734,42 @@ static nsdae_bodies *rods(uint64_t seed, double *time)
   return b;
 }
 
-/* A rope of points of a few grams on a drum, with two weights. It slips if their ratio is above
- * ((c + mu s) / (c - mu s))^points, s and c of half the angle between two points, and else is at
- * rest. */
-static nsdae_bodies *rope(uint64_t seed, double *time, int *rests)
+static int pull_down(double t, const double *p, const double *v, double *force, double *torque,
+                     void *user)
+{
+  (void)t, (void)p, (void)v, (void)torque;
+  force[1] = -*(const double *)user;
+  return 0;
+}
+
+/* A rope of points of a few grams on a drum, with forces on its ends. It slips if their ratio is
+ * above
+ * ((c + mu s) / (c - mu s))^(points - 1), s and c of half the angle between two points, and else is
+ * at rest. */
+static nsdae_bodies *rope(uint64_t seed, double *time, double *load, int *rests)
 {
   const double R = 0.5, mu = random_between(&seed, 0.1, 0.6);
   const int n = 4 + random_below(&seed, 8);
   const double phi = atan(1) * 4 / (n - 1), s = sin(phi / 2), c = cos(phi / 2);
-  const double bound = pow((c + mu * s) / (c - mu * s), n), weight = 0.1;
+  const double bound = pow((c + mu * s) / (c - mu * s), n - 1);
   const double light = pow(10, random_between(&seed, -3, -2));
   *rests = random_below(&seed, 2);
+  load[0] = 1;
+  load[1] = bound * (*rests ? 0.9 : random_between(&seed, 1.03, 1.3));
   nsdae_bodies *b;
   assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
-  nsdae_bodies_set_gravity(b, (double[3]){0, -gravity, 0});
   int drum = nsdae_bodies_add_solid(b, NSDAE_GROUND,
                                     &(nsdae_solid){.shape = NSDAE_SHAPE_DISC, .radius = R});
-  double before[2] = {0};
+  double before[3] = {0};
   for (int i = 0; i < n + 2; i++) {
     const int ends = (i == 0) - (i == n + 1);
     const double turn = (n - i) * phi, in = R * (1 - 1e-12); /* closed at the start */
-    double at[2] = {in * cos(turn), in * sin(turn)}, mass = light;
-    if (ends) at[0] = -ends * R, at[1] = -0.3, mass = weight;
-    if (ends < 0) mass *= bound * (*rests ? 0.9 : random_between(&seed, 1.03, 1.3));
-    int body = nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = mass,
-                                                       .inertia = {0, 0, mass * 1e-3},
+    double at[3] = {in * cos(turn), in * sin(turn)};
+    if (ends) at[0] = -ends * R, at[1] = -0.3;
+    int body = nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = light,
+                                                       .inertia = {0, 0, light * 1e-3},
                                                        .position = {at[0], at[1]}});
+    if (ends) nsdae_bodies_add_load(b, body, at, pull_down, load + (ends < 0));
     if (!ends)
       nsdae_bodies_add_contact(
           b, drum, nsdae_bodies_add_solid(b, body, &(nsdae_solid){.shape = NSDAE_SHAPE_POINT}), mu,
@@ -777,7 +787,6 @@ static nsdae_bodies *rope(uint64_t seed, double *time, int *rests)
 
 typedef struct motion {
   double v[64], fastest; /* at the end; of all steps: translations */
-  long impacts;
   int bodies;
 } motion;
 
@@ -786,7 +795,6 @@ static int follow(nsdae_bodies *b, double time, int method, int projection, moti
 {
   nsdae_system *system;
   nsdae_record r;
-  nsdae_stats stats;
   nsdae_sim_options o = options_of(method, 0);
   int status = NSDAE_OK;
   o.dt = 1e-3;
@@ -803,8 +811,6 @@ static int follow(nsdae_bodies *b, double time, int method, int projection, moti
       m->fastest = fmax(m->fastest, hypot(r.v[3 * j], r.v[3 * j + 1]));
   }
   for (int j = 0; j < 3 * m->bodies; j++) m->v[j] = r.v[j];
-  nsdae_sim_get_stats(sim, &stats);
-  m->impacts = stats.impacts;
   end(b, system, sim);
   return status;
 }
@@ -817,8 +823,8 @@ static int members(uint64_t *seed)
   return getenv("NSDAE_LONG") ? 200 : 20 / test_share() + 1;
 }
 
-/* The stops come to rest with any restitution, as without slop, after about as many impacts: a
- * contact that the slop opened would hit again and again. */
+/* The stops come to rest with any restitution, as without slop: a contact that the slop opened
+ * would hit again and again. */
 static void stops_rest(void **state)
 {
   uint64_t seed;
@@ -836,7 +842,6 @@ static void stops_rest(void **state)
       if (fabs(m[0].v[j]) > 1e-9) break; /* not at rest in that time without slop either */
       if (!(fabs(m[1].v[j]) <= 1e-9)) fail_msg("seed %d, method %d", i / METHODS, i % METHODS);
     }
-    assert_true(m[1].impacts <= 2 * m[0].impacts + 10);
   }
 }
 
@@ -852,8 +857,8 @@ static void light_under_load(void **state)
     motion m[2];
     int rests, status[2];
     for (int slop = 0; slop < 2; slop++) {
-      double time;
-      nsdae_bodies *b = rope(seed + (uint64_t)(i / METHODS), &time, &rests);
+      double time, load[2];
+      nsdae_bodies *b = rope(seed + (uint64_t)(i / METHODS), &time, load, &rests);
       int projection = slop ? NSDAE_PROJECTION_SLOP : NSDAE_PROJECTION_NONE;
       status[slop] = follow(b, time, method, projection, &m[slop]);
     }
@@ -866,7 +871,6 @@ static void light_under_load(void **state)
         if (rests) assert_near(m[1].v[3 * j + k], 0, 1e-6);
         assert_near(m[1].v[3 * j + k], m[0].v[3 * j + k], most + 1e-9);
       }
-    assert_true(m[1].impacts <= 2 * m[0].impacts + 10);
   }
   assert_true(compared > count); /* of 2 count */
 }
