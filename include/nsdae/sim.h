@@ -346,9 +346,9 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  *
  * An overlap within the tolerance is removed by event, by the least change in the metric of M. Time
  * stepping keeps it; beyond the tolerance the first step returns NSDAE_WARN_PENETRATION.
- * projection = slop moves the contact out when it is closed, and a start deeper than a tenth of the
- * smaller body (nsdae_system_set_size) is an error; where sizes are unknown it is 1e5 times the
- * bound above for start_tol = 1e-6. A larger start_tol accepts it, nsdae_sim_project corrects it.
+ * projection = slop moves it out when the contact is closed. There a start deeper than a tenth of
+ * the smaller body (nsdae_system_set_size) is an error. Where sizes are unknown the bound is that
+ * of start_tol = 0.1. A larger start_tol accepts the start, nsdae_sim_project corrects it.
  *
  * Unless start_check is 0, each callback is called alone, once or twice, and checked. Derivatives
  * of Phi and g_N are compared with differences, at v = 0 and along two trial velocities. This takes
