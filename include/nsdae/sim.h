@@ -60,7 +60,9 @@ enum nsdae_redundant { NSDAE_REDUNDANT_ERROR, NSDAE_REDUNDANT_LEAST_NORM };
  *  (1 - e_N) h^2 v^2 / (2 r) in every step.
  * - SLOP (implicit and moreau): closed contacts that are deeper than a slop are moved to it. The
  *  change is the least in the metric of M; then the constraints are projected.
- *  The slop is h^2 a / 2, with the largest acceleration a that the forces can give to the contact.
+ *  The slop is h^2 a / 2, with the largest acceleration a that the forces can give to the contact,
+ *  with and without the constraints. It does not depend on the axes if there are blocks
+ *  (nsdae_system_set_blocks; nsdae_bodies has one a body).
  *  Constraints are also projected if one has drifted by more than 1e-4 of its size
  *  (nsdae_system_set_size).
  *  Velocities stay, except along the constraints. projection_energy of the record is the potential
@@ -344,6 +346,9 @@ NSDAE_API int nsdae_sim_project(nsdae_sim *sim, double t0, double *q0, double *v
  *
  * An overlap within the tolerance is removed by event, by the least change in the metric of M. Time
  * stepping keeps it; beyond the tolerance the first step returns NSDAE_WARN_PENETRATION.
+ * projection = slop moves it out when the contact is closed. There a start deeper than a tenth of
+ * the smaller body (nsdae_system_set_size) is an error. Where sizes are unknown the bound is that
+ * of start_tol = 0.1. A larger start_tol accepts the start, nsdae_sim_project corrects it.
  *
  * Unless start_check is 0, each callback is called alone, once or twice, and checked. Derivatives
  * of Phi and g_N are compared with differences, at v = 0 and along two trial velocities. This takes

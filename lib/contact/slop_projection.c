@@ -33,7 +33,7 @@ enum { ARRAYS = 12 };
 
 void nsdae_slop_layout(nsdae_slop_projection *s, const nsdae_system *system, nsdae_arena *arena)
 {
-  s->free = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
+  s->by.free = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->change = NSDAE_ARENA_DOUBLES(arena, system->dims.nv);
   s->factor.L = NSDAE_ARENA_DOUBLES(arena, nsdae_blocks_largest(&system->blocks));
   nsdae_contact_islands_layout(&s->end.islands, system, arena);
@@ -96,17 +96,59 @@ static size_t append(nsdae_slop_projection *s, const nsdae_terms *T, const nsdae
   return at;
 }
 
-/* a of contact i. */
-static double acceleration(const nsdae_slop_projection *s, const nsdae_terms *T, int i)
+/* row_i . x over block b; k: the number that its part has in most rows. */
+static double dot_part(const nsdae_blocks *blocks, const nsdae_rows *rows, int i, int k, int b,
+                       const double *x)
+{
+  int p = rows->first[i] + k, end = rows->first[i + 1];
+  double sum = 0;
+  if (!(p < end && rows->block[p] == b)) p = rows->first[i];
+  while (p < end && rows->block[p] != b) p++;
+  if (p == end) return 0;
+  const double *value = rows->value + rows->at[p];
+  for (int j = blocks->first[b]; j < blocks->first[b + 1]; j++, value += rows->stride)
+    sum += *value * x[j];
+  return sum;
+}
+
+/* a_i of bodies with the accelerations x. */
+static double of_bodies(const nsdae_terms *T, int i, const double *x)
+{
+  const nsdae_blocks *blocks = &T->system->blocks;
+  const nsdae_rows *W = &T->by.normal;
+  int nt = T->system->dims.nt;
+  double sum = 0;
+  for (int p = W->first[i]; p < W->first[i + 1]; p++) {
+    int k = p - W->first[i], b = W->block[p];
+    double along = dot_part(blocks, W, i, k, b, x), square = along * along;
+    for (int j = i * nt; j < (i + 1) * nt; j++) {
+      along = dot_part(blocks, &T->by.tangent, j, k, b, x);
+      square += along * along;
+    }
+    sum += sqrt(square);
+  }
+  return sum;
+}
+
+/* a_i of coordinates without blocks. */
+static double of_entries(const nsdae_terms *T, int i, const double *x)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   int nt = T->system->dims.nt;
-  double along = nsdae_rows_dot_sizes(blocks, &T->by.normal, i, s->free), square = along * along;
+  double along = nsdae_rows_dot_sizes(blocks, &T->by.normal, i, x), square = along * along;
   for (int j = i * nt; j < (i + 1) * nt; j++) {
-    along = nsdae_rows_dot_sizes(blocks, &T->by.tangent, j, s->free);
+    along = nsdae_rows_dot_sizes(blocks, &T->by.tangent, j, x);
     square += along * along;
   }
   return sqrt(square);
+}
+
+static double acceleration(const nsdae_slop_projection *s, const nsdae_terms *T, int i)
+{
+  double (*of)(const nsdae_terms *, int, const double *) =
+      T->system->by_blocks ? of_bodies : of_entries;
+  double most = of(T, i, s->by.free);
+  return s->by.held ? fmax(most, of(T, i, s->by.held)) : most;
 }
 
 /* s of contact i; touch: nsdae_terms_touch, a loop over q. */
@@ -245,14 +287,15 @@ static void keep_gaps(const nsdae_slop_projection *s, const nsdae_problem *p)
 }
 
 double nsdae_slop_find(nsdae_slop_projection *s, const nsdae_problem *p, const nsdae_terms *T,
-                       const double *v, double rest, double h)
+                       const double *v, const double *held, double rest, double h)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
   const double touch = nsdae_terms_touch(T);
   double most = 0;
   s->factored = -1;
-  memcpy(s->free, T->F, (size_t)T->system->dims.nv * sizeof *s->free);
-  for (int b = 0; b < blocks->count; b++) solve_block(s, T, b, s->free + blocks->first[b]);
+  memcpy(s->by.free, T->F, (size_t)T->system->dims.nv * sizeof *s->by.free);
+  for (int b = 0; b < blocks->count; b++) solve_block(s, T, b, s->by.free + blocks->first[b]);
+  s->by.held = held;
   for (int a = 0; a < p->count; a++) {
     int i = p->number[a];
     double gap = T->gap[i] + rest * nsdae_terms_normal_rate(T, i, v);

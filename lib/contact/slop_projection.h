@@ -18,12 +18,20 @@
  * The slop is the way of a contact in a step of length h, from rest, at the largest acceleration
  * that the forces can give it:
  *
- *   s_i = h^2 / 2 a_i,   a_i = |(|W_i|^T |M^-1 F|, |T_i|^T |M^-1 F|)|,   T_i its tangents
+ *   s_i = h^2 / 2 a_i,   a_i = sum over its blocks b of |(W_b, T_b)^T a_b|,   T its tangents
  *
- * with the sizes of all entries: the forces of two bodies add up, and they may have any sign when
- * the neighbours change. It does not depend on how the coordinates are divided into blocks. A
- * contact at rest that is s_i deep remains closed. It is above the rounding of a gap
- * (nsdae_terms_touch). */
+ * in the Euclidean norm: a_b is the acceleration of body b, the norm that of its point in the
+ * contact, whatever the axes are. The forces of two bodies add up, as they may have any sign when
+ * the neighbours change. Without blocks of the user's the coordinates may be those of several
+ * bodies: then each entry is taken as a body.
+ *
+ * a is M^-1 F, and what the constraints leave of it, as forces may reach a contact through them
+ * alone: the larger value of a_i is taken. The second is
+ *
+ *   M a + Phi_q^T l = F,   Phi_q a = Phi_q (v_1 - v_0) / h
+ *
+ * of which the second row is the acceleration of the constraints in the step. A contact at rest
+ * that is s_i deep remains closed. It is above the rounding of a gap (nsdae_terms_touch). */
 #ifndef NSDAE_SLOP_PROJECTION_H
 #define NSDAE_SLOP_PROJECTION_H
 
@@ -42,17 +50,24 @@ typedef struct nsdae_slop_pair {
   double *before, *begun;
 } nsdae_slop_pair;
 
+/* Accelerations [nv]: M^-1 F, and with the constraints; held NULL: not asked for. */
+typedef struct nsdae_slop_accelerations {
+  double *free;
+  const double *held;
+} nsdae_slop_accelerations;
+
 /* A row is a contact of an island or, after these, a row of Phi_q or a frictional joint. */
 typedef struct nsdae_slop_projection {
-  double *missing;       /* rows: g + s, 0 of Phi_q */
-  double *slop;          /* contacts of the island: s */
-  double *weight;        /* rows: W^T M^-1 W */
-  double *multiplier;    /* rows: l, m */
-  double *gap;           /* closed contacts, by number: at the end of the step */
-  double *moved;         /* the same: W^T d */
-  size_t *at;            /* rows: where their values begin */
-  double *inverse;       /* values: M^-1 W, part by part */
-  double *free, *change; /* nv: M^-1 F, d */
+  double *missing;    /* rows: g + s, 0 of Phi_q */
+  double *slop;       /* contacts of the island: s */
+  double *weight;     /* rows: W^T M^-1 W */
+  double *multiplier; /* rows: l, m */
+  double *gap;        /* closed contacts, by number: at the end of the step */
+  double *moved;      /* the same: W^T d */
+  size_t *at;         /* rows: where their values begin */
+  double *inverse;    /* values: M^-1 W, part by part */
+  double *change;     /* nv: d */
+  nsdae_slop_accelerations by;
   nsdae_slop_contacts end;
   nsdae_slop_pair last;
   nsdae_block_factor factor;
@@ -69,9 +84,11 @@ void nsdae_slop_release(nsdae_slop_projection *slop);
 /* Gaps of the closed contacts at the end of a step of length h. They were closed at the terms'
  * point, a time rest before the end, with the mean velocity v until then. The terms have M, F and
  * all rows. The gaps of a list become those of the end. Returns the way by which the deepest is
- * too deep; 0: none is. */
+ * too deep; 0: none is. held: the accelerations with constraints [nv], which stay until the
+ * solution, or NULL, without them. */
 double nsdae_slop_find(nsdae_slop_projection *slop, const nsdae_problem *problem,
-                       const nsdae_terms *terms, const double *v, double rest, double h);
+                       const nsdae_terms *terms, const double *v, const double *held, double rest,
+                       double h);
 
 /* change, at the end of the step: the terms have M, Phi_q and contacts, those of a list within a
  * reach. Returns the number of islands that move. NSDAE_ARRAYS_GROW and other statuses of the list

@@ -7,7 +7,7 @@
  *   | |q_unit| - 1 |       <= tol
  *
  * tol = 1e-6 takes numbers of six digits. Overlap beyond its bound is an error of event, a warning
- * of time stepping, and the contact force of penalty. */
+ * of time stepping, and the contact force of penalty (start_overlap.c). */
 
 #include <float.h>
 #include <limits.h>
@@ -49,33 +49,6 @@ static int check_constraints(const nsdae_terms *T, double tol)
                           bound);
   }
   return NSDAE_OK;
-}
-
-/* event needs a start without overlap: a contact that is closed has the gap 0 there. Time stepping
- * keeps the overlap of a start, as nothing in it moves bodies apart. */
-static int check_gaps(nsdae_terms *T, int method, double tol)
-{
-  char called[NSDAE_CALLED_SIZE];
-  int event = method == NSDAE_METHOD_EVENT, i = -1;
-  int status = event ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
-  double bound = 0, q = nsdae_largest(T->system->dims.nq, T->q);
-  nsdae_terms_select_all(T);
-  /* the deepest of the contacts that overlap by more than their bound */
-  for (int j = 0; j < T->by.normal.count && method != NSDAE_METHOD_PENALTY; j++) {
-    double most = tol * (1 + q * nsdae_rows_sum(&T->system->blocks, &T->by.normal, j));
-    if (!(-T->gap[j] > most) || (i >= 0 && T->gap[j] >= T->gap[i])) continue;
-    i = j;
-    bound = most;
-  }
-  if (i < 0) return NSDAE_OK;
-  nsdae_error_set(T->error, status, "nsdae_sim_init", "q0",
-                  event ? "%s overlaps by %.6g at the start: it must be at most %.3g (see "
-                          "start_tol); nsdae_sim_project corrects it"
-                        : "%s overlaps by %.6g at the start, above the bound of start_tol (%.3g): "
-                          "the method keeps this overlap; nsdae_sim_project corrects it",
-                  nsdae_terms_called(T, NSDAE_NAME_CONTACT, i, called), -T->gap[i], bound);
-  return nsdae_error_at(T->error, status, nsdae_system_index(T->system, NSDAE_NAME_CONTACT, i),
-                        nsdae_terms_time(T));
 }
 
 /* A quaternion has length one; two coordinates may as well be a point on a circle. The group
@@ -389,7 +362,7 @@ int nsdae_initial_check(nsdae_projector *p, nsdae_terms *T, double *work)
   int status = o->start_check ? check_drives(T) : NSDAE_OK;
   if (status == NSDAE_OK) status = check_constraints(T, o->start_tol);
   if (status == NSDAE_OK) status = check_derivatives(p, T, work);
-  return status < 0 ? status : check_gaps(T, o->method, o->start_tol);
+  return status < 0 ? status : nsdae_initial_overlap(T, o);
 }
 
 /* ---- putting one right */

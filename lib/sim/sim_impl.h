@@ -276,6 +276,10 @@ void nsdae_sim_leave(nsdae_call *call);
  * are those of the start; work has nsdae_initial_size numbers. */
 int nsdae_initial_check(nsdae_projector *projection, nsdae_terms *start, double *work);
 
+/* Of the overlaps of the start: NSDAE_OK, NSDAE_WARN_PENETRATION, or NSDAE_E_ARGUMENT where event
+ * cannot begin, or where projection = slop would move bodies by more than a tenth of them. */
+int nsdae_initial_overlap(nsdae_terms *start, const nsdae_sim_options *options);
+
 /* Moves the start of event to gaps >= 0 and to the constraints if a contact overlaps: the least
  * change in the metric of M. 1: moved; NSDAE_OK: nothing to do; NSDAE_E_CONVERGENCE naming the
  * worst row, and what the terms return. */

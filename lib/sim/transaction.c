@@ -1,5 +1,6 @@
 /* Steps: a method fills the next point from the state, which is committed here, or dropped. */
 #include <math.h>
+#include <string.h>
 
 #include "clock.h"
 #include "errors.h"
@@ -247,22 +248,45 @@ static int move_by(nsdae_sim *sim, double deepest, int drifted, double h, double
   return NSDAE_OK;
 }
 
-/* By how much the deepest closed contact is too deep. Both methods closed them at home: moreau
- * moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. */
-static int find_deepest(nsdae_sim *sim, double h, double *deepest)
+/* Accelerations with the constraints at home, of slop_projection.h, in a step of length h. */
+static int hold(nsdae_sim *sim, const nsdae_terms *home, double h)
+{
+  nsdae_least *least = &sim->projection.least;
+  const nsdae_terms *start = &sim->now->result.end, *end = &sim->next->result.end;
+  const nsdae_blocks *blocks = &sim->system->blocks;
+  const nsdae_rows *J = &home->by.jacobian;
+  nsdae_least_start(least);
+  for (int i = 0; i < sim->system->dims.m; i++)
+    nsdae_least_append(
+        least, J, i,
+        (nsdae_rows_dot(blocks, J, i, start->v) - nsdae_rows_dot(blocks, J, i, end->v)) / h);
+  memcpy(least->change, home->F, (size_t)sim->system->dims.nv * sizeof *least->change);
+  return nsdae_least_solve(least, home);
+}
+
+/* By how much the deepest closed contact is too deep, h: of the slop. Both methods closed them at
+ * home: moreau moves from there by h/2 v_1, implicit by h (v_0 + v_1) / 2. Most are not too deep
+ * without the constraints, which spares their solution. */
+static int find_deepest(nsdae_sim *sim, double h, double length, double *deepest)
 {
   nsdae_stepper *s = &sim->stepper;
   nsdae_terms *end = &sim->next->result.end, *start = &sim->now->result.end;
   nsdae_terms *home = s->problem.home == start ? start : &s->middle;
   const unsigned terms = NSDAE_TERM_MASS | NSDAE_TERM_FORCE | NSDAE_TERM_GAP | NSDAE_TERM_NORMAL |
-                         NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS;
+                         NSDAE_TERM_TANGENT | NSDAE_TERM_BIAS | NSDAE_TERM_JACOBIAN;
+  double rest = end->t - home->t;
   *deepest = 0;
   if (s->problem.count == 0) return NSDAE_OK;
   int status = nsdae_terms_need(home, terms);
   if (status < 0) return status;
   for (int j = 0; j < sim->system->dims.nv; j++)
     s->v_other[j] = home == start ? (start->v[j] + end->v[j]) / 2 : end->v[j];
-  *deepest = nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, end->t - home->t, h);
+  *deepest = nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, NULL, rest, h);
+  if (*deepest == 0 || sim->system->dims.m == 0) return NSDAE_OK;
+  status = hold(sim, home, length);
+  if (status < 0) return status;
+  const double *held = sim->projection.least.change;
+  *deepest = nsdae_slop_find(&sim->slop, &s->problem, home, s->v_other, held, rest, h);
   return NSDAE_OK;
 }
 
@@ -271,7 +295,7 @@ static int find_deepest(nsdae_sim *sim, double h, double *deepest)
 static int move_to_slop(nsdae_sim *sim, double length)
 {
   double h = fmax(length, sim->options.dt), deepest; /* a short step has the slop of dt */
-  int drifted = 0, status = find_deepest(sim, h, &deepest);
+  int drifted = 0, status = find_deepest(sim, h, length, &deepest);
   if (status == NSDAE_OK) status = find_drift(&sim->next->result.end, &drifted);
   if (status < 0) return status;
   return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h, length) : NSDAE_OK;

@@ -164,11 +164,12 @@ static void test_pin(void **state)
   }
   const nsdae_solid plane = {.shape = NSDAE_SHAPE_PLANE},
                     disc = {.shape = NSDAE_SHAPE_DISC, .radius = 1};
-  world w = begin(2); /* the centre of a disc on a plane's origin is an overlap, no more */
+  world w = begin(2); /* the centre of a disc on a plane's origin is an overlap: it has a normal */
   int floor = nsdae_bodies_add_solid(w.bodies, NSDAE_GROUND, &plane);
   nsdae_bodies_add_contact(w.bodies, floor,
                            nsdae_bodies_add_solid(w.bodies, body(&w, 0, 0, 0), &disc), 0, 0, 0);
-  assert_int_equal(start(&w, NSDAE_METHOD_MOREAU, 1), NSDAE_OK);
+  assert_int_equal(start(&w, NSDAE_METHOD_MOREAU, 1), NSDAE_E_ARGUMENT);
+  named(&w, NSDAE_E_ARGUMENT, "q0", 0, "overlaps by 1 at the start: it must be at most 0.2");
   end(&w);
   w = begin(3);
   pin(&w, 3, 0);
@@ -417,17 +418,21 @@ static void test_words(void **state)
   assert_int_equal(start(&w, NSDAE_METHOD_IMPLICIT, 1), NSDAE_E_RANK);
   assert_non_null(strstr(nsdae_sim_error(w.sim)->text, "(revolute joint"));
   end(&w);
-  for (int listed = 0; listed < 2; listed++) {
+  for (int k = 0; k < 4; k++) { /* a tenth of a disc is 0.2 */
+    const int listed = k % 2, deep = k / 2;
     const nsdae_solid ball = {.shape = NSDAE_SHAPE_DISC, .radius = 1};
     w = begin(2);
     for (int i = 0; i < 3; i++)
-      nsdae_bodies_add_solid(w.bodies, body(&w, 1.5 * i * i, 0, 0), &ball);
+      nsdae_bodies_add_solid(w.bodies, body(&w, (deep ? 1.5 : 1.9) * i * i, 0, 0), &ball);
     if (listed) nsdae_bodies_set_pair(w.bodies, 0, 0, 0, 0, 0);
     if (!listed) nsdae_bodies_add_contact(w.bodies, 0, 1, 0, 0, 0);
-    assert_int_equal(start(&w, NSDAE_METHOD_MOREAU, 1), NSDAE_OK);
-    assert_int_equal(nsdae_sim_step(w.sim), NSDAE_WARN_PENETRATION);
-    named(&w, NSDAE_WARN_PENETRATION, "q0", 0,
-          "(disc 0 of body 0, disc 1 of body 1) overlaps by 0.5 at the start");
+    int status = deep ? NSDAE_E_ARGUMENT : NSDAE_WARN_PENETRATION;
+    assert_int_equal(start(&w, NSDAE_METHOD_MOREAU, 1), deep ? status : NSDAE_OK);
+    if (!deep) assert_int_equal(nsdae_sim_step(w.sim), status);
+    named(&w, status, "q0", 0,
+          deep ? "(disc 0 of body 0, disc 1 of body 1) overlaps by 0.5 at the start: it must be at "
+                 "most 0.2, a tenth of its size"
+               : "(disc 0 of body 0, disc 1 of body 1) overlaps by 0.1 at the start");
     end(&w);
   }
 }

@@ -444,14 +444,19 @@ static void test_no_room(void **state)
   nsdae_system_set_mass_blocks(s, one_mass);
   nsdae_system_set_force(s, no_force);
   nsdae_system_set_contacts(s, walls);
-  assert_int_equal(nsdae_sim_create(s, NULL, &sim, NULL), NSDAE_OK);
-  assert_int_equal(nsdae_sim_project(sim, 0, q, v), NSDAE_E_CONVERGENCE);
-  assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact of id 3"));
-  assert_true(q[0] == -0.1 && v[0] == 0.3);
-  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
-  assert_int_equal(nsdae_sim_step(sim), NSDAE_WARN_PENETRATION); /* of the start */
-  assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact of id 32 overlaps by 0.4"));
-  nsdae_sim_destroy(&sim);
+  nsdae_sim_options o;
+  nsdae_sim_options_default(&o);
+  for (int slop = 0; slop < 2; slop++) {
+    o.projection = slop ? NSDAE_PROJECTION_SLOP : NSDAE_PROJECTION_NONE;
+    assert_int_equal(nsdae_sim_create(s, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_project(sim, 0, q, v), NSDAE_E_CONVERGENCE);
+    assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact of id 3"));
+    assert_true(q[0] == -0.1 && v[0] == 0.3);
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), slop ? NSDAE_E_ARGUMENT : NSDAE_OK);
+    if (!slop) assert_int_equal(nsdae_sim_step(sim), NSDAE_WARN_PENETRATION); /* of the start */
+    assert_non_null(strstr(nsdae_sim_error(sim)->text, "contact of id 32 overlaps by 0.4"));
+    nsdae_sim_destroy(&sim);
+  }
   nsdae_system_destroy(&s);
 }
 

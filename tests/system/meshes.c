@@ -108,6 +108,7 @@ static void slide(const nsdae_solid *solid, double height, int method, const cha
   nsdae_rigid_body body = body_of(solid);
   double most = 0;
   nsdae_sim_options_default(&o);
+  o.start_tol = 1; /* some begin deep in the ground */
   o.contact_tol = 1e-10;
   o.method = method;
   o.dt = 1e-3;
@@ -191,6 +192,7 @@ static void settle(const nsdae_solid *ground, const nsdae_solid *solid, const do
   nsdae_rigid_body body = {.mass = 0};
   double first, depth = 0, deepest = 0;
   nsdae_sim_options_default(&o);
+  o.start_tol = 1; /* some begin deep in the ground */
   o.method = method;
   o.dt = 1e-3;
   o.projection = NSDAE_PROJECTION_SLOP;

@@ -35,6 +35,7 @@ static nsdae_sim *begin(nsdae_bodies *b, int method, double dt, nsdae_system **s
 {
   nsdae_sim_options o;
   nsdae_sim_options_default(&o);
+  o.start_tol = 1; /* some begin deep in each other */
   o.method = method;
   o.dt = dt;
   o.contact_tol = 1e-8;
