@@ -130,7 +130,7 @@ static double of_bodies(const nsdae_terms *T, int i, const double *x)
   return sum;
 }
 
-/* a_i of coordinates without blocks. */
+/* a_i of coordinates that may be those of several bodies. */
 static double of_entries(const nsdae_terms *T, int i, const double *x)
 {
   const nsdae_blocks *blocks = &T->system->blocks;
@@ -146,7 +146,7 @@ static double of_entries(const nsdae_terms *T, int i, const double *x)
 static double acceleration(const nsdae_slop_projection *s, const nsdae_terms *T, int i)
 {
   double (*of)(const nsdae_terms *, int, const double *) =
-      T->system->by_blocks ? of_bodies : of_entries;
+      T->system->maker.of ? of_bodies : of_entries;
   double most = of(T, i, s->by.free);
   return s->by.held ? fmax(most, of(T, i, s->by.held)) : most;
 }

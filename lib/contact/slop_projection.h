@@ -22,8 +22,8 @@
  *
  * in the Euclidean norm: a_b is the acceleration of body b, the norm that of its point in the
  * contact, whatever the axes are. The forces of two bodies add up, as they may have any sign when
- * the neighbours change. Without blocks of the user's the coordinates may be those of several
- * bodies: then each entry is taken as a body.
+ * the neighbours change. The blocks of the kit are bodies. Those of callbacks may hold several, or
+ * other coordinates: there each entry is taken as a body.
  *
  * a is M^-1 F, and what the constraints leave of it, as forces may reach a contact through them
  * alone: the larger value of a_i is taken. The second is

@@ -154,7 +154,7 @@ static double size_of_pair(const double *size, const int *block)
 double nsdae_contact_size(const nsdae_system *s, int i)
 {
   const double *size = s->size[NSDAE_NAME_CONTACT];
-  if (!size) return 0;
+  if (!size || (s->tracked && !s->tracked->used[i])) return 0; /* a free slot has no blocks */
   return s->tracked ? size_of_pair(size, s->tracked->block + 2 * i) : size[i];
 }
 
