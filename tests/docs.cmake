@@ -22,6 +22,7 @@ if(Python3_FOUND)
 endif()
 if(NSDAE_DRIVERS)
   nsdae_docs_test(man ${PROJECT_BINARY_DIR}/bin ${PROJECT_BINARY_DIR}/share/man/man1)
+  set_tests_properties(docs/man PROPERTIES TIMEOUT 1800 LABELS package) # it runs the examples of each page
 endif()
 if(NSDAE_DRIVERS AND NSDAE_HDF5 AND NSDAE_SUNDIALS AND NOT NSDAE_SANITIZE) # cc has no sanitizer
   nsdae_docs_test(guide ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
