@@ -23,13 +23,21 @@ enum {
   BYTES_PER_SECOND = 20 << 20
 };
 
+#if defined(__SANITIZE_ADDRESS__)
+#define ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ADDRESS_SANITIZER
+#endif
+#endif
+
 static void set_limits(const char *path)
 {
   struct stat status = {0};
   struct rlimit most;
   stat(path, &status);
   most.rlim_cur = most.rlim_max = BASE_BYTES + (rlim_t)BYTES_PER_BYTE * (rlim_t)status.st_size;
-#ifndef __SANITIZE_ADDRESS__ /* whose own map of the memory is larger than any limit */
+#ifndef ADDRESS_SANITIZER /* whose own map of the memory is larger than any limit */
   setrlimit(RLIMIT_AS, &most);
 #endif
   most.rlim_cur = most.rlim_max = 0;

@@ -106,8 +106,7 @@ static int add_pair(const disks *d, nsdae_contact_list *list, int i, int j, cons
 /* The cell along an axis; what is outside is in the outermost. */
 static int cell_of(const disks *d, int axis, const double *q, double edge)
 {
-  int cell = (int)floor(q[axis] / edge);
-  return cell < 0 ? 0 : cell < d->cells[axis] ? cell : d->cells[axis] - 1;
+  return (int)fmax(0, fmin(floor(q[axis] / edge), d->cells[axis] - 1));
 }
 
 static void sort_into_cells(disks *d, const double *q, double edge)

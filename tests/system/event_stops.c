@@ -109,7 +109,7 @@ static void test_rods(void **state)
     double c = m * g * L / (inertia + m * L * L), a = c * cos(low), w = 0;
     nsdae_bodies *b;
     assert_int_equal(nsdae_bodies_create(d, &b, NULL), NSDAE_OK);
-    nsdae_bodies_set_gravity(b, d == 2 ? (double[]){0, -g} : (double[]){0, 0, -g});
+    nsdae_bodies_set_gravity(b, d == 2 ? (double[]){0, -g, 0} : (double[]){0, 0, -g});
     nsdae_bodies_add(
         b, &(nsdae_rigid_body){.mass = m,
                                .inertia = {d == 3 ? inertia : 0, d == 3 ? inertia : 0, inertia},
@@ -151,7 +151,7 @@ static void test_levers(void **state)
     double e_n = random_between(&s, 0.1, 0.5);
     nsdae_bodies *b;
     assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
-    nsdae_bodies_set_gravity(b, (double[]){0, -9.81});
+    nsdae_bodies_set_gravity(b, (double[]){0, -9.81, 0});
     nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = m, .inertia = {0, 0, inertia}});
     nsdae_bodies_add(b, &(nsdae_rigid_body){.mass = m, .inertia = {0, 0, m}, .position = {arm, r}});
     int joint = nsdae_bodies_add_joint(
@@ -185,7 +185,7 @@ static void test_beside_a_rotor(void **state)
     nsdae_bodies *b;
     if (10 * rtol * spin > 0.01) continue; /* lengths of the start are not resolved */
     assert_int_equal(nsdae_bodies_create(2, &b, NULL), NSDAE_OK);
-    nsdae_bodies_set_gravity(b, (double[]){0, -g});
+    nsdae_bodies_set_gravity(b, (double[]){0, -g, 0});
     nsdae_bodies_add(b,
                      &(nsdae_rigid_body){
                          .mass = 1, .inertia = {0, 0, 1}, .position = {5}, .spin = {0, 0, spin}});

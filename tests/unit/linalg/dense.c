@@ -289,7 +289,7 @@ static void test_fronts(void **state)
     copy(n, n, A, theirs);
     assert_int_equal(nsdae_la_cholesky_pivots(p, ours, LD), 0);
     nsdae_la_eliminate_below(p, n - p, -1, ours, LD);
-    assert_int_equal(nsdae_la_cholesky_pivots(n - p, ours + p * (LD + 1), LD), 0);
+    if (p < n) assert_int_equal(nsdae_la_cholesky_pivots(n - p, ours + p * (LD + 1), LD), 0);
     assert_int_equal(LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, theirs, LD), 0);
     expect_near(n, n, ours, theirs, tolerance(n));
 
