@@ -101,7 +101,12 @@ int nsdae_hull_create(int points, const double *point, const nsdae_hull **hull, 
   int left, whole;
   double *scaled = malloc(3 * (size_t)points * sizeof *scaled);
   char page[256];
-  FILE *nowhere = fmemopen(page, sizeof page, "w"); /* for its messages: no file, which may fail */
+  /* for its messages: no file, which may fail */
+#ifdef _WIN32
+  FILE *nowhere = fopen("NUL", "w");
+#else
+  FILE *nowhere = fmemopen(page, sizeof page, "w");
+#endif
   char command[] = "qhull Pp";
   int status = NSDAE_OK;
   if (!scaled || !nowhere) {
