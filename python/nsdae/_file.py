@@ -631,7 +631,6 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
         columns["potential"] = None
     if "energy/projection" not in file:
         columns["projection_energy"] = np.zeros(n)
-    columns["contact_tol"] = np.full(n, np.nan)
     counts = {kind: columns[name].shape[1] for kind, name in
               (("coordinate", "q"), ("velocity", "v"), ("constraint", "multiplier"),
                ("frictional_joint", "frictional_joint_impulse"))}

@@ -116,8 +116,6 @@ class Trajectory(ContactColumns):
         Potential energy [J]; None without a potential.
     lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
         Residual of the contact problem, max abs(Phi), largest overlap [m].
-    contact_tol : ndarray, shape (n,)
-        The largest tolerance of the contact problems, 0 without one; NaN from files, which have none.
     certificate : structured ndarray or None, shape (n,)
         ``Record.certificate`` of each record.
     sensors : dict
@@ -163,7 +161,6 @@ class Trajectory(ContactColumns):
     dissipated: np.ndarray
     projection_energy: np.ndarray
     lcp_residual: np.ndarray
-    contact_tol: np.ndarray
     constraint_drift: np.ndarray
     penetration: np.ndarray
     impacts: np.ndarray

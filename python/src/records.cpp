@@ -86,6 +86,7 @@ void bind_records(nb::module_ &m)
   NSDAE_PYTHON_SCALAR(dissipated)
   NSDAE_PYTHON_SCALAR(projection_energy)
   NSDAE_PYTHON_SCALAR(lcp_residual)
+  NSDAE_PYTHON_SCALAR(contact_tol)
   NSDAE_PYTHON_SCALAR(constraint_drift)
   NSDAE_PYTHON_SCALAR(penetration)
 #undef NSDAE_PYTHON_SCALAR

@@ -10,7 +10,7 @@ import nsdae
 
 DATA = os.path.join(os.path.dirname(__file__), "..", "..", "data")
 BIN = os.environ.get("NSDAE_BIN")
-OPTIONS = {"method": "moreau", "contact_tol": 1e-4}
+OPTIONS = {"method": "moreau", "contact_work": 1e5}
 
 
 def scene(name):

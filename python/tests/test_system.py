@@ -140,8 +140,10 @@ def test_sizes_of_the_start(ball):
         nsdae.solve(ball, 1, [1, 2])
     with pytest.raises(nsdae.ArgumentError, match="floor"):
         nsdae.solve(ball, 1, [-1], method="event")
-    with pytest.warns(nsdae.RunWarning, match="overlaps by 1 at the start"):
+    with pytest.raises(nsdae.ArgumentError, match="overlaps by 1 at the start.*at most 0.2"):
         nsdae.solve(ball, 0.1, [-1])
+    with pytest.warns(nsdae.RunWarning, match="overlaps by 1 at the start"):
+        nsdae.solve(ball, 0.1, [-1], projection="none")
 
 
 def test_a_system_without_cycles_is_freed():
