@@ -65,13 +65,14 @@ def test_errors_name_file_line_and_column(tmp_path):
 def test_contact_give_and_contact_work():
     """A bound of the work that no step meets: contact_give = 1 stops the run, more goes on and counts the steps."""
     world, options = scene("mixed")
+    options = options | {"contact_tol": 1e-4}
     with pytest.raises(nsdae.Error) as stopped:
-        nsdae.solve(world, 0.2, **options, contact_work=1, contact_give=1)
+        nsdae.solve(world, 0.2, **options | {"contact_work": 1, "contact_give": 1})
     assert stopped.value.status == nsdae.Status.E_LCP
     with pytest.warns(nsdae.RunWarning):
-        run = nsdae.solve(world, 0.2, **options, contact_work=1, contact_give=1e6)
+        run = nsdae.solve(world, 0.2, **options | {"contact_work": 1, "contact_give": 1e6})
     assert run.stats["inexact_steps"] == np.count_nonzero(run.lcp_residual > 1e-4) > 0
-    run = nsdae.solve(world, 0.2, **options, contact_work=0, contact_give=1)
+    run = nsdae.solve(world, 0.2, **options | {"contact_work": 0, "contact_give": 1})
     assert run.stats["inexact_steps"] == 0 and run.lcp_residual.max() <= 1e-4
     for name, value in (("contact_give", 0.5), ("contact_work", -1)):
         with pytest.raises(nsdae.ArgumentError, match=name):
