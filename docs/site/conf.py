@@ -4,9 +4,6 @@ import os
 import pathlib
 import re
 
-import jupyter_client
-import traitlets
-
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 WORK = pathlib.Path(os.environ["NSDAE_SITE"])
 
@@ -56,17 +53,6 @@ html_css_files = ["site.css"]
 html_static_path = [str(pathlib.Path(__file__).parent / "static")]
 html_copy_source = False
 html_show_copyright = False
-
-
-class SocketKernelManager(jupyter_client.AsyncKernelManager):
-    """Notebooks are executed over Unix sockets: by default a kernel opens TCP ports without encryption, and warns."""
-
-    @traitlets.default("transport")
-    def _transport(self):
-        return "ipc"
-
-
-jupyter_client.AsyncKernelManager = SocketKernelManager  # of which nbclient makes its managers
 
 
 def formulas(app, what, name, obj, options, lines):
