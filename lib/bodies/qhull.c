@@ -100,11 +100,11 @@ int nsdae_hull_create(int points, const double *point, const nsdae_hull **hull, 
   qhT qhull, *qh = &qhull;
   int left, whole;
   double *scaled = malloc(3 * (size_t)points * sizeof *scaled);
-  char page[256];
   /* for its messages: no file, which may fail */
 #ifdef _WIN32
   FILE *nowhere = fopen("NUL", "w");
 #else
+  char page[256];
   FILE *nowhere = fmemopen(page, sizeof page, "w");
 #endif
   char command[] = "qhull Pp";
