@@ -244,7 +244,7 @@ static void test_not_finite(void **state)
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < N * N + N; i++) {
       call *c = start();
-      *(i < N * N ? c->A + i : c->b + i - N * N) = bad[k];
+      *(i < N * N ? c->A + i : c->b + (i - N * N)) = bad[k];
       is_refused(c, solve_in(c), NSDAE_E_NONFINITE);
       is_refused(c, solve(c), NSDAE_E_NONFINITE);
       end(c);

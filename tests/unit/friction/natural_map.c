@@ -35,8 +35,8 @@ static void check_derivatives(map *f, int kind, double mu, double e)
   }
   f(kind, mu, e, r, u, F, B, A);
   for (int j = 0; j < 6; j++) {
-    double *x = j < 3 ? r + j : u + j - 3, held = *x;
-    const double *expected = j < 3 ? B + j : A + j - 3;
+    double *x = j < 3 ? r + j : u + (j - 3), held = *x;
+    const double *expected = j < 3 ? B + j : A + (j - 3);
     *x = held + h;
     f(kind, mu, e, r, u, high, none, skip);
     *x = held - h;
