@@ -221,8 +221,8 @@ static double energy_of_forces(const nsdae_terms *T, double h)
 }
 
 /* A gain that goes on to 1e3 times the bound that it exceeded first, and is most of the energy: no
- * later step has a meaning. Steps beyond stability reach it in some ten; a motion that
- * truly speeds up has a bound that grows with it. */
+ * later step has a meaning. Unstable steps reach it within some ten; the bound of a motion that
+ * truly speeds up grows with it. */
 static int judge_growth(const nsdae_sim *sim, nsdae_point *point)
 {
   const nsdae_terms *end = &point->result.end;
