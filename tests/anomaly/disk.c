@@ -297,7 +297,7 @@ static void attack_all(int before, int more, int compress)
   static const int faults[][2] = {
       {DISK_KILLED, 0}, {DISK_TORN, 0}, {DISK_FAILS, EIO}, {DISK_FAILS_ONCE, ENOSPC}};
   static long rotation; /* no two faults and files begin at the same write */
-  const long step = getenv("NSDAE_LONG") ? 1 : 17 * test_share();
+  const long step = getenv("NSDAE_LONG") ? 1 : 29 * test_share();
   content whole;
   run full = {.before = before, .more = more, .compress = compress};
   assert_int_equal(begin(&full, whole_path), NSDAE_OK);
@@ -357,7 +357,7 @@ static void test_none_made(void **state)
   (void)state;
   long at = 0;
   remove(path);
-  for (;; at += test_share()) {
+  for (;; at += 2 * test_share() - 1) {
     run r = {.compress = 0};
     disk_reset(DISK_FAILS, at, ENOSPC);
     int status = begin(&r, path), met = the_disk.calls > at;

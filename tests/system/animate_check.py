@@ -480,7 +480,7 @@ SHORTER = {"bouncing-ball": ("--t-end", "3"), "pendulum": ("--t-end", "3"), "pen
            "ragdoll": ("--t-end", "0.5"), "column": ("--set", "balls=3")}  # each is a mesh
 
 
-GIFS = ("bouncing-ball", "incline", "pendulum")  # of the quick form
+GIFS = ("incline", "pendulum")  # of the quick form
 
 
 def check_examples(data):

@@ -191,21 +191,15 @@ check grep -q interrupted status
 
 # a closed terminal does the same; nohup is heeded
 "$pendulum" --quiet --dt 1e-5 --t-end 1e4 --output hung_up.h5 2>err &
-for wait in $(seq 100); do
-  [ -s hung_up.h5 ] && break
-  sleep 0.1
-done
+computing $!
 kill -HUP $!
 wait $!
 check test $? = 1
 check grep -q 'interrupted at t =' err
 check h5dump -a /status hung_up.h5 >status
 check grep -q interrupted status
-(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 40 --output heeded.h5) 2>err &
-for wait in $(seq 100); do
-  [ -s heeded.h5 ] && break
-  sleep 0.1
-done
+(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 20 --output heeded.h5) 2>err &
+computing $!
 kill -HUP $!
 wait $!
 check test $? = 0

@@ -625,6 +625,7 @@ static void test_mass_ratio(void **state)
   const double e[] = {0, 0.3, 0.5, 0.8, 0.95, 1};
   for (int i = 0; i < 6; i++)
     for (int turned = 0; turned < 2; turned++) {
+      if (test_share() > 1 && (i + turned) % 2) continue; /* each e_N one way round */
       squeezed p = {turned ? 1e6 : 1, turned ? 1 : 1e6, 9.81};
       double q0[2] = {0.1, 0.2}, v0[2] = {0};
       squeeze(&p, e[i], q0, v0, 1.5);
@@ -656,7 +657,7 @@ static void test_collapse(void **state)
   (void)state;
   const double e[] = {0, 0.3, 0.5, 0.9, 0.95, 0.99};
   for (int i = 0; i < 6; i++)
-    for (double ratio = 10; ratio < 2e5; ratio *= 10) {
+    for (double ratio = 10; ratio<2e5; ratio *= test_share()> 1 ? 100 : 10) {
       squeezed p = {1, ratio, 0};
       double q0[2] = {1e-3, 2e-3}, v0[2] = {0, -1};
       squeeze(&p, e[i], q0, v0, 0.1);
@@ -707,7 +708,7 @@ static void test_beads(void **state)
   (void)state;
   const double dt[] = {0.01, 0.1, 1};
   double play[2] = {5e-3, 0.5};
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i<3; i += test_share()> 1 ? 2 : 1) {
     const nsdae_dims dims = {.nq = 2, .k = BEAD_GAPS};
     double q0[2] = {2.5e-3, 0.25}, v0[2] = {1, 0.05};
     nsdae_system *system;

@@ -434,7 +434,7 @@ static void test_flush(void **state)
   const int usual = steps;
   (void)state;
   steps = 12;
-  for (drawn = 1; drawn <= 20; drawn += test_share() > 1 ? 11 : 1)
+  for (drawn = 1; drawn <= 20; drawn += test_share() > 1 ? 20 : 1)
     check_scene(flush_boxes, NSDAE_METHOD_EVENT, -1);
   steps = usual;
 }

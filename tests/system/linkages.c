@@ -469,9 +469,9 @@ static void test_bricard(void **state)
   (void)state;
   bricard_default(&p);
   nsdae_sim_options coarse = redundant(NSDAE_METHOD_MOREAU, 2e-3), fine = coarse;
-  fine.dt /= 4;
+  fine.dt /= 2;
   linkage a = run_linkage(&p, &coarse), b = run_linkage(&p, &fine);
-  assert_near(log2(a.worst_energy / b.worst_energy) / 2, 1, 0.1);
+  assert_near(log2(a.worst_energy / b.worst_energy), 1, 0.1);
   nsdae_sim_options exact = redundant(NSDAE_METHOD_EVENT, 0.01);
   linkage kit = run_linkage(&p, &exact);
   by_hand hand = run_hand(&p, &exact);
@@ -664,7 +664,7 @@ static void test_methods(void **state)
 static void test_play(void **state)
 {
   (void)state;
-  for (int i = 0; i<5; i += test_share()> 1 ? 2 : 1) {
+  for (int i = test_share() > 1 ? 2 : 0; i<5; i += test_share()> 1 ? 2 : 1) {
     nsdae_sim_options options = options_of(NSDAE_METHOD_MOREAU, i < 3 ? 1e-5 : 1e-6);
     play p = {.crank = 0.05,
               .rod = 0.12,
@@ -673,7 +673,7 @@ static void test_play(void **state)
                            : 5e-6,
               .w = i < 3 ? 50 + 225 * i : 50,
               .first = 0.2};
-    double turns = i < 3 ? 2 : 0.5;
+    double turns = i < 3 ? 2 : test_share() > 1 ? 0.25 : 0.5;
     nsdae_stats stats =
         run(build_play(&p, 0.9), &options, 2 * acos(-1) * turns / p.w, follow_play, &p);
     assert_true(stats.impacts > 50);
@@ -692,7 +692,7 @@ static void test_change_points(void **state)
 {
   (void)state;
   int through = 0, refused = 0;
-  for (int seed = 0; seed < 36; seed += test_share()) {
+  for (int seed = 0; seed<36; seed += test_share()> 1 ? 19 : 1) { /* each number of cranks */
     parallelogram p = {.cranks = 3 + seed % 4 / 3, .given = seed % 5 / 4, .e = 0.6};
     double phi = 2 + 0.025 * seed, q[PARALLELOGRAM_NQ], v[PARALLELOGRAM_NQ] = {0};
     nsdae_system *system = parallelogram_system(&p);

@@ -158,7 +158,8 @@ static void test_flat(void **state)
   (void)state;
   for (int i = 0; i < 5; i++)
     for (int j = 0; j < (methods[i] <= NSDAE_METHOD_MOREAU ? 7 : 3); j++) {
-      if (test_share() > 1 && j > 2 && j % 3 != i) continue; /* a curved one by one method */
+      /* the quick form: a curved one by one method, another by every other one */
+      if (test_share() > 1 && (j > 2 ? j % 3 != i : (i + j) % 2)) continue;
       slide(
           j < 3 ? &solids[j] : &curved[j - 3], height[j], methods[i],
           (const char *[]){"box", "ball", "capsule", "cylinder", "cone", "ellipsoid", "wheel"}[j]);

@@ -80,7 +80,7 @@ def check_reading(old, new):
 
 
 def check_programs(old, new):
-    outputs = [(vtkhdf, "vtkhdf"), (animate, "html"), (plot, "png"), (plot, "png", "--certificate")]
+    outputs = [(vtkhdf, "vtkhdf"), (animate, "html"), (plot, "png", "--dpi", "50"), (plot, "png", "--dpi", "50", "--certificate")]
     if QUICK:
         outputs = outputs[: 3 if old == "version_1_contacts.h5" else 2]
     for program, end, *arguments in outputs:

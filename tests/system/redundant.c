@@ -254,9 +254,15 @@ static void test_family(void **state)
   const char *given = getenv("NSDAE_SEED");
   int first = given ? atoi(given) : 0;
   for (int kind = 0; kind < KINDS; kind++) {
-    int moving = 0;
-    for (int seed = first; seed < first + OFFS; seed++) moving += expect((enum kind)kind, seed);
-    assert_true(moving > OFFS / 2);
+    int moving = 0, members = 0;
+    for (int seed = first; seed < first + OFFS; seed++) {
+      /* the quick form has two of each kind, of the longest one, and each of offs by two kinds */
+      int turn = (seed + kind) % OFFS;
+      if (test_share() > 1 && turn != 0 && (turn != 4 || kind == LONG)) continue;
+      moving += expect((enum kind)kind, seed);
+      members++;
+    }
+    assert_true(2 * moving > members);
   }
 }
 

@@ -161,7 +161,7 @@ static void test_apart(void **state)
       nsdae_pose pose[2];
       nsdae_bodies *b = couple(kinds_of[k], s, pose, 1);
       const nsdae_couple two = {{nsdae_solid_at(b, 0), nsdae_solid_at(b, 1)}, {&pose[0], &pose[1]}};
-      for (int j = 0; j < (test_share() > 1 ? POSES / 2 : POSES); j++) {
+      for (int j = 0; j < (test_share() > 1 ? POSES / 4 : POSES); j++) {
         nsdae_still at;
         new_pose(&pose[0], 0.8);
         new_pose(&pose[1], 0.8);
@@ -201,7 +201,7 @@ static void test_apart(void **state)
 static void test_overlap(void **state)
 {
   static const double depths[] = {1e-7, 4e-5, 1e-2};
-  const int poses = test_share() > 1 ? 100 : 200; /* of 2 % there is something to count */
+  const int poses = test_share() > 1 ? 75 : 200; /* of 2 % there is something to count */
   (void)state;
   for (int k = 0; k < KINDS; k++) {
     double off = 0;
