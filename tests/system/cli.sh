@@ -198,17 +198,17 @@ check test $? = 1
 check grep -q 'interrupted at t =' err
 check h5dump -a /status hung_up.h5 >status
 check grep -q interrupted status
-(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 20 --output heeded.h5) 2>err &
+(trap '' HUP && exec "$pendulum" --quiet --dt 1e-4 --t-end 12 --output heeded.h5) 2>err &
 computing $!
 kill -HUP $!
 wait $!
 check test $? = 0
 
 # a file at the limit of its size: an error of the write, and the run can be continued
-(ulimit -f 3000 && exec "$pendulum" --quiet --dt 1e-4 --t-end 20 --output most.h5) 2>err
+(ulimit -f 3000 && exec "$pendulum" --quiet --dt 1e-4 --t-end 4 --output most.h5) 2>err
 check test $? = 1
 check grep -q "cannot write to 'most.h5': File too large" err
-check "$pendulum" --quiet --restart most.h5 --t-end 20
+check "$pendulum" --quiet --restart most.h5 --t-end 4
 
 # a pipe without a writer is refused at once
 mkfifo pipe.ini pipe.h5 pipe.csv
@@ -230,7 +230,7 @@ if ! grep -q 'NSDAE_SUNDIALS=OFF' err; then
 fi
 
 # and in the comparison, once the summary of the run itself is out
-"$pendulum" --compare --method moreau --dt 1e-5 --no-output >out 2>err &
+"$pendulum" --compare --method moreau --dt 1e-5 --t-end 4 --no-output >out 2>err &
 until grep -q 'energy balance' out; do
   kill -0 $! 2>/dev/null || break
   sleep 0.05

@@ -207,6 +207,9 @@ def pictures(data):
     written("a.svg", "-o", "a.svg", "--only", "energy", "--only", "impulses", "a.h5")
     with open("a.svg", encoding="utf-8") as file:
         tools.expect("<svg" in file.read(), "a.svg")
+    tools.runs("nsdae-sweep", "bouncing-ball", "--grid", "h0=0.5:2:5", "--grid", "e_N=0.3,0.9", "--t-end", "0.1", "--keep", "final",
+               "--processes", "1", "--quiet", "--output", "sweep.h5")
+    written("slice.svg", "--at", "e_N=0.9", "--only", "final/q", "-o", "slice.svg", "sweep.h5")
     if tools.QUICK:
         return
     written("clearance-hinge.png", "clearance-hinge.h5")

@@ -25,16 +25,16 @@ same() {
   h5ls -r "$1" >shapes && h5ls -r "$2" | cmp -s shapes - && h5diff -q --exclude-attribute / "$1" "$2"
 }
 
-# kill_at FILE ROWS PID: SIGKILL once the file has that many records, unless the run is done. The program runs for some
-# milliseconds at a time and is stopped while the records are counted, so that a loaded machine kills it as early. It writes
-# every quarter of a second: the first stop is longer than that.
+# kill_at FILE ROWS PID: SIGKILL once the file has that many records, unless the run is done. The program runs for ten
+# milliseconds or more at a time and is stopped while the records are counted, so that a loaded machine kills it as early. It
+# writes every quarter of a second: the first stop is longer than that.
 kill_at() {
   while kill -0 "$3" 2>/dev/null && ! [ -s "$1" ]; do sleep 0.01; done
   kill -STOP "$3" 2>/dev/null && sleep 0.3
   until rows=$(HDF5_USE_FILE_LOCKING=FALSE h5ls "$1/time" 2>/dev/null | sed -n 's/.*{\([0-9]*\).*/\1/p') &&
     [ "${rows:-0}" -ge "$2" ]; do
     kill -CONT "$3" 2>/dev/null || break
-    sleep 0.00$((1 + seed / 11 % 9))
+    sleep 0.0$((1 + seed / 11 % 3))
     kill -STOP "$3" 2>/dev/null || break
   done
   kill -KILL "$3" 2>/dev/null && killed=$((killed + 1))
@@ -105,10 +105,10 @@ if [ "${NSDAE_TEST_SHARE:-}" = 1 ]; then
   attack arch 1 --method penalty --set blocks=5 --compress 1
 fi
 kills=${kills:-1}
-attack pendulum 10 --method implicit
-attack pendulum 10 --method implicit-printed --compress 1
-attack pendulum 10 --method moreau --every 7
-attack pendulum 10 --method penalty
+attack pendulum 6 --method implicit
+attack pendulum 6 --method implicit-printed --compress 1
+attack pendulum 6 --method moreau --every 7
+attack pendulum 6 --method penalty
 attack woodpecker 1.5 --method event
 attack clearance-hinge 1 --method implicit --compress 3 --every 2
 attack crank-slider 2 --method event

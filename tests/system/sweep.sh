@@ -44,7 +44,7 @@ mpi=yes
 ball="bouncing-ball --t-end 2.5 --keep final --keep impacts=4 --keep statistics --quiet"
 grid="--grid h0=0.5:2:600 --grid e_N=0.3,0.9"
 many=${long:+4000} # runs of a sweep that is killed, for each e_N
-many="--grid h0=0.5:2:${many:-600} --grid e_N=0.3,0.9"
+many="--grid h0=0.5:2:${many:-600} --grid e_N=0.3,0.9" # the quick form: those of grid
 "$sweep" $ball $grid --processes 1 --output one.h5 || fail "a sweep"
 if [ "$mpi" ]; then
   for n in 2 ${long:+3}; do
@@ -68,7 +68,11 @@ killed() {
     while grep -qs ") [^ZX] " "/proc/$rank/stat"; do sleep 0.02; done
   done
 }
-"$sweep" $ball $many --processes 1 --output whole.h5 || fail "the whole sweep"
+if [ "$long" ]; then
+  "$sweep" $ball $many --processes 1 --output whole.h5 || fail "the whole sweep"
+else
+  cp one.h5 whole.h5
+fi
 for n in 1 ${mpi:+${long:+2}}; do
   rm -f killed.h5
   killed $n 2>/dev/null
@@ -161,10 +165,7 @@ if [ "$python" ]; then
     fail "the shaken ball"
   "$bin/nsdae-bouncing-ball" --set h0=2 --set e_N=0.3 --t-end 2.5 --quiet --output single.h5 || fail "a single run"
   "$python" "$here/sweep_check.py" one.h5 single.h5 shaken.h5 failed.h5 draws.h5 || failures=$((failures + 1))
-  if [ -z "$long" ]; then
-    "$bin/nsdae-plot" --at e_N=0.9 --only final/q one.h5 -o slice.svg >out 2>err && grep -q "picture in slice.svg" out ||
-      grep -q python3-h5py err || fail "nsdae-plot: $(cat err)"
-  elif "$bin/nsdae-plot" --version >/dev/null 2>&1; then
+  if [ "$long" ] && "$bin/nsdae-plot" --version >/dev/null 2>&1; then
     expect 0 "picture in shaken.png" "$bin/nsdae-plot" shaken.h5
     expect 0 "picture in map.png" "$bin/nsdae-plot" --only final/q --only statistics/impacts one.h5 -o map.png
     expect 0 "picture in slice.svg" "$bin/nsdae-plot" --at e_N=0.9 --only final/q one.h5 -o slice.svg

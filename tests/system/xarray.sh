@@ -28,4 +28,4 @@ older version_1_contacts
 older version_2_list
 balls=$(for i in 0 1 2; do for q in x y z qw qx qy qz; do echo "$q$i"; done; done)
 $python "$check" "pendulum.h5 x y theta" "column.h5 $balls" "woodpecker.h5 y phi_M phi_S" "rolling-ball.h5 x y z e_0 e_x e_y e_z" \
-  "version_1_contacts.h5 y phi_M phi_S" "version_2_list.h5 $balls"
+  "version_2_list.h5 $balls" "version_1_contacts.h5 y phi_M phi_S"
