@@ -540,7 +540,7 @@ def check_errors():
         file.write("text")
     refuses(1, "cannot read 'text.h5'", "text.h5")
     refuses(1, "no records between --from and --to", "pendulum.h5", "--from", "5")
-    refuses(1, "cannot write 'no/x.gif': No such file or directory", "pendulum.h5", "--to", "0.1", "-o", "no/x.gif")
+    refuses(1, "cannot write 'no/x.gif': No such file or directory", "pendulum.h5", "--to", "0.02", "-o", "no/x.gif")
     refuses(2, "must end with .gif, .mp4, .html", "pendulum.h5", "-o", "x.png")
     refuses(2, "--fps", "pendulum.h5", "--fps", "0")
     refuses(2, "--speed", "pendulum.h5", "--speed", "-1")
@@ -558,7 +558,7 @@ def check_full_disk():
     """The reason, and the file that was there stays whole."""
     with open("incline.gif", "rb") as file:
         kept = file.read()
-    done = tools.run("nsdae-animate", "incline.h5", "-o", "incline.gif", most=40 * 512)
+    done = tools.run("nsdae-animate", "--fps", "10", "incline.h5", "-o", "incline.gif", most=40 * 512)
     tools.expect(done.code == 1 and "cannot write 'incline.gif': File too large" in done.err, "full disk:", done.code, done.err)
     with open("incline.gif", "rb") as file:
         tools.expect(file.read() == kept, "the old file is lost")
