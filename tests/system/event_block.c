@@ -401,7 +401,7 @@ static void test_table(void **state)
   (void)state;
   /* 6 of each number of legs, pushed or turned; the quick form has one that is pushed, one turned
    */
-  for (int n = 0; n<(test_share() > 1 ? 18 : 36); n += test_share()> 1 ? 13 : 1)
+  for (int n = 0; n<(test_share() > 1 ? 14 : 36); n += test_share()> 1 ? 7 : 1)
     push_table(3 + n / 6, n % 2, 0.25 + 0.0187 * (n / 2 % 3));
 }
 

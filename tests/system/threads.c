@@ -302,7 +302,7 @@ static void test_large_island(void **state)
   (void)state;
   for (int m = 0; m < 2; m++) {
     nsdae_bodies *world = draw_lattice();
-    scene s = {.q0 = q0, .v0 = v0, .steps = test_share() == 1 ? 40 : m == 0 ? 34 : 26, .give = 100};
+    scene s = {.q0 = q0, .v0 = v0, .steps = test_share() == 1 ? 40 : m == 0 ? 33 : 26, .give = 100};
     assert_int_equal(nsdae_bodies_get_dims(world, &s.dims), NSDAE_OK);
     assert_true(nsdae_bodies_system(world, &s.system) >= 0);
     nsdae_bodies_get_start(world, q0, v0);
