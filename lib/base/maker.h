@@ -20,10 +20,13 @@ typedef struct nsdae_maker_sensors {
   /* The angles after a step of length h from those before it; before NULL: at the start, `to`. */
   void (*follow)(const void *of, const nsdae_moved *from, const nsdae_moved *to, double h,
                  const double *before, double *angle);
-  void (*sense)(const void *of, int i, const nsdae_record *record, const double *angle,
-                double *value);
+  /* linear [3 count]: impulse of each contact of the record on the block of the larger number, in
+   * its first velocities */
+  void (*sense)(const void *of, int i, const nsdae_record *record, const double *linear,
+                const double *angle, double *value);
   /* nsdae_sim_get_contact_forces */
-  void (*contact_forces)(const void *of, const nsdae_record *record, double *point, double *force);
+  void (*contact_forces)(const void *of, const nsdae_record *record, const double *linear,
+                         double *point, double *force);
 } nsdae_maker_sensors;
 
 /* Why a callback has no value at a point. */

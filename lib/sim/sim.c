@@ -381,7 +381,8 @@ NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_sensor, (nsdae_sim * sim, int i, double 
                            "i = %d is outside its range: there are %d sensors", i,
                            maker->sensors.count);
   const nsdae_point *shown = nsdae_sim_shown(sim);
-  maker->sensors.sense(maker->of, i, &shown->record, shown->angle, value);
+  maker->sensors.sense(maker->of, i, &shown->record, shown->result.impulses.linear, shown->angle,
+                       value);
   return NSDAE_OK;
 }
 
@@ -394,13 +395,14 @@ NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_contact_forces,
   if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
                            "the simulation has no state: call nsdae_sim_init first");
-  const nsdae_record *record = &nsdae_sim_shown(sim)->record;
+  const nsdae_point *shown = nsdae_sim_shown(sim);
+  const nsdae_record *record = &shown->record;
   if (record->contacts.count > 0 && (!point || !force))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
   if (!maker->sensors.contact_forces)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "sim",
                            "the system of sim has no solids: nsdae_bodies_system makes such a one");
-  maker->sensors.contact_forces(maker->of, record, point, force);
+  maker->sensors.contact_forces(maker->of, record, shown->result.impulses.linear, point, force);
   return NSDAE_OK;
 }
 
