@@ -290,7 +290,19 @@ static int judge_unresolved(const nsdae_sim *sim, nsdae_point *point, int new)
 static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
   const nsdae_terms *end = &point->result.end;
-  if (!point->result.counters.inexact || !(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
+  if (!(new &NSDAE_MONITORS_CONTACT)) return NSDAE_OK;
+  if (!point->result.counters.inexact && point->result.above.hidden > 0) {
+    point->accounts.stats.warnings |= NSDAE_MONITORS_CONTACT;
+    nsdae_error_set(
+        end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "mass",
+        "at t = %.12g the loads of light bodies are so large that rounding leaves %.3g of the "
+        "velocities of their contacts, more than contact_tol = %.3g%s: use method = event, masses "
+        "that differ less, or a larger contact_tol",
+        nsdae_terms_time(end), point->result.above.hidden, point->result.above.tol,
+        sim->options.contact_tol > 0 ? "" : " (auto)");
+    return nsdae_error_at(end->error, NSDAE_WARN_CONTACT, -1, nsdae_terms_time(end));
+  }
+  if (!point->result.counters.inexact) return NSDAE_OK;
   nsdae_error_set(
       end->error, NSDAE_WARN_CONTACT, "nsdae_sim", "contact_tol",
       "at t = %.12g the contact problem was solved to %.3g, not to contact_tol = %.3g%s: "
