@@ -55,6 +55,15 @@ typedef struct nsdae_tunnelling {
   double way, least; /* by which its gap closes in the step; that is reported */
 } nsdae_tunnelling;
 
+/* Bodies that spin, with omega' = a = J^-1 (J omega x omega) of no torque. Motion across a steady
+ * spin turns with Omega in the axes of the body. */
+typedef struct nsdae_spin {
+  double across; /* its energy, a J a / (2 Omega^2), of all bodies */
+  double gain;   /* a J a / 2 of all: what a step h of Euler's rule makes of it, over h^2 */
+  double rate;   /* |omega| of the body with the largest energy across */
+  int body;      /* that; -1: there is none */
+} nsdae_spin;
+
 typedef struct nsdae_maker {
   const void *of; /* handed to each; owned by the system */
   void (*release)(const void *of);
@@ -86,6 +95,7 @@ typedef struct nsdae_maker {
                     nsdae_tunnelling *worst, const void *user);
   /* Whether a contact may get deeper in h than the slop, by these velocities. */
   int (*may_enter)(const double *v, double h, const void *user);
+  void (*spin)(const double *v, nsdae_spin *spin, const void *user); /* NULL: of the plane */
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

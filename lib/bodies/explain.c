@@ -352,6 +352,7 @@ void nsdae_bodies_sign(nsdae_bodies *b, nsdae_system *system)
                        .fixed = nsdae_motor_fixed,
                        .tunnelling = nsdae_bodies_find_tunnelling,
                        .may_enter = nsdae_bodies_may_enter,
+                       .spin = b->dimension == 3 ? nsdae_bodies_spin : NULL,
                        .position = nsdae_motor_position,
                        .errors = nsdae_motor_errors};
   for (int i = 0; i < b->limit.count; i++)
