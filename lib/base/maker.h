@@ -95,6 +95,8 @@ typedef struct nsdae_maker {
                     nsdae_tunnelling *worst, const void *user);
   /* Whether a contact may get deeper in h than the slop, by these velocities. */
   int (*may_enter)(const double *v, double h, const void *user);
+  /* Whether an element is too stiff for a step h of time stepping: the worst; or NULL. */
+  int (*stiff)(const double *q, const double *v, double h, nsdae_reason *reason, const void *user);
   void (*spin)(const double *v, nsdae_spin *spin, const void *user); /* NULL: of the plane */
 } nsdae_maker;
 
