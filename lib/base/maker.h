@@ -97,6 +97,7 @@ typedef struct nsdae_maker {
   int (*may_enter)(const double *v, double h, const void *user);
   /* Whether an element is too stiff for a step h of time stepping: the worst; or NULL. */
   int (*stiff)(const double *q, const double *v, double h, nsdae_reason *reason, const void *user);
+  int (*idle)(const void *of); /* whether it has no force and no drive at all */
   void (*spin)(const double *v, nsdae_spin *spin, const void *user); /* NULL: of the plane */
 } nsdae_maker;
 

@@ -396,6 +396,7 @@ void nsdae_bodies_sign(nsdae_bodies *b, nsdae_system *system)
                        .fixed = nsdae_motor_fixed,
                        .tunnelling = nsdae_bodies_find_tunnelling,
                        .may_enter = nsdae_bodies_may_enter,
+                       .idle = nsdae_bodies_are_idle,
                        .stiff = b->force.spring.count > 0 ? stiff : NULL,
                        .spin = b->dimension == 3 ? nsdae_bodies_spin : NULL,
                        .position = nsdae_motor_position,

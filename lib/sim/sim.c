@@ -304,6 +304,12 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
   if (nsdae_initial_law(&sim->model, &sim->options, NULL, &sim->stage.start) > 0)
     sim->next->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION; /* penalty has no other */
+  const nsdae_maker *maker = &sim->system->maker;
+  if (sim->stage.start.status == NSDAE_OK && maker->idle && maker->idle(maker->of) &&
+      nsdae_largest(sim->system->dims.nv, v0) == 0)
+    nsdae_error_set(&sim->stage.start, NSDAE_WARN_MODEL, "nsdae_sim_init", "gravity",
+                    "nothing moves: gravity is 0, no body has a velocity, and there is no load, "
+                    "spring, motor or drive");
   nsdae_error_clear(&sim->error);
   status = nsdae_initial_touch(sim, &r->end);
   return status > 0 ? nsdae_point_start(sim, sim->next) : status;
