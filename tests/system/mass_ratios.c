@@ -18,13 +18,16 @@ static const int methods[] = {NSDAE_METHOD_IMPLICIT, NSDAE_METHOD_MOREAU,
 
 static const double g = 9.81, mu = 0.5;
 
+/* Seed 0: 1 kg between two of 1e6 kg. */
 static nsdae_bodies *stack(uint64_t *seed, int *d, int *count)
 {
+  int known = *seed == 0;
   *d = 2 + random_below(seed, 2);
   *count = 2 + random_below(seed, STACK - 1);
   double slope = random_between(seed, 0, 0.4); /* tan 0.4 = 0.42 < mu */
   double ratio = pow(10, random_between(seed, 0, 8));
   int alternate = random_below(seed, 2), heavy = random_below(seed, 2), up = *d - 1;
+  if (known) *d = 2, *count = 3, slope = 0.3, ratio = 1e6, alternate = heavy = 1, up = 1;
   double along[3] = {-g * sin(slope)};
   along[up] = -g * cos(slope);
   nsdae_bodies *b = create(*d, along[0], along[1], along[2]);
@@ -38,7 +41,8 @@ static nsdae_bodies *stack(uint64_t *seed, int *d, int *count)
       box.points = 4, box.point = corner;
     else
       box.length[0] = box.length[1] = 0.6, box.length[2] = 0.2;
-    for (int j = *d == 2 ? 2 : 0; j < 3; j++) body.inertia[j] = 0.04 * body.mass;
+    for (int j = *d == 2 ? 2 : 0; j < 3; j++)
+      body.inertia[j] = (known ? 0.04 / 6 : 0.04) * body.mass;
     body.position[up] = 0.1 + 0.2 * i;
     assert_int_equal(nsdae_bodies_add(b, &body), i);
     int solid = nsdae_bodies_add_solid(b, i, &box);
@@ -104,8 +108,22 @@ static void test_rest(void **state)
   }
 }
 
+/* Of 1 kg between two of 1e6 kg rounding leaves 7e-9 of the velocities: contacts open now and then,
+ * and the upper block falls for a step. event resolves it. */
+static void test_between(void **state)
+{
+  int status;
+  (void)state;
+  for (int m = 0; m < 2; m++) {
+    assert_true(rest(0, methods[m], &status) > 1e-7);
+    assert_int_equal(status, NSDAE_WARN_CONTACT);
+  }
+  assert_at_most(rest(0, NSDAE_METHOD_EVENT, &status), 1e-9);
+  assert_int_equal(status, NSDAE_OK);
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_rest)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_rest), cmocka_unit_test(test_between)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
