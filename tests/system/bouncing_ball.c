@@ -188,6 +188,69 @@ static void test_rest(void **state)
   }
 }
 
+/* ---- a bead of 1 kg in a hoop of 1 m, e_N = 1/2 */
+
+static const double hoop_g = 9.81;
+
+static int bead_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[ldm + 1] = 1;
+  return 0;
+}
+
+static int bead_weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[1] = -hoop_g;
+  return 0;
+}
+
+static int hoop(double t, const double *q, double *gap, void *user)
+{
+  (void)t, (void)user;
+  gap[0] = 1 - hypot(q[0], q[1]);
+  return 0;
+}
+
+static int hoop_normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t, (void)ldw, (void)user;
+  for (int i = 0; i < 2; i++) W[i] = -q[i] / hypot(q[0], q[1]);
+  return 0;
+}
+
+/* The hoop turns the bead's velocity in every step, which is no impact: it slides to and fro and
+ * keeps its energy, up to that of the speed that a step of gravity gives. Bounces would take their
+ * (1 - e^2) of (v^2 dt / R)^2 / 2 a step, of first order: 0.3 J here. */
+static void test_hoop(void **state)
+{
+  const nsdae_dims dims = {.nq = 2, .k = 1};
+  const double start = 1.2, dt = 1e-3, q[2] = {sin(start), -cos(start)}, v[2] = {0};
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  nsdae_record r;
+  (void)state;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, bead_mass);
+  nsdae_system_set_force(system, bead_weight);
+  nsdae_system_set_gap(system, hoop);
+  nsdae_system_set_gap_normal(system, hoop_normal);
+  nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_IMPLICIT;
+  options.dt = dt;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, 5) >= 0);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.kinetic + hoop_g * (r.q[1] - q[1]), 0, hoop_g * dt * hoop_g * dt / 2);
+  assert_near(hypot(r.q[0], r.q[1]), 1, hoop_g * dt * dt); /* the way of a step of gravity, twice */
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -198,6 +261,7 @@ int main(void)
       cmocka_unit_test_setup(test_order, defaults),
       cmocka_unit_test_setup(test_energy, defaults),
       cmocka_unit_test_setup(test_rest, defaults),
+      cmocka_unit_test(test_hoop),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
