@@ -251,6 +251,65 @@ static void test_hoop(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* ---- a bead of 1 kg that 3 N press on a wall which swings, x = 0.2 m sin(3 t), by a list */
+
+static int listed_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int press(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = -3;
+  return 0;
+}
+
+static int swings(double t, const double *q, const double *v, double reach,
+                  nsdae_contact_list *list, void *user)
+{
+  nsdae_contact c = {
+      .block = {0, -1}, .gap = q[0] - 0.2 * sin(3 * t), .w = {-0.6 * cos(3 * t)}, .e_n = 0.5};
+  (void)v, (void)user;
+  c.direction[0][0][0] = 1;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
+/* The wall never falls as fast as the bead would, so that they stay together, up to the way of a
+ * step at their largest relative acceleration, 3 + 0.2 * 3^2 m/s^2. */
+static void test_swing(void **state)
+{
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method += 2) {
+    const nsdae_dims dims = {.nq = 1};
+    const int one = 1;
+    const double q = 0, v = 0.6, dt = 0.005;
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_sim_options options;
+    nsdae_record r = {.time = 0};
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_system_set_blocks(system, 1, &one, &one), NSDAE_OK);
+    nsdae_system_set_mass_blocks(system, listed_mass);
+    nsdae_system_set_force(system, press);
+    nsdae_system_set_contacts(system, swings);
+    nsdae_sim_options_default(&options);
+    options.method = method;
+    options.dt = dt;
+    assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, &q, &v), NSDAE_OK);
+    while (r.time < 4) {
+      assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &r);
+      assert_near(r.q[0], 0.2 * sin(3 * r.time), (3 + 0.2 * 9) * dt * dt);
+    }
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -262,6 +321,7 @@ int main(void)
       cmocka_unit_test_setup(test_energy, defaults),
       cmocka_unit_test_setup(test_rest, defaults),
       cmocka_unit_test(test_hoop),
+      cmocka_unit_test(test_swing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
