@@ -417,7 +417,7 @@ static void test_nothing_behind(void **state)
     nsdae_sim_get_stats(sim, &stats);
     assert_int_equal(stats.events, 1);
     assert_int_equal(stats.impacts, 0);
-    assert_near(r.q[1] + r.q[0] * r.q[0] / 2, 0, 1e-9); /* ten rtol */
+    assert_near(r.q[1] + r.q[0] * r.q[0] / 2, 0, 1e-9); /* rtol is 1e-8, the way 0.1 m */
     nsdae_sim_destroy(&sim);
     nsdae_system_destroy(&system);
   }
