@@ -2,7 +2,8 @@
  * once for each kind. docs/methods/warnings.md has the bounds and where they come from. In its
  * letters h is the step, c the largest entry of Phi_q at the start, l = max h c max |v_j| the way
  * along such a row in one step so far, g the largest change of a gap in one; neither is below the
- * way h^2 F / M that the forces of the start lead to from rest. */
+ * way h^2 F / M that the forces of the start lead to from rest, l not below the rounding of a row.
+ */
 #include <math.h>
 
 #include "errors.h"
