@@ -167,12 +167,24 @@ static int joint_mode(const nsdae_contacts *c, int j)
   return fabs(u[1]) > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
 }
 
+/* Contacts without load begin with the joints' limits in equal parts. At zero load and zero
+ * velocity rounding decides which contacts are closed in the first step of Newton's method, and so
+ * which of many solutions it finds: one has all load at a corner, about which the body turns. */
+static void share_limits(nsdae_contacts *c)
+{
+  double *r = c->cones.r, sum = 0;
+  if (nsdae_largest(contact_columns(c), r) > 0) return;
+  for (int j = 0; j < c->slides.count; j++) sum += c->slides.limit[j];
+  for (int a = 0; a < c->active_count; a++) r[c->first_column[a]] = sum / c->active_count;
+}
+
 static int solve_with_joints(nsdae_contacts *c, const double *lambda)
 {
   nsdae_cones *s = &c->cones;
   int columns = contact_columns(c), count = c->slides.count;
   (void)lambda;
   set_values(c, count);
+  share_limits(c);
   for (int j = 0; j < count; j++) {
     double *r = s->r + columns + 2 * j, *q = s->q + columns + 2 * j;
     r[0] = c->slides.limit[j];
