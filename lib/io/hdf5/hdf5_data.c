@@ -50,9 +50,13 @@ static int set_attribute(nsdae_h5 *h5, hid_t object, const char *name, hid_t typ
   return h5->status;
 }
 
+/* A text that is replaced is deleted first: then it stays in its heap, as long as the file on disk
+ * refers to it. HDF5 1.14 removes one that is written over from the heap. */
 int nsdae_h5_set_text(nsdae_h5 *h5, hid_t object, const char *name, const char *text)
 {
   hid_t type = text_type();
+  if (h5->status >= 0 && H5Aexists(object, name) > 0)
+    nsdae_h5_result(h5, H5Adelete(object, name), "replace an attribute in");
   set_attribute(h5, object, name, type, &text);
   H5Tclose(type);
   return h5->status;
