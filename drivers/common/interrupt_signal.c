@@ -11,11 +11,29 @@ static void note(int signal_number)
   came = 1;
 }
 
+/* Whether SIGHUP was ignored when the program began, as by nohup. Of glibc this is asked before the
+ * libraries begin: UCX, which Debian 13's SUNDIALS loads through MPI, puts a handler of its own
+ * there (its UCX_DEBUG_SIGNO). */
+static int ignored;
+
+static void ask(void)
+{
+  struct sigaction now;
+  ignored = sigaction(SIGHUP, NULL, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+#ifdef __GLIBC__
+__attribute__((section(".preinit_array"), used)) static void (*const first)(void) = ask;
+#endif
+
 void interrupt_catch(void)
 {
+#ifndef __GLIBC__
+  ask();
+#endif
   signal(SIGINT, note);
   signal(SIGTERM, note);
-  if (signal(SIGHUP, note) == SIG_IGN) signal(SIGHUP, SIG_IGN); /* by nohup */
+  signal(SIGHUP, ignored ? SIG_IGN : note);
 }
 
 void interrupt_not_by_size(void)
