@@ -1,0 +1,276 @@
+#include "seams.h"
+
+#include <float.h>
+
+#include "mesh.h"
+#include "separating_axis.h"
+
+/* In parts of eps: where n goes into a solid; how far out of it is not flush; how deep beneath its
+ * face that is looked for. And solids that cover each other's ways out: of a corner three. */
+static const double into = 2, out = 2, deep = 8;
+enum { WAYS = 3 };
+
+/* Of the cosines of places that a manifold gives: they are known to 1e-7 (gjk.c). */
+static const double nearly = 1e-6;
+
+/* The side of a contact that is on a solid. */
+typedef struct place {
+  const nsdae_broad *p;
+  int of, other; /* the solid; the one that touches it */
+  double n[3];   /* out of it */
+  int face;
+  double share; /* eps in parts of the size */
+  double slack; /* of the cosine of n */
+} place;
+
+/* ---- a solid as planes
+ *
+ * Plane i, in the frame of its body: outer normal n and n . x of its points. */
+
+static int planes_of(const nsdae_solid_of *s)
+{
+  int planar = s->points > 1 && !s->hull && !nsdae_solid_is_smooth(s);
+  if (s->shape == NSDAE_SHAPE_PLANE) return 1;
+  if (s->radius > 0) return 0;
+  return s->hull ? s->hull->faces : !planar ? 0 : s->points > 2 ? s->points : 3;
+}
+
+static void plane_of(const nsdae_solid_of *s, int i, double *plane)
+{
+  if (s->hull) {
+    for (int j = 0; j < 4; j++) plane[j] = s->edge[4 * i + j];
+    return;
+  }
+  const double *at = s->points > 0 ? s->point + 3 * (i % s->points) : s->origin;
+  for (int j = 0; j < 3; j++)
+    plane[j] = s->shape == NSDAE_SHAPE_PLANE ? s->R[6 + j]
+               : s->points > 2               ? s->edge[4 * i + j]
+               : i == 2                      ? s->R[3 + j] /* a line: its ends, and its upper side */
+                                             : (i ? 1 : -1) * s->R[j];
+  plane[3] = nsdae_dot3(plane, at);
+}
+
+/* The largest n . (y - x) of its corners y. */
+static double beyond(const nsdae_solid_of *s, const double *x, const double *n)
+{
+  double most = -INFINITY;
+  for (int i = 0; i < s->points; i++) most = fmax(most, nsdae_dot3(n, nsdae_solid_corner(s, i)));
+  return most - nsdae_dot3(n, x);
+}
+
+/* Whether x is in a solid, or beside it by no more than eps. */
+static int holds(const nsdae_solid_of *s, const double *x, double eps);
+
+typedef struct search {
+  const place *a;
+  const nsdae_solid_of *s;
+  const nsdae_pose *pose;
+  const double *x, *n; /* in the frame of its body */
+  double eps;
+  double more, off; /* how far it goes beyond x along n; x from its faces, of those within eps */
+  double slack;     /* of these lengths */
+  int ways, into;
+} search;
+
+static int holds_it(void *to, int t)
+{
+  const search *s = to;
+  const nsdae_mesh *m = s->s->mesh;
+  return nsdae_mesh_is_beneath(m, t, s->x, s->eps);
+}
+
+static int holds(const nsdae_solid_of *s, const double *x, double eps)
+{
+  int planes = planes_of(s), in = planes > 0;
+  search about = {.s = s, .x = x, .eps = eps};
+  if (s->mesh) return nsdae_mesh_about(s->mesh, x, eps, holds_it, &about);
+  for (int i = 0; i < planes && in; i++) {
+    double plane[4];
+    plane_of(s, i, plane);
+    in = nsdae_dot3(plane, x) - plane[3] <= eps;
+  }
+  return in;
+}
+
+/* ---- what covers a place */
+
+/* How large its parts are that can cover. */
+static double extent(const nsdae_solid_of *s)
+{
+  return s->shape == NSDAE_SHAPE_PLANE ? INFINITY : s->size;
+}
+
+static int is_hidden(const place *a, const double *x, int ways);
+
+/* Whether the solid of the place comes out of s at a face of it, of the normal m and `height` of x
+ * over it: at x + (2 eps - height) t / |t|^2 with t the part of m across n. */
+static int comes_out(const search *s, const double *m, double height)
+{
+  const place *a = s->a;
+  const nsdae_solid_of *of = nsdae_solid_at(a->p->b, a->of);
+  double along = nsdae_dot3(m, s->n), square = 1 - along * along, way, y[3], there[3], d[3];
+  if (height < -deep * s->eps || height > s->eps || !(square > DBL_EPSILON)) return 0;
+  way = (out * s->eps - height) / square;
+  for (int j = 0; j < 3; j++) y[j] = s->x[j] + way * (m[j] - along * s->n[j]);
+  nsdae_pose_put(s->pose, y, there);
+  const nsdae_pose *pose = nsdae_broad_pose(a->p, of->body);
+  for (int j = 0; j < 3; j++) d[j] = there[j] - pose->r[j];
+  nsdae_turn_back(pose->R, d, y);
+  return holds(of, y, s->slack) && !is_hidden(a, there, s->ways - 1);
+}
+
+static int measure_triangle(void *to, int t)
+{
+  search *s = to;
+  const nsdae_mesh *m = s->s->mesh;
+  const double *n = m->normal + 3L * t;
+  double height = nsdae_mesh_height(m, t, s->x), y[3];
+  if (!nsdae_mesh_is_beneath(m, t, s->x, s->eps)) return 0;
+  if (fabs(height) <= s->eps) s->off = fmax(s->off, fabs(height));
+  for (int k = 0; k < 3; k++) {
+    for (int j = 0; j < 3; j++) y[j] = nsdae_mesh_corner(m, t, k)[j] - s->x[j];
+    s->more = fmax(s->more, nsdae_dot3(s->n, y));
+  }
+  s->into |= height + into * s->eps * nsdae_dot3(n, s->n) <= s->eps;
+  return 0;
+}
+
+static int comes_out_of_triangle(void *to, int t)
+{
+  const search *s = to;
+  const nsdae_mesh *m = s->s->mesh;
+  return nsdae_mesh_is_beneath(m, t, s->x, s->eps) &&
+         comes_out(s, m->normal + 3L * t, nsdae_mesh_height(m, t, s->x));
+}
+
+/* Whether n goes into the solid from x, which it holds. */
+static int goes_into(search *s)
+{
+  const place *a = s->a;
+  double plane[4];
+  s->into = s->s->mesh == NULL;
+  if (s->s->mesh) nsdae_mesh_about(s->s->mesh, s->x, s->eps, measure_triangle, s);
+  for (int i = 0; i < planes_of(s->s); i++) {
+    plane_of(s->s, i, plane);
+    double height = nsdae_dot3(plane, s->x) - plane[3], along = nsdae_dot3(plane, s->n);
+    if (fabs(height) <= s->eps) s->off = fmax(s->off, fabs(height));
+    s->into &= height + into * s->eps * along <= s->eps;
+    if (s->s->shape == NSDAE_SHAPE_PLANE) s->more = 1 - along; /* of a length of 1 */
+  }
+  if (a->face) return s->into;
+  if (s->s->points > 0) s->more = beyond(s->s, s->x, s->n);
+  return s->more > s->off + s->slack;
+}
+
+typedef struct look {
+  const place *a;
+  const double *x;
+  int ways;
+} look;
+
+/* Whether solid i hides a place: 1, or 0. */
+static int hides(void *to, int i)
+{
+  const look *l = to;
+  const place *a = l->a;
+  const nsdae_solid_of *of = nsdae_solid_at(a->p->b, a->of), *s = nsdae_solid_at(a->p->b, i);
+  double x[3], n[3], d[3], at = 0, size = isfinite(extent(s)) ? extent(s) : of->size;
+  if (i == a->of || i == a->other || (planes_of(s) == 0 && !s->mesh)) return 0;
+  search c = {.a = a, .s = s, .x = x, .n = n, .ways = l->ways, .more = -INFINITY};
+  c.pose = nsdae_broad_pose(a->p, s->body);
+  c.eps = a->share * 2 * fmin(extent(of), extent(s));
+  for (int j = 0; j < 3; j++) d[j] = l->x[j] - c.pose->r[j];
+  nsdae_turn_back(c.pose->R, d, x);
+  for (int j = 0; j < 3; j++) at += fabs(l->x[j]) + fabs(c.pose->r[j]);
+  c.slack = a->slack * size + 64 * DBL_EPSILON * (at + size);
+  if (!holds(s, x, c.eps) || !nsdae_broad_touches(a->p, i, a->other)) return 0;
+  nsdae_turn_back(c.pose->R, a->n, n);
+  if (!goes_into(&c)) return 0;
+  if (l->ways == 0) return 1;
+  if (s->mesh) return !nsdae_mesh_about(s->mesh, x, c.eps, comes_out_of_triangle, &c);
+  for (int f = 0; f < planes_of(s); f++) {
+    double plane[4];
+    plane_of(s, f, plane);
+    if (comes_out(&c, plane, nsdae_dot3(plane, x) - plane[3])) return 0;
+  }
+  return 1;
+}
+
+static int is_hidden(const place *a, const double *x, int ways)
+{
+  look l = {a, x, ways};
+  double within = a->share * 2 * extent(nsdae_solid_at(a->p->b, a->of));
+  return nsdae_broad_about(a->p, x, within, hides, &l);
+}
+
+/* ---- contacts of a pair */
+
+typedef struct sieve {
+  const nsdae_broad *p;
+  int solid[2]; /* in the order of the pair */
+  double reach, share;
+  nsdae_seen_fn add;
+  void *to;
+} sieve;
+
+/* Whether a place is on a face, further inside its edges than eps. */
+static int is_inside(const sieve *s, const nsdae_solid_of *of, const nsdae_pose *pose,
+                     const double *x, const double *n)
+{
+  double own[3], d[3], out_of[3], eps = s->share * 2 * of->size;
+  if (of->shape == NSDAE_SHAPE_PLANE || of->mesh) return 1;
+  for (int j = 0; j < 3; j++) d[j] = x[j] - pose->r[j];
+  nsdae_turn_back(pose->R, d, own);
+  nsdae_turn_back(pose->R, n, out_of);
+  for (int i = 0; i < planes_of(of); i++) {
+    double plane[4];
+    plane_of(of, i, plane);
+    if (nsdae_dot3(plane, out_of) > 1 - nearly) continue;
+    if (nsdae_dot3(plane, own) - plane[3] > -eps) return 0;
+  }
+  return planes_of(of) > 0;
+}
+
+static int sift(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
+{
+  const sieve *s = to;
+  const nsdae_still at = nsdae_closest_still(closest, two);
+  if (at.gap > s->reach) return 0;
+  int turned = two->solid[0] != nsdae_solid_at(s->p->b, s->solid[0]);
+  int exact = nsdae_pair_is_exact(two->solid[0], two->solid[1]);
+  int face = exact && closest->kind == NSDAE_PLANE_POINT;
+  if (face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal))
+    return s->add(s->to, number, closest, &at, two);
+  for (int i = 0; i < 2; i++) {
+    const nsdae_solid_of *of = two->solid[i];
+    if (planes_of(of) == 0 && !of->mesh) continue;
+    place a = {.p = s->p,
+               .of = s->solid[i ^ turned],
+               .other = s->solid[1 - (i ^ turned)],
+               .face = face && i == 0,
+               .share = s->share,
+               .slack = exact ? 0 : nearly};
+    for (int j = 0; j < 3; j++) a.n[j] = i ? -at.normal[j] : at.normal[j];
+    if (is_hidden(&a, at.at[i], WAYS)) return 0;
+  }
+  return s->add(s->to, number, closest, &at, two);
+}
+
+int nsdae_seen_contacts(const nsdae_broad *p, int i, int j, double reach, int exact,
+                        nsdae_seen_fn add, void *to)
+{
+  const nsdae_solid_of *solids = p->b->solid.at;
+  int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
+  sieve s = {.p = p,
+             .solid = {turned ? j : i, turned ? i : j},
+             .reach = reach,
+             .share = exact ? NSDAE_SLACK : NSDAE_BESIDE,
+             .add = add,
+             .to = to};
+  nsdae_couple two;
+  for (int k = 0; k < 2; k++) {
+    two.solid[k] = &solids[s.solid[k]];
+    two.pose[k] = nsdae_broad_pose(p, two.solid[k]->body);
+  }
+  return nsdae_pair_contacts(solids, i, j, &two, reach, sift, &s);
+}
