@@ -10,8 +10,9 @@
 static const double into = 2, out = 2, deep = 8;
 enum { WAYS = 3 };
 
-/* Of the cosines of places that a manifold gives: they are known to 1e-7 (gjk.c). */
-static const double nearly = 1e-6;
+/* How well a normal is known: of poses with the drift that event allows; of a manifold, whose places
+ * are known to 1e-9 (gjk.c). */
+static const double drift = 1e-9, nearly = 1e-6;
 
 /* The side of a contact that is on a solid. */
 typedef struct place {
@@ -19,8 +20,8 @@ typedef struct place {
   int of, other; /* the solid; the one that touches it */
   double n[3];   /* out of it */
   int face;
+  int exact;    /* n and the place are, up to rounding */
   double share; /* eps in parts of the size */
-  double slack; /* of the cosine of n */
 } place;
 
 /* ---- a solid as planes
@@ -68,7 +69,8 @@ typedef struct search {
   const double *x, *n; /* in the frame of its body */
   double eps;
   double more, off; /* how far it goes beyond x along n; x from its faces, of those within eps */
-  double slack;     /* of these lengths */
+  double slack;     /* of more */
+  double rounding;  /* of places */
   int ways, into;
 } search;
 
@@ -116,7 +118,7 @@ static int comes_out(const search *s, const double *m, double height)
   const nsdae_pose *pose = nsdae_broad_pose(a->p, of->body);
   for (int j = 0; j < 3; j++) d[j] = there[j] - pose->r[j];
   nsdae_turn_back(pose->R, d, y);
-  return holds(of, y, s->slack) && !is_hidden(a, there, s->ways - 1);
+  return holds(of, y, s->rounding) && !is_hidden(a, there, s->ways - 1);
 }
 
 static int measure_triangle(void *to, int t)
@@ -143,12 +145,12 @@ static int comes_out_of_triangle(void *to, int t)
          comes_out(s, m->normal + 3L * t, nsdae_mesh_height(m, t, s->x));
 }
 
-/* Whether n goes into the solid from x, which it holds. */
+/* Whether n goes into a solid from x, which it holds. */
 static int goes_into(search *s)
 {
-  const place *a = s->a;
   double plane[4];
   s->into = s->s->mesh == NULL;
+  s->more = -INFINITY;
   if (s->s->mesh) nsdae_mesh_about(s->s->mesh, s->x, s->eps, measure_triangle, s);
   for (int i = 0; i < planes_of(s->s); i++) {
     plane_of(s->s, i, plane);
@@ -157,9 +159,30 @@ static int goes_into(search *s)
     s->into &= height + into * s->eps * along <= s->eps;
     if (s->s->shape == NSDAE_SHAPE_PLANE) s->more = 1 - along; /* of a length of 1 */
   }
-  if (a->face) return s->into;
   if (s->s->points > 0) s->more = beyond(s->s, s->x, s->n);
-  return s->more > s->off + s->slack;
+  return s->a->face ? s->into : s->more > s->off + s->slack;
+}
+
+/* x and n in the frame of a solid's body; tolerances. */
+typedef struct put {
+  double x[3], n[3];
+} put;
+
+static search look_from(const place *a, int i, const double *x, put *own)
+{
+  const nsdae_solid_of *of = nsdae_solid_at(a->p->b, a->of), *s = nsdae_solid_at(a->p->b, i);
+  search c = {.a = a, .s = s, .pose = nsdae_broad_pose(a->p, s->body), .x = own->x, .n = own->n};
+  double d[3], at = 0, size = isfinite(extent(s)) ? extent(s) : of->size;
+  for (int j = 0; j < 3; j++) {
+    d[j] = x[j] - c.pose->r[j];
+    at += fabs(x[j]) + fabs(c.pose->r[j]);
+  }
+  nsdae_turn_back(c.pose->R, d, own->x);
+  nsdae_turn_back(c.pose->R, a->n, own->n);
+  c.eps = a->share * 2 * fmin(extent(of), extent(s));
+  c.rounding = (a->exact ? 0 : 10 * drift) * size + 64 * DBL_EPSILON * (at + size);
+  c.slack = (a->exact ? drift : nearly) * size;
+  return c;
 }
 
 typedef struct look {
@@ -173,25 +196,22 @@ static int hides(void *to, int i)
 {
   const look *l = to;
   const place *a = l->a;
-  const nsdae_solid_of *of = nsdae_solid_at(a->p->b, a->of), *s = nsdae_solid_at(a->p->b, i);
-  double x[3], n[3], d[3], at = 0, size = isfinite(extent(s)) ? extent(s) : of->size;
+  const nsdae_solid_of *s = nsdae_solid_at(a->p->b, i);
+  put own, its;
   if (i == a->of || i == a->other || (planes_of(s) == 0 && !s->mesh)) return 0;
-  search c = {.a = a, .s = s, .x = x, .n = n, .ways = l->ways, .more = -INFINITY};
-  c.pose = nsdae_broad_pose(a->p, s->body);
-  c.eps = a->share * 2 * fmin(extent(of), extent(s));
-  for (int j = 0; j < 3; j++) d[j] = l->x[j] - c.pose->r[j];
-  nsdae_turn_back(c.pose->R, d, x);
-  for (int j = 0; j < 3; j++) at += fabs(l->x[j]) + fabs(c.pose->r[j]);
-  c.slack = a->slack * size + 64 * DBL_EPSILON * (at + size);
-  if (!holds(s, x, c.eps) || !nsdae_broad_touches(a->p, i, a->other)) return 0;
-  nsdae_turn_back(c.pose->R, a->n, n);
-  if (!goes_into(&c)) return 0;
+  search c = look_from(a, i, l->x, &its);
+  c.ways = l->ways;
+  if (!holds(s, c.x, c.eps) || !nsdae_broad_touches(a->p, i, a->other)) return 0;
+  if (!goes_into(&c)) {
+    search of = look_from(a, a->of, l->x, &own);
+    return !a->face && goes_into(&of);
+  }
   if (l->ways == 0) return 1;
-  if (s->mesh) return !nsdae_mesh_about(s->mesh, x, c.eps, comes_out_of_triangle, &c);
+  if (s->mesh) return !nsdae_mesh_about(s->mesh, c.x, c.eps, comes_out_of_triangle, &c);
   for (int f = 0; f < planes_of(s); f++) {
     double plane[4];
     plane_of(s, f, plane);
-    if (comes_out(&c, plane, nsdae_dot3(plane, x) - plane[3])) return 0;
+    if (comes_out(&c, plane, nsdae_dot3(plane, c.x) - plane[3])) return 0;
   }
   return 1;
 }
@@ -249,7 +269,7 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
                .other = s->solid[1 - (i ^ turned)],
                .face = face && i == 0,
                .share = s->share,
-               .slack = exact ? 0 : nearly};
+               .exact = exact};
     for (int j = 0; j < 3; j++) a.n[j] = i ? -at.normal[j] : at.normal[j];
     if (is_hidden(&a, at.at[i], WAYS)) return 0;
   }
