@@ -368,7 +368,9 @@ static int cross(const probe *p, int l, const double *out, crossing *c)
   for (int s = 0; s < 2; s++) {
     nsdae_cross3(d, c->e[1 - s], side);
     along[s] = nsdae_dot3(m, side) / square;
-    if (!(along[s] >= 0 && along[s] <= 1)) return 0;
+    /* within rounding of its end the corner of the solid touches a face, in the same place */
+    double end = s ? p->m->rounding / sqrt(nsdae_dot3(c->e[1], c->e[1])) : 0;
+    if (!(along[s] >= end && along[s] <= 1 - end)) return 0;
   }
   c->side = nsdae_dot3(m, out) < 0 ? -1 : 1;
   for (int j = 0; j < 3; j++) {

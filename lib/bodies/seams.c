@@ -10,6 +10,9 @@
 static const double into = 2, out = 2, deep = 8;
 enum { WAYS = 3 };
 
+/* Cosine of two faces of a solid that are not one. */
+static const double upright = 0.5;
+
 /* How well a normal is known: of poses with the drift that event allows; of a manifold, whose places
  * are known to 1e-9 (gjk.c). */
 static const double drift = 1e-9, nearly = 1e-6;
@@ -72,6 +75,7 @@ typedef struct search {
   double slack;     /* of more */
   double rounding;  /* of places */
   int ways, into;
+  int of_mesh; /* the place is on one, whose faces nothing covers */
 } search;
 
 static int holds_it(void *to, int t)
@@ -160,7 +164,7 @@ static int goes_into(search *s)
     if (s->s->shape == NSDAE_SHAPE_PLANE) s->more = 1 - along; /* of a length of 1 */
   }
   if (s->s->points > 0) s->more = beyond(s->s, s->x, s->n);
-  return s->a->face ? s->into : s->more > s->off + s->slack;
+  return s->a->face ? s->into && !s->of_mesh : s->more > s->off + s->slack;
 }
 
 /* x and n in the frame of a solid's body; tolerances. */
@@ -179,10 +183,58 @@ static search look_from(const place *a, int i, const double *x, put *own)
   }
   nsdae_turn_back(c.pose->R, d, own->x);
   nsdae_turn_back(c.pose->R, a->n, own->n);
+  c.of_mesh = of->mesh != NULL;
   c.eps = a->share * 2 * fmin(extent(of), extent(s));
   c.rounding = (a->exact ? 0 : 10 * drift) * size + 64 * DBL_EPSILON * (at + size);
   c.slack = (a->exact ? drift : nearly) * size;
   return c;
+}
+
+/* Whether all of the solid that touches is beyond plane f of the other, at which x is: what covers
+ * that face bears it. f is not the face of the contact. */
+static int is_beyond(const search *s, const double *f, double height)
+{
+  const place *a = s->a;
+  const nsdae_solid_of *other = nsdae_solid_at(a->p->b, a->other);
+  const nsdae_pose *pose = nsdae_broad_pose(a->p, other->body);
+  if (fabs(height) > s->slack || nsdae_dot3(f, s->n) > upright || other->radius > 0) return 0;
+  for (int i = 0; i < other->points; i++) {
+    double y[3], d[3], own[3];
+    nsdae_pose_put(pose, nsdae_solid_corner(other, i), y);
+    for (int j = 0; j < 3; j++) d[j] = y[j] - s->pose->r[j];
+    nsdae_turn_back(s->pose->R, d, own);
+    for (int j = 0; j < 3; j++) d[j] = own[j] - s->x[j];
+    if (nsdae_dot3(f, d) + height < -s->slack) return 0;
+  }
+  return other->points > 1 && !nsdae_solid_is_smooth(other);
+}
+
+static int is_beyond_border(void *to, int t)
+{
+  const search *s = to;
+  const nsdae_mesh *m = s->s->mesh;
+  int beyond = 0;
+  for (int k = 0; k < 3 && !beyond; k++) {
+    double e[3], f[3];
+    if (m->beside[t][k] >= 0) continue;
+    for (int j = 0; j < 3; j++)
+      e[j] = nsdae_mesh_corner(m, t, k + 1)[j] - nsdae_mesh_corner(m, t, k)[j];
+    nsdae_cross3(e, m->normal + 3L * t, f);
+    beyond = nsdae_unit_vector(f, f) && is_beyond(s, f, nsdae_mesh_beyond(m, t, k, s->x));
+  }
+  return beyond;
+}
+
+/* The same for a plane that is covered, or a border of a mesh. */
+static int stands_beside(search *s)
+{
+  if (s->s->mesh) return nsdae_mesh_about(s->s->mesh, s->x, s->slack, is_beyond_border, s);
+  for (int i = 0; i < planes_of(s->s); i++) {
+    double plane[4];
+    plane_of(s->s, i, plane);
+    if (is_beyond(s, plane, nsdae_dot3(plane, s->x) - plane[3])) return 1;
+  }
+  return 0;
 }
 
 typedef struct look {
@@ -202,10 +254,9 @@ static int hides(void *to, int i)
   search c = look_from(a, i, l->x, &its);
   c.ways = l->ways;
   if (!holds(s, c.x, c.eps) || !nsdae_broad_touches(a->p, i, a->other)) return 0;
-  if (!goes_into(&c)) {
-    search of = look_from(a, a->of, l->x, &own);
-    return !a->face && goes_into(&of);
-  }
+  search of = look_from(a, a->of, l->x, &own);
+  if (l->ways == WAYS && stands_beside(&of)) return 1;
+  if (!goes_into(&c)) return !a->face && goes_into(&of);
   if (l->ways == 0) return 1;
   if (s->mesh) return !nsdae_mesh_about(s->mesh, c.x, c.eps, comes_out_of_triangle, &c);
   for (int f = 0; f < planes_of(s); f++) {
@@ -238,7 +289,7 @@ static int is_inside(const sieve *s, const nsdae_solid_of *of, const nsdae_pose 
                      const double *x, const double *n)
 {
   double own[3], d[3], out_of[3], eps = s->share * 2 * of->size;
-  if (of->shape == NSDAE_SHAPE_PLANE || of->mesh) return 1;
+  if (of->shape == NSDAE_SHAPE_PLANE) return 1;
   for (int j = 0; j < 3; j++) d[j] = x[j] - pose->r[j];
   nsdae_turn_back(pose->R, d, own);
   nsdae_turn_back(pose->R, n, out_of);
