@@ -13,8 +13,9 @@ enum { WAYS = 3 };
 /* Cosine of two faces of a solid that are not one. */
 static const double upright = 0.5;
 
-/* How well a normal is known: of poses with the drift that event allows; of a manifold, whose places
- * are known to 1e-9 (gjk.c). */
+/* How well a normal is known: of flat parts with the drift that event allows; of a manifold, whose
+ * places are known to 1e-9 (gjk.c). Of a ball it is exact: on a seam it would roll off to its side
+ * otherwise. */
 static const double drift = 1e-9, nearly = 1e-6;
 
 /* The side of a contact that is on a solid. */
@@ -23,8 +24,8 @@ typedef struct place {
   int of, other; /* the solid; the one that touches it */
   double n[3];   /* out of it */
   int face;
-  int exact;    /* n and the place are, up to rounding */
   double share; /* eps in parts of the size */
+  double angle; /* up to which n is known; 0: rounding */
 } place;
 
 /* ---- a solid as planes
@@ -185,8 +186,9 @@ static search look_from(const place *a, int i, const double *x, put *own)
   nsdae_turn_back(c.pose->R, a->n, own->n);
   c.of_mesh = of->mesh != NULL;
   c.eps = a->share * 2 * fmin(extent(of), extent(s));
-  c.rounding = (a->exact ? 0 : 10 * drift) * size + 64 * DBL_EPSILON * (at + size);
-  c.slack = (a->exact ? drift : nearly) * size;
+  double least = 64 * DBL_EPSILON * (at + size);
+  c.rounding = (a->angle == nearly ? 10 * drift : 0) * size + least;
+  c.slack = a->angle * size + least;
   return c;
 }
 
@@ -310,6 +312,7 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
   int turned = two->solid[0] != nsdae_solid_at(s->p->b, s->solid[0]);
   int exact = nsdae_pair_is_exact(two->solid[0], two->solid[1]);
   int face = exact && closest->kind == NSDAE_PLANE_POINT;
+  int ball = closest->kind == NSDAE_POINT_POINT || closest->kind == NSDAE_LINE_POINT;
   if (face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal))
     return s->add(s->to, number, closest, &at, two);
   for (int i = 0; i < 2; i++) {
@@ -320,7 +323,7 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
                .other = s->solid[1 - (i ^ turned)],
                .face = face && i == 0,
                .share = s->share,
-               .exact = exact};
+               .angle = !exact ? nearly : ball ? 0 : drift};
     for (int j = 0; j < 3; j++) a.n[j] = i ? -at.normal[j] : at.normal[j];
     if (is_hidden(&a, at.at[i], WAYS)) return 0;
   }
