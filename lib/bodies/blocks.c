@@ -73,7 +73,7 @@ static int list_named(listing *l)
     if (f[i].number > 0 || !nsdae_broad_near(l->broad, solid[0], solid[1], l->reach)) continue;
     l->law = (nsdae_bodies_pair){.mu = f[i].mu, .e_n = f[i].e_n, .e_t = f[i].e_t};
     l->id = i;
-    status = nsdae_seen_contacts(l->broad, solid[0], solid[1], l->reach, l->omega, list_closest, l);
+    status = nsdae_named_contacts(l->broad, solid[0], solid[1], l->reach, list_closest, l);
   }
   return status;
 }

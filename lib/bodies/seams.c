@@ -313,7 +313,7 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
   int exact = nsdae_pair_is_exact(two->solid[0], two->solid[1]);
   int face = exact && closest->kind == NSDAE_PLANE_POINT;
   int ball = closest->kind == NSDAE_POINT_POINT || closest->kind == NSDAE_LINE_POINT;
-  if (face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal))
+  if (s->share == 0 || (face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal)))
     return s->add(s->to, number, closest, &at, two);
   for (int i = 0; i < 2; i++) {
     const nsdae_solid_of *of = two->solid[i];
@@ -330,15 +330,16 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
   return s->add(s->to, number, closest, &at, two);
 }
 
-int nsdae_seen_contacts(const nsdae_broad *p, int i, int j, double reach, int exact,
-                        nsdae_seen_fn add, void *to)
+/* share 0: nothing hides them. */
+static int find_contacts(const nsdae_broad *p, int i, int j, double reach, double share,
+                         nsdae_seen_fn add, void *to)
 {
   const nsdae_solid_of *solids = p->b->solid.at;
   int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
   sieve s = {.p = p,
              .solid = {turned ? j : i, turned ? i : j},
              .reach = reach,
-             .share = exact ? NSDAE_SLACK : NSDAE_BESIDE,
+             .share = share,
              .add = add,
              .to = to};
   nsdae_couple two;
@@ -347,4 +348,16 @@ int nsdae_seen_contacts(const nsdae_broad *p, int i, int j, double reach, int ex
     two.pose[k] = nsdae_broad_pose(p, two.solid[k]->body);
   }
   return nsdae_pair_contacts(solids, i, j, &two, reach, sift, &s);
+}
+
+int nsdae_seen_contacts(const nsdae_broad *p, int i, int j, double reach, int fine,
+                        nsdae_seen_fn add, void *to)
+{
+  return find_contacts(p, i, j, reach, fine ? NSDAE_SLACK : NSDAE_BESIDE, add, to);
+}
+
+int nsdae_named_contacts(const nsdae_broad *p, int i, int j, double reach, nsdae_seen_fn add,
+                         void *to)
+{
+  return find_contacts(p, i, j, reach, 0, add, to);
 }

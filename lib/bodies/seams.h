@@ -23,9 +23,12 @@ typedef int (*nsdae_seen_fn)(void *to, long number, const nsdae_closest *closest
                              const nsdae_still *at, const nsdae_couple *two);
 
 /* Contacts of two solids i < j, placed and sorted, whose gap is at most the reach and that nothing
- * hides, as nsdae_pair_contacts gives them. exact: poses are known to rounding, not to the depth at
+ * hides, as nsdae_pair_contacts gives them. fine: poses are known to rounding, not to the depth at
  * which time stepping has bodies rest; eps is that much smaller. */
-int nsdae_seen_contacts(const nsdae_broad *broad, int i, int j, double reach, int exact,
+int nsdae_seen_contacts(const nsdae_broad *broad, int i, int j, double reach, int fine,
                         nsdae_seen_fn add, void *to);
+/* The same of nsdae_bodies_add_contact: they are a request, and nothing hides them. */
+int nsdae_named_contacts(const nsdae_broad *broad, int i, int j, double reach, nsdae_seen_fn add,
+                         void *to);
 
 #endif

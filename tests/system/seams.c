@@ -121,7 +121,7 @@ static int add_carrier(nsdae_bodies *world, const member *m, const double *middl
 /* Rows of tiles from x = -0.5 on. */
 static void add_tiles(nsdae_bodies *world, const member *m)
 {
-  const double end = 2.0, one[3] = {(end - 0.5) / 2, 0, -thick / 2};
+  const double end = 2.6, one[3] = {(end - 0.5) / 2, 0, -thick / 2};
   uint64_t state = m->seed ^ 0x5eed;
   int body = m->carried == OF_ONE_BODY ? add_carrier(world, m, one, end + 0.5, 60) : NSDAE_GROUND;
   for (int row = 0; row < m->rows; row++) {
