@@ -21,8 +21,8 @@ struct nsdae_broad {
   double *radius;   /* of each solid about its frame's origin; INFINITY of what is endless */
   double *centre;   /* solids x 3: where it is */
   nsdae_grid grid;
-  double usual;     /* largest radius of ordinary size */
-  int *large;       /* those above it, and what is endless */
+  double usual; /* largest radius of ordinary size */
+  int *large;   /* those above it, and what is endless */
   int larges;
   long features;    /* of any pair of solids at most */
   double *excluded; /* in order: pairs of solids of nsdae_bodies_add_contact, by nsdae_broad_pair;

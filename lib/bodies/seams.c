@@ -50,8 +50,8 @@ static void plane_of(const nsdae_solid_of *s, int i, double *plane)
   for (int j = 0; j < 3; j++)
     plane[j] = s->shape == NSDAE_SHAPE_PLANE ? s->R[6 + j]
                : s->points > 2               ? s->edge[4 * i + j]
-               : i == 2                      ? s->R[3 + j] /* a line: its ends, and its upper side */
-                                             : (i ? 1 : -1) * s->R[j];
+               : i == 2 ? s->R[3 + j] /* a line: its ends, and its upper side */
+                        : (i ? 1 : -1) * s->R[j];
   plane[3] = nsdae_dot3(plane, at);
 }
 
@@ -291,7 +291,6 @@ static int is_inside(const sieve *s, const nsdae_solid_of *of, const nsdae_pose 
                      const double *x, const double *n)
 {
   double own[3], d[3], out_of[3], eps = s->share * 2 * of->size;
-  if (of->shape == NSDAE_SHAPE_PLANE) return 1;
   for (int j = 0; j < 3; j++) d[j] = x[j] - pose->r[j];
   nsdae_turn_back(pose->R, d, own);
   nsdae_turn_back(pose->R, n, out_of);
@@ -313,9 +312,9 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
   int exact = nsdae_pair_is_exact(two->solid[0], two->solid[1]);
   int face = exact && closest->kind == NSDAE_PLANE_POINT;
   int ball = closest->kind == NSDAE_POINT_POINT || closest->kind == NSDAE_LINE_POINT;
-  if (s->share == 0 || (face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal)))
-    return s->add(s->to, number, closest, &at, two);
-  for (int i = 0; i < 2; i++) {
+  int plane = two->solid[0]->shape == NSDAE_SHAPE_PLANE || s->share == 0;
+  int inside = !plane && face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal);
+  for (int i = inside; i < 2 && !plane; i++) {
     const nsdae_solid_of *of = two->solid[i];
     if (planes_of(of) == 0 && !of->mesh) continue;
     place a = {.p = s->p,
@@ -323,7 +322,9 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
                .other = s->solid[1 - (i ^ turned)],
                .face = face && i == 0,
                .share = s->share,
-               .angle = !exact ? nearly : ball ? 0 : drift};
+               .angle = !exact ? nearly
+                        : ball ? 0
+                               : drift};
     for (int j = 0; j < 3; j++) a.n[j] = i ? -at.normal[j] : at.normal[j];
     if (is_hidden(&a, at.at[i], WAYS)) return 0;
   }

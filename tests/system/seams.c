@@ -287,7 +287,8 @@ static member member_of(uint64_t seed)
     m.carrier_speed = random_between(&s, -0.5, 0.5);
     if (m.carried == OF_EACH_BODY) m.skew = m.carrier_speed = 0;
   }
-  if (random_below(&s, 3) == 0) { /* sliding up to the end: v(t) >= 0.3 v; a ball slides to 5 v / 7 */
+  if (random_below(&s, 3) ==
+      0) { /* sliding up to the end: v(t) >= 0.3 v; a ball slides to 5 v / 7 */
     m.mu = random_between(&s, 0.02, m.slider == SPHERE ? 0.25 : 0.7) * m.v * m.v / (gravity * way);
     m.drop = 0;
     if (m.slider == CAPSULE) m.yaw = 0;
@@ -303,13 +304,14 @@ static member member_of(uint64_t seed)
   return m;
 }
 
-/* Bounds of the error. By event all is known to rounding, with friction to a tenth of rtol; by the others residuals of the contact
- * problem are 1e-10 of a step's impulse. Tiles of bodies of their own tilt within the slop, up to
- * 4e-5 rad, under what slides on them: g 4e-5 for a second. */
+/* Bounds of the error. By event all is known to rounding, with friction to a tenth of rtol. By the
+ * others residuals of the contact problem are 1e-10 of a step's impulse. What moves tilts within
+ * the slop: a carrier under what slides on it, up to 4e-5 rad, g 4e-5 for a second; a slider by its
+ * friction 1e-4 rad, whose part of mu g t is as much of v. */
 static double bound_of(const member *m, int method)
 {
   if (method == NSDAE_METHOD_EVENT) return m->mu > 0 ? 1e-9 : 1e-12;
-  return m->carried == OF_EACH_BODY ? 4e-4 / m->v : 1e-6;
+  return m->carried != OF_GROUND ? 4e-4 / m->v : m->mu > 0 ? 1e-5 : 1e-6;
 }
 
 static int is_right(const member *m, int method, const outcome *is)
@@ -324,11 +326,12 @@ static int check_slide(uint64_t seed, int method)
   const member m = member_of(seed);
   const outcome is = run(&m, method, way / m.v);
   if (is_right(&m, method, &is)) return 1;
-  print_message("seed %llu, %s: %s on %s (carried %d, rows %d, length %g, skew %g, yaw %g, drop %g, "
-                "mu %g, v %g, turned %d): error %.2e, climb %.2e, status %d %s\n",
-                (unsigned long long)seed, nsdae_method_name(method), slider_names[m.slider],
-                tile_names[m.tiles], m.carried, m.rows, m.length, m.skew, m.yaw, m.drop, m.mu, m.v,
-                m.turn[0] != 1, is.error, is.climb, is.status, is.text);
+  print_message(
+      "seed %llu, %s: %s on %s (carried %d, rows %d, length %g, skew %g, yaw %g, drop %g, "
+      "mu %g, v %g, turned %d): error %.2e, climb %.2e, status %d %s\n",
+      (unsigned long long)seed, nsdae_method_name(method), slider_names[m.slider],
+      tile_names[m.tiles], m.carried, m.rows, m.length, m.skew, m.yaw, m.drop, m.mu, m.v,
+      m.turn[0] != 1, is.error, is.climb, is.status, is.text);
   return 0;
 }
 
@@ -347,9 +350,10 @@ static int check_step(uint64_t seed, int method)
   m.from = random_between(&s, 0.42, 0.48);
   const outcome is = run(&m, method, 4);
   if (is.status >= 0 && is.ahead <= 0.62 && is.ahead >= 0.499) return 1;
-  print_message("step: seed %llu, %s: %s on %s (rows %d, yaw %g, height %g): up to %.6f, status %d %s\n",
-                (unsigned long long)seed, nsdae_method_name(method), slider_names[m.slider],
-                tile_names[m.tiles], m.rows, m.yaw, m.higher, is.ahead, is.status, is.text);
+  print_message(
+      "step: seed %llu, %s: %s on %s (rows %d, yaw %g, height %g): up to %.6f, status %d %s\n",
+      (unsigned long long)seed, nsdae_method_name(method), slider_names[m.slider],
+      tile_names[m.tiles], m.rows, m.yaw, m.higher, is.ahead, is.status, is.text);
   return 0;
 }
 
@@ -370,26 +374,26 @@ static void check_all(int (*check)(uint64_t seed, int method), uint64_t seed, in
 static void test_seams_by_implicit(void **state)
 {
   (void)state;
-  check_all(check_slide, 1000, NSDAE_METHOD_IMPLICIT, count_of(12));
+  check_all(check_slide, 1000, NSDAE_METHOD_IMPLICIT, count_of(6));
 }
 
 static void test_seams_by_moreau(void **state)
 {
   (void)state;
-  check_all(check_slide, 2000, NSDAE_METHOD_MOREAU, count_of(12));
+  check_all(check_slide, 2000, NSDAE_METHOD_MOREAU, count_of(6));
 }
 
 static void test_seams_by_event(void **state)
 {
   (void)state;
-  check_all(check_slide, 3000, NSDAE_METHOD_EVENT, count_of(3));
+  check_all(check_slide, 3000, NSDAE_METHOD_EVENT, count_of(2));
 }
 
 static void test_steps_stop(void **state)
 {
   (void)state;
-  check_all(check_step, 4000, NSDAE_METHOD_IMPLICIT, count_of(5));
-  check_all(check_step, 5000, NSDAE_METHOD_MOREAU, count_of(5));
+  check_all(check_step, 4000, NSDAE_METHOD_IMPLICIT, count_of(3));
+  check_all(check_step, 5000, NSDAE_METHOD_MOREAU, count_of(3));
   check_all(check_step, 6000, NSDAE_METHOD_EVENT, count_of(1));
 }
 
@@ -410,8 +414,8 @@ int main(int argc, char **argv)
       if (argc > 3 && strcmp(argv[3], nsdae_method_name(methods[k])) != 0) continue;
       for (int i = 0; i < count; i++)
         bad += !(step ? check_step : check_slide)(seed + (uint64_t)i, methods[k]);
-      printf("%s, %s: %d of %d wrong\n", nsdae_method_name(methods[k]), step ? "steps" : "seams", bad,
-             count);
+      printf("%s, %s: %d of %d wrong\n", nsdae_method_name(methods[k]), step ? "steps" : "seams",
+             bad, count);
       wrong += bad;
     }
   return wrong > 0;
