@@ -317,19 +317,12 @@ static int cell_of(const nsdae_broad *p, double x)
   return (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
 }
 
-static int is_about(const nsdae_broad *p, int i, const double *x, double within)
-{
-  double d[3], most = p->radius[i] + within;
-  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * i + l] - x[l];
-  return nsdae_dot3(d, d) <= most * most;
-}
-
 int nsdae_broad_about(const nsdae_broad *p, const double *x, double within, nsdae_about_fn visit,
                       void *to)
 {
   int low[3], high[3], at[3], code = 0;
   for (int i = 0; i < p->larges && !code; i++)
-    if (is_about(p, p->large[i], x, within)) code = visit(to, p->large[i]);
+    if (nsdae_broad_is_about(p, p->large[i], x, within)) code = visit(to, p->large[i]);
   for (int l = 0; l < 3; l++) {
     low[l] = cell_of(p, x[l] - p->usual - within);
     high[l] = cell_of(p, x[l] + p->usual + within);
@@ -338,7 +331,8 @@ int nsdae_broad_about(const nsdae_broad *p, const double *x, double within, nsda
     for (at[1] = low[1]; at[1] <= high[1]; at[1]++)
       for (at[0] = low[0]; at[0] <= high[0]; at[0]++)
         for (int i = p->grid.head[bucket_of(p, at)]; i >= 0 && !code; i = p->grid.next[i])
-          if (memcmp(p->grid.cell + 3 * i, at, sizeof at) == 0 && is_about(p, i, x, within))
+          if (nsdae_broad_is_about(p, i, x, within) && p->grid.cell[3 * i] == at[0] &&
+              p->grid.cell[3 * i + 1] == at[1] && p->grid.cell[3 * i + 2] == at[2])
             code = visit(to, i);
   return code;
 }

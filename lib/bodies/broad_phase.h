@@ -58,6 +58,14 @@ int nsdae_broad_pairs(const nsdae_broad *broad, int pass, double reach, nsdae_br
 /* Whether two solids may have contacts, by their materials or nsdae_bodies_add_contact. */
 int nsdae_broad_touches(const nsdae_broad *broad, int i, int j);
 
+/* Whether a part of solid i may be as near to x as within. */
+static inline int nsdae_broad_is_about(const nsdae_broad *p, int i, const double *x, double within)
+{
+  double d[3], most = p->radius[i] + within;
+  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * i + l] - x[l];
+  return nsdae_dot3(d, d) <= most * most;
+}
+
 /* Solids, sorted, of which a part may be as near to x as within, until visit returns other than 0,
  * which is returned. */
 typedef int (*nsdae_about_fn)(void *to, int i);

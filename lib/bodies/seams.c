@@ -18,9 +18,16 @@ static const double upright = 0.5;
  * otherwise. */
 static const double drift = 1e-9, nearly = 1e-6;
 
+/* Solids that may cover places of both of a pair; more are looked for at each place. */
+enum { NEAR = 24 };
+typedef struct covers {
+  int count, solid[NEAR]; /* -1: not known */
+} covers;
+
 /* The side of a contact that is on a solid. */
 typedef struct place {
   const nsdae_broad *p;
+  const covers *covers;
   int of, other; /* the solid; the one that touches it */
   double n[3];   /* out of it */
   int face;
@@ -38,6 +45,12 @@ static int planes_of(const nsdae_solid_of *s)
   if (s->shape == NSDAE_SHAPE_PLANE) return 1;
   if (s->radius > 0) return 0;
   return s->hull ? s->hull->faces : !planar ? 0 : s->points > 2 ? s->points : 3;
+}
+
+/* Whether it can cover a place. */
+static int is_flat(const nsdae_solid_of *s)
+{
+  return s->mesh != NULL || planes_of(s) > 0;
 }
 
 static void plane_of(const nsdae_solid_of *s, int i, double *plane)
@@ -252,7 +265,7 @@ static int hides(void *to, int i)
   const place *a = l->a;
   const nsdae_solid_of *s = nsdae_solid_at(a->p->b, i);
   put own, its;
-  if (i == a->of || i == a->other || (planes_of(s) == 0 && !s->mesh)) return 0;
+  if (i == a->of || i == a->other || !is_flat(s)) return 0;
   search c = look_from(a, i, l->x, &its);
   c.ways = l->ways;
   if (!holds(s, c.x, c.eps) || !nsdae_broad_touches(a->p, i, a->other)) return 0;
@@ -273,13 +286,19 @@ static int is_hidden(const place *a, const double *x, int ways)
 {
   look l = {a, x, ways};
   double within = a->share * 2 * extent(nsdae_solid_at(a->p->b, a->of));
-  return nsdae_broad_about(a->p, x, within, hides, &l);
+  int code = 0;
+  if (a->covers->count > NEAR) return nsdae_broad_about(a->p, x, within, hides, &l);
+  for (int i = 0; i < a->covers->count && !code; i++)
+    if (nsdae_broad_is_about(a->p, a->covers->solid[i], x, within))
+      code = hides(&l, a->covers->solid[i]);
+  return code;
 }
 
 /* ---- contacts of a pair */
 
 typedef struct sieve {
   const nsdae_broad *p;
+  covers covers;
   int solid[2]; /* in the order of the pair */
   double reach, share;
   nsdae_seen_fn add;
@@ -303,9 +322,30 @@ static int is_inside(const sieve *s, const nsdae_solid_of *of, const nsdae_pose 
   return planes_of(of) > 0;
 }
 
+/* Solid i may cover places of the pair. */
+static int gather(void *to, int i)
+{
+  sieve *s = to;
+  const nsdae_solid_of *of = nsdae_solid_at(s->p->b, i);
+  int other = s->solid[s->p->radius[s->solid[0]] <= s->p->radius[s->solid[1]]];
+  double within = s->p->radius[other] + s->share * 2 * of->size;
+  if (i == s->solid[0] || i == s->solid[1] || !is_flat(of)) return 0;
+  if (!nsdae_broad_is_about(s->p, i, s->p->centre + 3 * other, within)) return 0;
+  if (s->covers.count < NEAR) s->covers.solid[s->covers.count] = i;
+  return ++s->covers.count > NEAR;
+}
+
+static void find_covers(sieve *s)
+{
+  int least = s->solid[s->p->radius[s->solid[0]] > s->p->radius[s->solid[1]]];
+  double radius = s->p->radius[least];
+  s->covers.count = 0;
+  nsdae_broad_about(s->p, s->p->centre + 3 * least, (1 + 2 * s->share) * radius, gather, s);
+}
+
 static int sift(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
 {
-  const sieve *s = to;
+  sieve *s = to;
   const nsdae_still at = nsdae_closest_still(closest, two);
   if (at.gap > s->reach) return 0;
   int turned = two->solid[0] != nsdae_solid_at(s->p->b, s->solid[0]);
@@ -313,11 +353,14 @@ static int sift(void *to, long number, const nsdae_closest *closest, const nsdae
   int face = exact && closest->kind == NSDAE_PLANE_POINT;
   int ball = closest->kind == NSDAE_POINT_POINT || closest->kind == NSDAE_LINE_POINT;
   int plane = two->solid[0]->shape == NSDAE_SHAPE_PLANE || s->share == 0;
-  int inside = !plane && face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal);
-  for (int i = inside; i < 2 && !plane; i++) {
+  if (!plane && s->covers.count < 0) find_covers(s);
+  int any = !plane && s->covers.count > 0;
+  int inside = any && face && is_inside(s, two->solid[0], two->pose[0], at.at[0], at.normal);
+  for (int i = inside; i < 2 && any; i++) {
     const nsdae_solid_of *of = two->solid[i];
-    if (planes_of(of) == 0 && !of->mesh) continue;
+    if (!is_flat(of)) continue;
     place a = {.p = s->p,
+               .covers = &s->covers,
                .of = s->solid[i ^ turned],
                .other = s->solid[1 - (i ^ turned)],
                .face = face && i == 0,
@@ -338,6 +381,7 @@ static int find_contacts(const nsdae_broad *p, int i, int j, double reach, doubl
   const nsdae_solid_of *solids = p->b->solid.at;
   int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
   sieve s = {.p = p,
+             .covers.count = -1,
              .solid = {turned ? j : i, turned ? i : j},
              .reach = reach,
              .share = share,
