@@ -381,7 +381,7 @@ static int find_contacts(const nsdae_broad *p, int i, int j, double reach, doubl
   const nsdae_solid_of *solids = p->b->solid.at;
   int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
   sieve s = {.p = p,
-             .covers.count = -1,
+             .covers.count = is_flat(&solids[i]) || is_flat(&solids[j]) ? -1 : 0,
              .solid = {turned ? j : i, turned ? i : j},
              .reach = reach,
              .share = share,

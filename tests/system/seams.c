@@ -386,14 +386,14 @@ static void test_seams_by_moreau(void **state)
 static void test_seams_by_event(void **state)
 {
   (void)state;
-  check_all(check_slide, 3000, NSDAE_METHOD_EVENT, count_of(2));
+  check_all(check_slide, 3000, NSDAE_METHOD_EVENT, count_of(1));
 }
 
 static void test_steps_stop(void **state)
 {
   (void)state;
-  check_all(check_step, 4000, NSDAE_METHOD_IMPLICIT, count_of(3));
-  check_all(check_step, 5000, NSDAE_METHOD_MOREAU, count_of(3));
+  check_all(check_step, 4000, NSDAE_METHOD_IMPLICIT, count_of(2));
+  check_all(check_step, 5000, NSDAE_METHOD_MOREAU, count_of(2));
   check_all(check_step, 6000, NSDAE_METHOD_EVENT, count_of(1));
 }
 
