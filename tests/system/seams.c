@@ -374,13 +374,13 @@ static void check_all(int (*check)(uint64_t seed, int method), uint64_t seed, in
 static void test_seams_by_implicit(void **state)
 {
   (void)state;
-  check_all(check_slide, 1000, NSDAE_METHOD_IMPLICIT, count_of(6));
+  check_all(check_slide, 1000, NSDAE_METHOD_IMPLICIT, count_of(12));
 }
 
 static void test_seams_by_moreau(void **state)
 {
   (void)state;
-  check_all(check_slide, 2000, NSDAE_METHOD_MOREAU, count_of(6));
+  check_all(check_slide, 2000, NSDAE_METHOD_MOREAU, count_of(12));
 }
 
 static void test_seams_by_event(void **state)
