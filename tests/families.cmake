@@ -10,7 +10,7 @@ endfunction()
 
 foreach(test IN ITEMS anomaly/file_memory anomaly/hdf5 anomaly/disk unit/bodies/continuity unit/bodies/controls
     unit/bodies/derivatives unit/bodies/distance unit/bodies/limited unit/bodies/limits unit/bodies/meshes unit/bodies/motors
-    unit/bodies/pins unit/bodies/polyhedra unit/bodies/position_motors system/lcp_families system/projection system/slop
+    unit/bodies/pins unit/bodies/polyhedra unit/bodies/position_motors system/lcp_families system/projection system/seams system/slop
     system/structures)
   nsdae_family(${test} NSDAE_LONG=1)
 endforeach()

@@ -3,9 +3,9 @@
 #include <limits.h>
 #include <stdlib.h>
 
-#include "broad_phase.h"
 #include "errors.h"
 #include "maker.h"
+#include "seams.h"
 #include "separating_axis.h"
 
 static int mass_blocks(double t, const double *q, double *M, void *user)
@@ -34,36 +34,23 @@ typedef struct listing {
   nsdae_bodies_pair law;
 } listing;
 
-static int list_closest(void *to, long number, const nsdae_closest *closest,
+static int list_closest(void *to, long number, const nsdae_closest *closest, const nsdae_still *at,
                         const nsdae_couple *two)
 {
   const listing *l = to;
   int dimension = l->broad->b->dimension;
-  const nsdae_still still = nsdae_closest_still(closest, two);
-  if (still.gap > l->reach) return 0;
   nsdae_contact c = {.id = l->id + number,
-                     .gap = still.gap,
+                     .gap = at->gap,
                      .mu = l->law.mu,
                      .e_n = l->law.e_n,
                      .e_t = l->law.e_t,
                      .omega_given = l->omega && nsdae_pair_is_exact(two->solid[0], two->solid[1])};
-  nsdae_bodies_contact_rows(dimension, two, &still, dimension, &c);
+  nsdae_bodies_contact_rows(dimension, two, at, dimension, &c);
   if (c.omega_given) {
     const nsdae_touch touch = nsdae_closest_touch(closest, two);
     nsdae_bodies_contact_omega(dimension, two, &touch, c.omega);
   }
   return nsdae_contact_add(l->list, &c);
-}
-
-/* Contacts of two solids in the order of nsdae_pair_contacts. */
-static int list_features(listing *l, int i, int j)
-{
-  const nsdae_solid_of *solids = l->broad->b->solid.at;
-  int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
-  const nsdae_solid_of *s0 = &solids[turned ? j : i], *s1 = &solids[turned ? i : j];
-  const nsdae_couple two = {
-      {s0, s1}, {nsdae_broad_pose(l->broad, s0->body), nsdae_broad_pose(l->broad, s1->body)}};
-  return nsdae_pair_contacts(solids, i, j, &two, l->reach, list_closest, l);
 }
 
 static int list_pair(void *to, const nsdae_broad *p, int i, int j)
@@ -73,7 +60,7 @@ static int list_pair(void *to, const nsdae_broad *p, int i, int j)
   if (p->excludes > 0 && nsdae_broad_is_excluded(p, i, j)) return 0;
   l->law = *p->pair[s[i].filter.material][s[j].filter.material];
   l->id = p->b->feature.count + nsdae_broad_pair(p->b, i, j) * p->features;
-  return list_features(l, i, j);
+  return nsdae_seen_contacts(p, i, j, l->reach, l->omega, list_closest, l);
 }
 
 /* The contacts of nsdae_bodies_add_contact, as features i and behind. */
@@ -86,7 +73,7 @@ static int list_named(listing *l)
     if (f[i].number > 0 || !nsdae_broad_near(l->broad, solid[0], solid[1], l->reach)) continue;
     l->law = (nsdae_bodies_pair){.mu = f[i].mu, .e_n = f[i].e_n, .e_t = f[i].e_t};
     l->id = i;
-    status = list_features(l, solid[0], solid[1]);
+    status = nsdae_named_contacts(l->broad, solid[0], solid[1], l->reach, list_closest, l);
   }
   return status;
 }
@@ -151,9 +138,8 @@ static int contacts(double t, const double *q, const double *v, double reach,
   listing l = {
       .broad = broad, .list = list, .reach = reach, .omega = nsdae_contact_list_reads_omega(list)};
   nsdae_broad_place(broad, q, l.omega ? v : NULL);
-  int status = list_named(&l);
-  if (status >= 0)
-    status = nsdae_contact_list_share(list, nsdae_broad_sort(broad, reach), list_pass, &l);
+  int passes = nsdae_broad_sort(broad, reach), status = list_named(&l);
+  if (status >= 0) status = nsdae_contact_list_share(list, passes, list_pass, &l);
   if (status >= 0) status = list_limits(&l);
   nsdae_broad_give_back(b, broad);
   if (status < 0) return -1;

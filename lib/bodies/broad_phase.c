@@ -48,11 +48,11 @@ static void lay_out_broad(void *object, nsdae_arena *arena)
   p->pose = nsdae_arena_take(arena, p->b->body.count + 1L, sizeof *p->pose);
   p->radius = NSDAE_ARENA_DOUBLES(arena, solids);
   p->centre = NSDAE_ARENA_DOUBLES(arena, 3 * solids);
-  p->cell = NSDAE_ARENA_INTS(arena, 3 * solids);
-  p->next = NSDAE_ARENA_INTS(arena, solids);
+  p->grid.cell = NSDAE_ARENA_INTS(arena, 3 * solids);
+  p->grid.next = NSDAE_ARENA_INTS(arena, solids);
   p->large = NSDAE_ARENA_INTS(arena, solids);
   p->excluded = NSDAE_ARENA_DOUBLES(arena, p->excludes);
-  p->head = NSDAE_ARENA_INTS(arena, p->buckets);
+  p->grid.head = NSDAE_ARENA_INTS(arena, p->grid.buckets);
 }
 
 /* The radii, and which of them are large. */
@@ -111,7 +111,7 @@ static nsdae_broad *make(const nsdae_bodies *b)
   p->b = b;
   for (int i = 0; i < b->feature.count; i++) p->excludes += nsdae_feature_at(b, i)->number == 0;
   for (int i = 0; i < b->joint.count; i++) p->excludes += excludes(nsdae_joint_at(b, i));
-  for (p->buckets = 1; p->buckets < 2 * b->solid.count;) p->buckets *= 2;
+  for (p->grid.buckets = 1; p->grid.buckets < 2 * b->solid.count;) p->grid.buckets *= 2;
   if (nsdae_arena_build(&p->arena, lay_out_broad, p) < 0) {
     free(p);
     return NULL;
@@ -192,6 +192,15 @@ int nsdae_broad_is_excluded(const nsdae_broad *p, int i, int j)
          contains(p, joined_pair(p->b, s[i].body, s[j].body));
 }
 
+int nsdae_broad_touches(const nsdae_broad *p, int i, int j)
+{
+  const nsdae_solid_of *s = p->b->solid.at;
+  if (s[i].body == s[j].body) return 0;
+  if (p->excludes > 0 && contains(p, (double)nsdae_broad_pair(p->b, i, j))) return 1;
+  return may_touch(p, s, i, j) &&
+         !(p->excludes > 0 && contains(p, joined_pair(p->b, s[i].body, s[j].body)));
+}
+
 int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
 {
   const nsdae_solid_of *s = p->b->solid.at;
@@ -269,7 +278,7 @@ static int bucket_of(const nsdae_broad *p, const int *cell)
 {
   uint32_t hash =
       (uint32_t)cell[0] * 73856093u ^ (uint32_t)cell[1] * 19349663u ^ (uint32_t)cell[2] * 83492791u;
-  return (int)(hash & (uint32_t)(p->buckets - 1));
+  return (int)(hash & (uint32_t)(p->grid.buckets - 1));
 }
 
 /* Solid i with those from j on in the bucket of a cell. */
@@ -278,8 +287,8 @@ static int visit_cell(const nsdae_broad *p, int i, int j, const int *cell, doubl
 {
   const nsdae_solid_of *s = p->b->solid.at;
   int status = 0;
-  for (; j >= 0 && status >= 0; j = p->next[j]) {
-    const int *other = p->cell + 3 * j;
+  for (; j >= 0 && status >= 0; j = p->grid.next[j]) {
+    const int *other = p->grid.cell + 3 * j;
     if (other[0] != cell[0] || other[1] != cell[1] || other[2] != cell[2]) continue;
     if (are_near(p, i, j, reach) && may_touch(p, s, i, j))
       status = visit(to, p, i < j ? i : j, i < j ? j : i);
@@ -291,14 +300,41 @@ static int visit_cell(const nsdae_broad *p, int i, int j, const int *cell, doubl
  * side's look at it. */
 static int visit_usual(const nsdae_broad *p, int i, double reach, nsdae_broad_fn visit, void *to)
 {
-  const int *cell = p->cell + 3 * i, all = p->b->dimension == 2 ? 9 : 27;
-  int status = visit_cell(p, i, p->next[i], cell, reach, visit, to);
+  const int *cell = p->grid.cell + 3 * i, all = p->b->dimension == 2 ? 9 : 27;
+  int status = visit_cell(p, i, p->grid.next[i], cell, reach, visit, to);
   for (int n = all / 2 + 1; n < all && status >= 0; n++) {
     const int beside[3] = {cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1,
                            all == 9 ? cell[2] : cell[2] + n / 9 - 1};
-    status = visit_cell(p, i, p->head[bucket_of(p, beside)], beside, reach, visit, to);
+    status = visit_cell(p, i, p->grid.head[bucket_of(p, beside)], beside, reach, visit, to);
   }
   return status;
+}
+
+/* The cell of a coordinate. */
+static int cell_of(const nsdae_broad *p, double x)
+{
+  double at = floor(x / p->grid.width);
+  return (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
+}
+
+int nsdae_broad_about(const nsdae_broad *p, const double *x, double within, nsdae_about_fn visit,
+                      void *to)
+{
+  int low[3], high[3], at[3], code = 0;
+  for (int i = 0; i < p->larges && !code; i++)
+    if (nsdae_broad_is_about(p, p->large[i], x, within)) code = visit(to, p->large[i]);
+  for (int l = 0; l < 3; l++) {
+    low[l] = cell_of(p, x[l] - p->usual - within);
+    high[l] = cell_of(p, x[l] + p->usual + within);
+  }
+  for (at[2] = low[2]; at[2] <= high[2]; at[2]++)
+    for (at[1] = low[1]; at[1] <= high[1]; at[1]++)
+      for (at[0] = low[0]; at[0] <= high[0]; at[0]++)
+        for (int i = p->grid.head[bucket_of(p, at)]; i >= 0 && !code; i = p->grid.next[i])
+          if (nsdae_broad_is_about(p, i, x, within) && p->grid.cell[3 * i] == at[0] &&
+              p->grid.cell[3 * i + 1] == at[1] && p->grid.cell[3 * i + 2] == at[2])
+            code = visit(to, i);
+  return code;
 }
 
 /* ---- all pairs */
@@ -323,18 +359,15 @@ void nsdae_broad_place(nsdae_broad *p, const double *q, const double *v)
 int nsdae_broad_sort(nsdae_broad *p, double reach)
 {
   int solids = p->b->solid.count;
-  double width = 2 * p->usual + reach;
-  if (!(width > 0)) width = 1; /* points alone */
-  for (int i = 0; i < p->buckets; i++) p->head[i] = -1;
+  p->grid.width = 2 * p->usual + reach;
+  if (!(p->grid.width > 0)) p->grid.width = 1; /* points alone */
+  for (int i = 0; i < p->grid.buckets; i++) p->grid.head[i] = -1;
   for (int i = 0; i < solids; i++) {
-    int *cell = p->cell + 3 * i;
+    int *cell = p->grid.cell + 3 * i;
     if (p->radius[i] > p->usual) continue;
-    for (int l = 0; l < 3; l++) {
-      double at = floor(p->centre[3 * i + l] / width);
-      cell[l] = (int)(at > -1e9 ? (at < 1e9 ? at : 1e9) : -1e9); /* NaN too */
-    }
-    int *head = &p->head[bucket_of(p, cell)];
-    p->next[i] = *head;
+    for (int l = 0; l < 3; l++) cell[l] = cell_of(p, p->centre[3 * i + l]);
+    int *head = &p->grid.head[bucket_of(p, cell)];
+    p->grid.next[i] = *head;
     *head = i;
   }
   return p->larges + solids;

@@ -7,17 +7,22 @@
 #include "arena.h"
 #include "bodies_impl.h"
 
+typedef struct nsdae_grid {
+  int *cell, *next; /* solids x 3: its cell; the solid before it in the same bucket */
+  int *head;        /* buckets: the last solid in it, or -1 */
+  int buckets;      /* a power of two */
+  double width;     /* of a cell */
+} nsdae_grid;
+
 struct nsdae_broad {
   nsdae_arena arena;
   const nsdae_bodies *b;
   nsdae_pose *pose; /* of every body, and of the ground behind them */
-  double *radius;   /* of each solid about its frame's origin; NSDAE_BROAD_ENDLESS */
+  double *radius;   /* of each solid about its frame's origin; INFINITY of what is endless */
   double *centre;   /* solids x 3: where it is */
-  int *cell, *next; /* solids x 3: its cell; the solid before it in the same bucket */
-  int *head;        /* buckets: the last solid in it, or -1 */
-  int buckets;      /* a power of two */
-  double usual;     /* largest radius of ordinary size */
-  int *large;       /* those above it, and what is endless */
+  nsdae_grid grid;
+  double usual; /* largest radius of ordinary size */
+  int *large;   /* those above it, and what is endless */
   int larges;
   long features;    /* of any pair of solids at most */
   double *excluded; /* in order: pairs of solids of nsdae_bodies_add_contact, by nsdae_broad_pair;
@@ -49,6 +54,23 @@ int nsdae_broad_sort(nsdae_broad *broad, double reach);
 typedef int (*nsdae_broad_fn)(void *to, const nsdae_broad *broad, int i, int j);
 int nsdae_broad_pairs(const nsdae_broad *broad, int pass, double reach, nsdae_broad_fn visit,
                       void *to);
+
+/* Whether two solids may have contacts, by their materials or nsdae_bodies_add_contact. */
+int nsdae_broad_touches(const nsdae_broad *broad, int i, int j);
+
+/* Whether a part of solid i may be as near to x as within. */
+static inline int nsdae_broad_is_about(const nsdae_broad *p, int i, const double *x, double within)
+{
+  double d[3], most = p->radius[i] + within;
+  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * i + l] - x[l];
+  return nsdae_dot3(d, d) <= most * most;
+}
+
+/* Solids, sorted, of which a part may be as near to x as within, until visit returns other than 0,
+ * which is returned. */
+typedef int (*nsdae_about_fn)(void *to, int i);
+int nsdae_broad_about(const nsdae_broad *broad, const double *x, double within,
+                      nsdae_about_fn visit, void *to);
 
 /* Ids of contacts: feature i of nsdae_bodies_add_contact has i; behind them feature i of
  * solids j < k has feature.count + nsdae_broad_pair * nsdae_broad_features + i. */

@@ -391,6 +391,41 @@ int nsdae_mesh_visit(const nsdae_mesh *m, const double *low, const double *high,
   return descend(&q, 0);
 }
 
+int nsdae_mesh_about(const nsdae_mesh *m, const double *x, double within, nsdae_mesh_fn visit,
+                     void *to)
+{
+  double low[3], high[3];
+  for (int j = 0; j < 3; j++) {
+    low[j] = x[j] - within;
+    high[j] = x[j] + within;
+  }
+  return nsdae_mesh_visit(m, low, high, visit, to);
+}
+
+double nsdae_mesh_height(const nsdae_mesh *m, int t, const double *x)
+{
+  const double *a = nsdae_mesh_corner(m, t, 0), d[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]};
+  return nsdae_dot3(m->normal + 3L * t, d);
+}
+
+double nsdae_mesh_beyond(const nsdae_mesh *m, int t, int k, const double *x)
+{
+  const double *a = nsdae_mesh_corner(m, t, k), *b = nsdae_mesh_corner(m, t, k + 1);
+  const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  const double d[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]};
+  double out[3];
+  nsdae_cross3(e, m->normal + 3L * t, out);
+  return nsdae_dot3(out, d) / sqrt(nsdae_dot3(e, e));
+}
+
+int nsdae_mesh_is_beneath(const nsdae_mesh *m, int t, const double *x, double within)
+{
+  double height = nsdae_mesh_height(m, t, x);
+  int in = height <= within && height >= -m->thickness;
+  for (int k = 0; k < 3 && in; k++) in = nsdae_mesh_beyond(m, t, k, x) <= within;
+  return in;
+}
+
 void nsdae_mesh_extent(const nsdae_mesh *m, double *middle, double *size)
 {
   double square = 0;

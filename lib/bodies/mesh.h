@@ -61,6 +61,16 @@ typedef int (*nsdae_mesh_fn)(void *to, int triangle);
 int nsdae_mesh_visit(const nsdae_mesh *mesh, const double *low, const double *high,
                      nsdae_mesh_fn visit, void *to);
 
+/* The same about x. */
+int nsdae_mesh_about(const nsdae_mesh *mesh, const double *x, double within, nsdae_mesh_fn visit,
+                     void *to);
+
+/* The height of x over the plane of a triangle; how far it is beyond side k, in that plane; whether
+ * it is in the material beneath the triangle, or beside it by no more than within. */
+double nsdae_mesh_height(const nsdae_mesh *mesh, int triangle, const double *x);
+double nsdae_mesh_beyond(const nsdae_mesh *mesh, int triangle, int k, const double *x);
+int nsdae_mesh_is_beneath(const nsdae_mesh *mesh, int triangle, const double *x, double within);
+
 static inline const double *nsdae_mesh_corner(const nsdae_mesh *m, int t, int k)
 {
   return m->point + 3 * m->corner[t][k % 3];

@@ -65,16 +65,6 @@ static int emit(const probe *p, int part, long of_mesh, nsdae_closest *c, int tu
 
 /* ---- places and triangles */
 
-/* How far x is beyond side k of a triangle, in its plane. */
-static double beyond_side(const nsdae_mesh *m, int t, int k, const double *x)
-{
-  double e[3], out[3], d[3];
-  between(nsdae_mesh_corner(m, t, k), nsdae_mesh_corner(m, t, k + 1), e);
-  between(nsdae_mesh_corner(m, t, k), x, d);
-  nsdae_cross3(e, m->normal + 3L * t, out);
-  return nsdae_dot3(out, d) / sqrt(nsdae_dot3(e, e));
-}
-
 /* The place 0 .. 1 nearest to x along the line from a to b, not bounded; d := x minus its foot. */
 static double foot_on(const double *a, const double *b, const double *x, double *d)
 {
@@ -86,35 +76,17 @@ static double foot_on(const double *a, const double *b, const double *x, double 
   return along;
 }
 
-static double height_over(const nsdae_mesh *m, int t, const double *x)
-{
-  double d[3];
-  between(nsdae_mesh_corner(m, t, 0), x, d);
-  return nsdae_dot3(m->normal + 3L * t, d);
-}
-
 static double distance_to(const nsdae_mesh *m, int t, const double *x)
 {
   double d[3], least = INFINITY;
   int beside = 0;
-  for (int k = 0; k < 3; k++) beside |= beyond_side(m, t, k, x) > 0;
-  if (!beside) return fabs(height_over(m, t, x));
+  for (int k = 0; k < 3; k++) beside |= nsdae_mesh_beyond(m, t, k, x) > 0;
+  if (!beside) return fabs(nsdae_mesh_height(m, t, x));
   for (int k = 0; k < 3; k++) {
     foot_on(nsdae_mesh_corner(m, t, k), nsdae_mesh_corner(m, t, k + 1), x, d);
     least = fmin(least, nsdae_dot3(d, d));
   }
   return sqrt(least);
-}
-
-static int visit_about(const nsdae_mesh *m, const double *x, double within, nsdae_mesh_fn visit,
-                       void *to)
-{
-  double low[3], high[3];
-  for (int j = 0; j < 3; j++) {
-    low[j] = x[j] - within;
-    high[j] = x[j] + within;
-  }
-  return nsdae_mesh_visit(m, low, high, visit, to);
 }
 
 /* ---- the normal cone */
@@ -156,7 +128,7 @@ static int look_at(void *to, int t)
 static int in_normal_cone(const probe *p, const double *a, const double *d, double *apart)
 {
   cone c = {.p = p, .a = a, .d = d, .apart = -INFINITY};
-  int no = visit_about(p->m, a, p->m->flat, look_at, &c);
+  int no = nsdae_mesh_about(p->m, a, p->m->flat, look_at, &c);
   if (apart) *apart = c.apart;
   return !no && c.out;
 }
@@ -174,10 +146,10 @@ static int is_behind_valley(const nsdae_mesh *m, int t, int k, double beyond, co
   double near = near_valley * m->thickness, d[3];
   int other = m->beside[t][k], over = beyond <= near;
   if (!(m->mark[t] & NSDAE_VALLEY << k) || beyond > m->thickness) return 0;
-  if (height_over(m, other, x) > m->rounding) return 0;
+  if (nsdae_mesh_height(m, other, x) > m->rounding) return 0;
   double along = foot_on(nsdae_mesh_corner(m, t, k), nsdae_mesh_corner(m, t, k + 1), x, d);
   for (int l = 0; l < 3; l++) {
-    double past = beyond_side(m, other, l, x);
+    double past = nsdae_mesh_beyond(m, other, l, x);
     if (m->beside[other][l] == t && along >= 0 && along <= 1 && past >= -near) return 2;
     over &= past <= near;
   }
@@ -189,7 +161,7 @@ static int covers(const nsdae_mesh *m, int t, const double *x)
 {
   int over = 1;
   for (int k = 0; k < 3; k++) {
-    double beyond = beyond_side(m, t, k, x);
+    double beyond = nsdae_mesh_beyond(m, t, k, x);
     if (beyond <= m->rounding) continue;
     int behind_it = is_behind_valley(m, t, k, beyond, x);
     if (behind_it == 2) return 2;
@@ -228,13 +200,13 @@ static int corner_on_face(const probe *p, int t, nsdae_closest c)
   const nsdae_mesh *m = p->m;
   const double *x = p->x + 3 * p->i;
   int face = m->face[t];
-  double height = height_over(m, face, x);
+  double height = nsdae_mesh_height(m, face, x);
   if (height - p->s->radius > p->reach || height < -m->thickness) return 0;
   int over = covers(m, t, x);
   search s = {m, x, -height, t, over};
   double within = over == 1 ? fabs(height) + m->rounding : fmax(m->thickness, fabs(height));
-  if (!over || visit_about(m, x, within, covers_before, &s)) return 0;
-  if (over == 1 && height < 0 && visit_about(m, x, -height, is_nearer, &s)) return 0;
+  if (!over || nsdae_mesh_about(m, x, within, covers_before, &s)) return 0;
+  if (over == 1 && height < 0 && nsdae_mesh_about(m, x, -height, is_nearer, &s)) return 0;
   set(nsdae_mesh_corner(m, face, 0), c.x[0]);
   set(m->normal + 3L * face, c.u[0]);
   set(nsdae_solid_corner(p->s, p->i), c.x[1]);
@@ -396,7 +368,9 @@ static int cross(const probe *p, int l, const double *out, crossing *c)
   for (int s = 0; s < 2; s++) {
     nsdae_cross3(d, c->e[1 - s], side);
     along[s] = nsdae_dot3(m, side) / square;
-    if (!(along[s] >= 0 && along[s] <= 1)) return 0;
+    /* within rounding of its end the corner of the solid touches a face, in the same place */
+    double end = s ? p->m->rounding / sqrt(nsdae_dot3(c->e[1], c->e[1])) : 0;
+    if (!(along[s] >= end && along[s] <= 1 - end)) return 0;
   }
   c->side = nsdae_dot3(m, out) < 0 ? -1 : 1;
   for (int j = 0; j < 3; j++) {
@@ -586,7 +560,7 @@ int nsdae_mesh_contacts(const nsdae_couple *two, double reach, nsdae_contact_fn 
   }
   if (nsdae_solid_is_smooth(p.s)) return smooth_contacts(&p);
   for (p.i = 0; p.i < p.s->points && status >= 0; p.i++)
-    status = visit_about(p.m, p.x + 3 * p.i, within, corner_on_triangle, &p);
+    status = nsdae_mesh_about(p.m, p.x + 3 * p.i, within, corner_on_triangle, &p);
   if (p.s->points > 1 && status >= 0)
     status = nsdae_mesh_visit(p.m, p.low, p.high, sharp_parts, &p);
   return status;

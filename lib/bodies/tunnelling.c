@@ -7,8 +7,8 @@
  *
  * with 1/share twice the steps that the overlap may last. A plane has no opposite surface; lines
  * and meshes have no width. Two solids without width are left out. */
-#include "broad_phase.h"
 #include "maker.h"
+#include "seams.h"
 
 typedef struct search {
   const nsdae_bodies *b;
@@ -44,26 +44,42 @@ static double rate_of(const nsdae_still *at, const nsdae_couple *two)
   return rate;
 }
 
-static int compare(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
+static int compare(void *to, long number, const nsdae_closest *closest, const nsdae_still *at,
+                   const nsdae_couple *two)
 {
   const search *s = to;
-  const nsdae_still at = nsdae_closest_still(closest, two);
-  double way = -s->h * rate_of(&at, two);
-  if (at.gap > 0 && at.gap < way && way > s->least && way > s->worst->way)
+  double way = -s->h * rate_of(at, two);
+  (void)closest;
+  if (at->gap > 0 && at->gap < way && way > s->least && way > s->worst->way)
     *s->worst = (nsdae_tunnelling){s->id + number, way, s->least};
   return 0;
+}
+
+static int compare_named(void *to, long number, const nsdae_closest *closest,
+                         const nsdae_couple *two)
+{
+  const nsdae_still at = nsdae_closest_still(closest, two);
+  return compare(to, number, closest, &at, two);
+}
+
+/* How far the gap of two solids closes in the step at most; 0: not enough. */
+static double closes(search *s, int i, int j)
+{
+  const nsdae_solid_of *solids = s->b->solid.at;
+  double way = way_of(s->b, &solids[i], s->v, s->h) + way_of(s->b, &solids[j], s->v, s->h);
+  s->least = s->share * (solids[i].width + solids[j].width);
+  return s->least > 0 && way > s->least ? way : 0;
 }
 
 static int look_at(search *s, int i, int j, const nsdae_pose *pose_i, const nsdae_pose *pose_j)
 {
   const nsdae_solid_of *solids = s->b->solid.at;
-  double way = way_of(s->b, &solids[i], s->v, s->h) + way_of(s->b, &solids[j], s->v, s->h);
-  s->least = s->share * (solids[i].width + solids[j].width);
-  if (!(s->least > 0 && way > s->least)) return 0;
+  double way = closes(s, i, j);
+  if (!(way > 0)) return 0;
   int turned = nsdae_pair_is_turned(&solids[i], &solids[j]);
   const nsdae_couple two = {{&solids[turned ? j : i], &solids[turned ? i : j]},
                             {turned ? pose_j : pose_i, turned ? pose_i : pose_j}};
-  return nsdae_pair_contacts(solids, i, j, &two, way, compare, s);
+  return nsdae_pair_contacts(solids, i, j, &two, way, compare_named, s);
 }
 
 static int look_at_pair(void *to, const nsdae_broad *p, int i, int j)
@@ -71,8 +87,8 @@ static int look_at_pair(void *to, const nsdae_broad *p, int i, int j)
   search *s = to;
   if (p->excludes > 0 && nsdae_broad_is_excluded(p, i, j)) return 0;
   s->id = p->b->feature.count + nsdae_broad_pair(p->b, i, j) * p->features;
-  const nsdae_solid_of *solids = p->b->solid.at;
-  return look_at(s, i, j, nsdae_broad_pose(p, solids[i].body), nsdae_broad_pose(p, solids[j].body));
+  double way = closes(s, i, j);
+  return way > 0 ? nsdae_seen_contacts(p, i, j, way, 0, compare, s) : 0;
 }
 
 /* The ways of the two fastest solids in a step; their sum is how far a gap closes at most. */

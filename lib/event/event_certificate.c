@@ -133,7 +133,7 @@ int nsdae_event_certify(const nsdae_event_phase *phase, const nsdae_terms *from)
     double bound = before > tol ? before + tol : tol;
     if (-T->gap[i] > bound)
       return refuse(s, NSDAE_NAME_CONTACT, i, "overlaps by", -T->gap[i], bound);
-    if (phase->modes.contact[i] != NSDAE_MODE_OPEN && T->gap[i] > tol)
+    if (s->result->impulses.mode[i] != NSDAE_MODE_OPEN && T->gap[i] > tol)
       return refuse(s, NSDAE_NAME_CONTACT, i, "is closed and has the gap", T->gap[i], tol);
   }
   double fast = BROUGHT_BACK * nsdae_event_velocity_size(s);

@@ -64,7 +64,10 @@ int nsdae_event_slots_show(nsdae_event *e, nsdae_terms *from)
   int *needed = e->mode_before;
   if (!e->setting.system->tracked) return NSDAE_OK;
   for (int i = 0; i < e->setting.system->dims.k; i++) needed[i] = nsdae_result_takes_part(r, i);
-  return nsdae_tracking_show(&e->integrator.tracking, from, &r->end, needed);
+  int status = nsdae_tracking_show(&e->integrator.tracking, from, &r->end, needed);
+  for (int i = 0; i < e->setting.system->dims.k && status == NSDAE_OK; i++)
+    if (!e->integrator.tracking.seen[i]) r->impulses.mode[i] = NSDAE_MODE_OPEN;
+  return status;
 }
 
 /* Base and modes, behind the warm start of implicit, which may step in. */

@@ -407,8 +407,10 @@ int nsdae_tracking_show(const nsdae_tracking *t, nsdae_terms *from, nsdae_terms 
     for (int i = 0; i < t->model->dims.k && status == NSDAE_OK; i++)
       missing |= needed[i] && t->table->used[i] && !(T->gap[i] < NSDAE_FAR);
   }
-  for (int i = 0; i < t->model->dims.k && missing; i++)
-    if (needed[i] && !(T->gap[i] < NSDAE_FAR)) T->gap[i] = *reach;
+  for (int i = 0; i < t->model->dims.k; i++) {
+    t->seen[i] = T->gap[i] < NSDAE_FAR;
+    if (needed[i] && !t->seen[i]) T->gap[i] = *reach;
+  }
   *reach = own;
   return status;
 }

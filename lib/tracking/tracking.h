@@ -96,7 +96,7 @@ int nsdae_tracking_close(nsdae_tracking *tracking, double from, double to);
 /* Gaps of a dt: at its start those of the contacts that have slots now; at its end those of the
  * slots that are needed [k], too, as those that had an impulse in it and are farther than the last
  * step's way by now. One of another feature may be listed no more; its gap is then the widest reach
- * that was asked for. */
+ * that was asked for; `seen` has which are listed. */
 int nsdae_tracking_show(const nsdae_tracking *tracking, nsdae_terms *from, nsdae_terms *end,
                         const int *needed);
 

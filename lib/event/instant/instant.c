@@ -274,7 +274,11 @@ static deviation deviation_at(const nsdae_event_phase *phase)
   for (int i = 0; i < d->m; i++)
     is.velocity = fmax(is.velocity, fabs(nsdae_terms_constraint_rate(T, i, T->v)) / fast);
   for (int i = 0; i < d->k; i++) {
-    if (phase->modes.contact[i] == NSDAE_MODE_OPEN || nsdae_event_is_related(phase, i)) continue;
+    if (phase->modes.contact[i] == NSDAE_MODE_OPEN) continue;
+    if (nsdae_event_is_related(phase, i)) { /* it moves with others, until a list has it no more */
+      if (!(T->gap[i] < NSDAE_FAR)) is.gap = INFINITY;
+      continue;
+    }
     double gap = fabs(T->gap[i]) / far, rate = fabs(nsdae_terms_normal_rate(T, i, T->v)) / fast;
     int has_normal = nsdae_rows_largest(&T->system->blocks, &T->by.normal, i) > 0;
     is.gap = fmax(is.gap, gap);
