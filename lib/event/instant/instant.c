@@ -232,7 +232,7 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
 {
   nsdae_event_setting *s = p->roots->phase->setting;
   const nsdae_event_modes *m = &p->roots->phase->modes;
-  if (!*m->redundant) return 0;
+  if (!*m->redundant || p->roots->phase->crossing.count > 0) return 0;
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
