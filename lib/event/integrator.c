@@ -155,19 +155,23 @@ static int cross_change_point(nsdae_event_integrator *e, double t)
 {
   nsdae_event_phase *p = e->roots->phase;
   nsdae_event_crossing *c = &p->crossing;
-  int rank = p->setting->system->dims.m - *p->modes.redundant;
+  size_t size = (size_t)p->setting->system->dims.nv * sizeof *c->a;
+  c->rank = p->setting->system->dims.m - *p->modes.redundant;
   if (!(c->least < NSDAE_CROSSING_NEAR * c->width)) return NSDAE_OK;
-  memcpy(c->a, p->x, (size_t)p->setting->system->dims.nv * sizeof *c->a);
-  int crosses = nsdae_event_cross(c, p->setting, rank, e->y, c->a);
+  memcpy(c->a, p->x, size);
+  int crosses = nsdae_event_foresee(c, p->setting, t, e->y);
+  if (crosses > 0) crosses = nsdae_event_forces(p, t + c->span, c->ahead) == NSDAE_OK;
+  memcpy(c->a_ahead, p->x, size);
+  if (crosses > 0) crosses = nsdae_event_hold(c, p->setting, e->y);
   if (crosses < 0) return crosses;
+  int status = NSDAE_OK;
   if (crosses) {
     nsdae_event_begin_phase(p);
     nsdae_smooth_set(&e->smooth, NSDAE_INTEGRATOR_DOPRI5);
-    int status = nsdae_smooth_start(&e->smooth, t, e->end);
-    if (status < 0) return status;
+    status = nsdae_smooth_start(&e->smooth, t, e->end);
   }
   c->least = 1;
-  return nsdae_event_forces(p, t, e->y);
+  return status < 0 ? status : nsdae_event_forces(p, t, e->y);
 }
 
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)

@@ -213,6 +213,7 @@ static int choose_and_project(nsdae_event_instant *p, int impacted, double *y)
 int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
 {
   nsdae_event_phase *phase = p->roots->phase;
+  phase->crossing.at_border = nsdae_event_root_of(p->roots, NSDAE_ROOT_CHANGE, 0)->found;
   sort_found(p, y);
   int status = arrive(p, t, y);
   if (status == NSDAE_OK) status = bring_velocities(p, y);

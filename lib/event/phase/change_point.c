@@ -19,13 +19,14 @@ void nsdae_event_crossing_layout(nsdae_event_crossing *c, const nsdae_event_sett
                                  nsdae_arena *arena)
 {
   const nsdae_dims *d = &s->system->dims;
-  c->most = d->m < NSDAE_CROSSING_MOST ? d->m : NSDAE_CROSSING_MOST;
+  int most = nsdae_crossing_most(d->m);
   c->basis = NSDAE_ARENA_DOUBLES(arena, d->m > 0 ? nsdae_kkt_basis_size(s->kkt) : 0);
-  nsdae_terms_layout_rows(&c->rows, &s->system->blocks, c->most, d->nv, 1, arena);
-  c->rate = NSDAE_ARENA_DOUBLES(arena, c->most);
-  nsdae_arena_doubles(arena, d->nv, (double **[]){&c->x, &c->a, NULL});
-  c->l = NSDAE_ARENA_DOUBLES(arena, d->m);
-  c->q = NSDAE_ARENA_DOUBLES(arena, 2L * d->nq + d->nv);
+  nsdae_terms_layout_rows(&c->rows, &s->system->blocks, most, d->nv, 1, arena);
+  nsdae_arena_doubles(arena, most, (double **[]){&c->start, &c->slope, NULL});
+  nsdae_arena_doubles(arena, d->nv, (double **[]){&c->room.x, &c->a, &c->a_ahead, NULL});
+  c->room.l = NSDAE_ARENA_DOUBLES(arena, d->m);
+  c->room.q = NSDAE_ARENA_DOUBLES(arena, d->nq > d->nv ? d->nq : d->nv);
+  c->ahead = NSDAE_ARENA_DOUBLES(arena, s->at.n);
 }
 
 void nsdae_event_crossing_prepare(nsdae_event_crossing *c, double rtol)
@@ -60,33 +61,33 @@ static double open_part(nsdae_event_crossing *c, const nsdae_event_setting *s, i
   const nsdae_blocks *b = &s->system->blocks;
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv, m = T->system->dims.m;
-  memset(c->x, 0, (size_t)n * sizeof *c->x);
-  nsdae_rows_add(b, &T->by.jacobian, i, 1, c->x);
-  nsdae_kkt_solve_mass(s->kkt, c->x);
-  double all = sqrt(nsdae_blocks_square(b, T->M, c->x));
-  memset(c->x, 0, (size_t)n * sizeof *c->x);
-  memset(c->l, 0, (size_t)m * sizeof *c->l);
-  nsdae_rows_add(b, &T->by.jacobian, i, 1, c->x);
-  if (!(all > 0) || nsdae_kkt_solve(s->kkt, 1, c->x, n, c->l, m) < 0) return 0;
+  memset(c->room.x, 0, (size_t)n * sizeof *c->room.x);
+  nsdae_rows_add(b, &T->by.jacobian, i, 1, c->room.x);
+  nsdae_kkt_solve_mass(s->kkt, c->room.x);
+  double all = sqrt(nsdae_blocks_square(b, T->M, c->room.x));
+  memset(c->room.x, 0, (size_t)n * sizeof *c->room.x);
+  memset(c->room.l, 0, (size_t)m * sizeof *c->room.l);
+  nsdae_rows_add(b, &T->by.jacobian, i, 1, c->room.x);
+  if (!(all > 0) || nsdae_kkt_solve(s->kkt, 1, c->room.x, n, c->room.l, m) < 0) return 0;
   for (int j = 0; j < c->count; j++) { /* less x^T M u_j, u_j = M^-1 row_j */
-    double *u = c->q;
+    double *u = c->room.q;
     memset(u, 0, (size_t)n * sizeof *u);
     nsdae_rows_add(b, &c->rows, j, 1, u);
     nsdae_kkt_solve_mass(s->kkt, u);
-    nsdae_add(n, -nsdae_rows_dot(b, &c->rows, j, c->x), u, c->x);
+    nsdae_add(n, -nsdae_rows_dot(b, &c->rows, j, c->room.x), u, c->room.x);
   }
-  return sqrt(nsdae_blocks_square(b, T->M, c->x)) / all;
+  return sqrt(nsdae_blocks_square(b, T->M, c->room.x)) / all;
 }
 
 /* Row j of the directions: (M x)^T / |x|_M. */
-static void hold(nsdae_event_crossing *c, const nsdae_event_setting *s, const double *a)
+static void add_direction(nsdae_event_crossing *c, const nsdae_event_setting *s)
 {
   const nsdae_blocks *b = &s->system->blocks;
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv, j = c->count++;
-  double *row = c->rows.value + (size_t)j * (size_t)n, size = sqrt(nsdae_blocks_square(b, T->M, c->x));
+  double *row = c->rows.value + (size_t)j * (size_t)n, size = sqrt(nsdae_blocks_square(b, T->M, c->room.x));
   memset(row, 0, (size_t)n * sizeof *row);
-  nsdae_blocks_add_product(b, T->M, c->x, row);
+  nsdae_blocks_add_product(b, T->M, c->room.x, row);
   for (int i = 0; i < n; i++) row[i] /= size;
   c->rows.first[0] = 0;
   c->rows.first[j + 1] = (j + 1) * b->count;
@@ -94,12 +95,12 @@ static void hold(nsdae_event_crossing *c, const nsdae_event_setting *s, const do
     c->rows.block[j * b->count + k] = k;
     c->rows.at[j * b->count + k] = (size_t)j * (size_t)n + (size_t)b->first[k];
   }
-  c->rate[j] = nsdae_rows_dot(b, &c->rows, j, a);
+  c->start[j] = nsdae_rows_dot(b, &c->rows, j, c->a);
+  c->slope[j] = (nsdae_rows_dot(b, &c->rows, j, c->a_ahead) - c->start[j]) / c->span;
 }
 
 /* The directions of the rows that are left out at the point in work; whether all are found. */
-static int find_directions(nsdae_event_crossing *c, const nsdae_event_setting *s, int count,
-                           const double *a)
+static int find_directions(nsdae_event_crossing *c, const nsdae_event_setting *s, int count)
 {
   for (c->count = 0; c->count < count;) {
     double most = 0;
@@ -109,80 +110,101 @@ static int find_directions(nsdae_event_crossing *c, const nsdae_event_setting *s
       if (part > most) most = part, best = i;
     }
     if (best < 0 || !(open_part(c, s, best) > 1e3 * DBL_EPSILON)) return 0;
-    hold(c, s, a);
+    add_direction(c, s);
   }
   return 1;
 }
 
-/* The point h ahead, by the midpoint rule, to s->here; v is kept. */
-static int move_ahead(nsdae_event_crossing *c, nsdae_event_setting *s, const double *from, double h,
-                      const double *a)
+/* q and v h ahead of the state `from`, by the midpoint rule, to `ahead` and the point in work. */
+static int move_ahead(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *from,
+                      double h)
 {
   nsdae_terms *T = s->here;
   int nq = T->system->dims.nq, n = T->system->dims.nv;
-  double *rate = c->q, *to = c->q + nq, *v = c->x;
-  memcpy(to + nq, from + nq, (size_t)n * sizeof *to);
-  double t = T->t;
+  double *to = c->ahead;
   nsdae_terms_at(T, t, from, from + nq);
   for (int half = 1; half <= 2; half++) {
-    for (int i = 0; i < n; i++) v[i] = from[nq + i] + h * half / 4 * a[i];
-    int status = nsdae_kinematics_at(T, v, rate);
+    nsdae_move(n, from + nq, h * half / 4, c->a, c->room.x);
+    int status = nsdae_kinematics_at(T, c->room.x, c->room.q);
     if (status < 0) return status;
-    nsdae_move(nq, from, h * half / 2, rate, to);
-    nsdae_terms_at(T, t + h * half / 2, to, from + nq);
+    nsdae_move(nq, from, h * half / 2, c->room.q, to);
+    nsdae_move(n, from + nq, h * half / 2, c->a, to + nq);
+    nsdae_event_move(s, t + h * half / 2, to);
   }
   return NSDAE_OK;
 }
 
-/* Whether the point in work fulfils all constraints, once those in force do. */
-static int meets_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, double tol)
+/* x := the least velocity with Phi_q x = -missing, from l = -missing, of the rows that were
+ * factored. */
+static int solve_rows(nsdae_event_crossing *c, nsdae_event_setting *s)
 {
-  nsdae_terms *T = s->here;
-  int nq = T->system->dims.nq, n = T->system->dims.nv, m = T->system->dims.m;
-  double *to = c->q + nq;
-  for (int round = 0; round < ROUNDS; round++) {
-    int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
-    if (status == NSDAE_OK) status = factor_reduced(c, s);
-    if (status < 0) return status;
-    memset(c->x, 0, (size_t)n * sizeof *c->x);
-    for (int i = 0; i < m; i++) c->l[i] = -T->constraint.phi[i];
-    status = nsdae_kkt_solve(s->kkt, 1, c->x, n, c->l, m);
-    if (status == NSDAE_OK) status = nsdae_kinematics_at(T, c->x, c->q);
-    if (status < 0) return status;
-    nsdae_add(nq, 1, c->q, to);
-    nsdae_terms_at(T, T->t, to, to + nq);
-  }
-  int status = nsdae_terms_need(T, NSDAE_TERM_PHI);
-  return status < 0 ? status : nsdae_largest(m, T->constraint.phi) <= tol;
+  const nsdae_dims *d = &s->system->dims;
+  memset(c->room.x, 0, (size_t)d->nv * sizeof *c->room.x);
+  return nsdae_kkt_solve(s->kkt, 1, c->room.x, d->nv, c->room.l, d->m);
 }
 
-int nsdae_event_cross(nsdae_event_crossing *c, nsdae_event_setting *s, int rank, const double *y,
-                      const double *a)
+/* A round of Newton's method on the constraints for q of `ahead`, by all rows or without those of
+ * small sines. */
+static int correct(nsdae_event_crossing *c, nsdae_event_setting *s, int all)
 {
-  double t = s->here->t, here, there, tol = DRIFT * nsdae_event_position_size(s);
-  c->count = 0;
-  int status = nsdae_event_sine(s, rank, &here);
+  nsdae_terms *T = s->here;
+  int m = T->system->dims.m, nq = T->system->dims.nq;
+  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK)
+    status = all ? nsdae_terms_factor(T, T->M, s->kkt, 1) : factor_reduced(c, s);
+  for (int i = 0; i < m; i++) c->room.l[i] = -T->constraint.phi[i];
+  if (status == NSDAE_OK) status = solve_rows(c, s);
+  if (status == NSDAE_OK) status = nsdae_kinematics_at(T, c->room.x, c->room.q);
+  if (status < 0) return status;
+  nsdae_add(nq, 1, c->room.q, c->ahead);
+  nsdae_event_move(s, T->t, c->ahead);
+  return nsdae_terms_need(T, NSDAE_TERM_PHI);
+}
+
+/* `ahead` to the constraints. 1 if those of small sines hold once the others do, else 0. */
+static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, double tol)
+{
+  nsdae_terms *T = s->here;
+  int m = T->system->dims.m, nq = T->system->dims.nq, status = NSDAE_OK;
+  for (int i = 0; i < ROUNDS && status == NSDAE_OK; i++) status = correct(c, s, 0);
+  if (status < 0 || nsdae_largest(m, T->constraint.phi) > tol) return status < 0 ? status : 0;
+  for (int i = 0; i < ROUNDS && status == NSDAE_OK; i++) status = correct(c, s, 1);
+  if (status == NSDAE_OK)
+    status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T);
+  if (status == NSDAE_OK) status = nsdae_terms_factor(T, T->M, s->kkt, 1);
+  for (int i = 0; i < m; i++) c->room.l[i] = -nsdae_terms_constraint_rate(T, i, T->v);
+  if (status == NSDAE_OK) status = solve_rows(c, s);
+  if (status < 0) return status;
+  nsdae_add(T->system->dims.nv, 1, c->room.x, c->ahead + nq);
+  return 1;
+}
+
+int nsdae_event_foresee(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y)
+{
+  double here, there, tol = DRIFT * nsdae_event_position_size(s);
+  int status = nsdae_event_sine(s, c->rank, &here);
   if (status < 0 || !(here < NSDAE_CROSSING_NEAR * c->width) || !(here > 0)) return status;
-  /* how fast the sine falls, from the time in which nothing turns by more than the width / 8 */
+  /* how fast the sine falls, in a time in which nothing turns by more than a part of the width */
   double speed = nsdae_largest(s->system->dims.nv, s->here->v), h = c->width / (8 * speed);
   if (!(speed > 0)) return 0;
-  status = move_ahead(c, s, y, h, a);
-  if (status == NSDAE_OK) status = nsdae_event_sine(s, rank, &there);
-  int crosses = status == NSDAE_OK && there < here;
-  h = crosses ? 2 * here * h / (here - there) : 0;
-  if (crosses) status = move_ahead(c, s, y, h, a);
-  if (crosses && status == NSDAE_OK) status = meets_constraints(c, s, tol);
-  crosses = crosses && status > 0;
-  s->here->t = t;
-  nsdae_event_move(s, t, y);
-  if (status < 0 || !crosses) return status < 0 ? status : 0;
-  status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  status = move_ahead(c, s, t, y, h);
+  if (status == NSDAE_OK) status = nsdae_event_sine(s, c->rank, &there);
+  if (status < 0 || !(there < here)) return status;
+  c->begin = t;
+  c->span = 2 * here * h / (here - there);
+  status = move_ahead(c, s, t, y, c->span);
+  return status < 0 ? status : meet_constraints(c, s, tol);
+}
+
+int nsdae_event_hold(nsdae_event_crossing *c, nsdae_event_setting *s, const double *y)
+{
+  nsdae_event_move(s, c->begin, y);
+  int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = factor_reduced(c, s);
   if (status < 0) return status;
-  int count = rank - s->kkt->rank;
-  c->rank = rank;
+  int count = c->rank - s->kkt->rank;
   c->redundant = s->system->dims.m - s->kkt->rank;
   nsdae_kkt_basis(s->kkt, c->basis);
-  if (count < 1 || count > c->most || !find_directions(c, s, count, a)) c->count = 0;
+  if (count < 1 || count > nsdae_crossing_most(s->system->dims.m) || !find_directions(c, s, count)) c->count = 0;
   return c->count > 0;
 }

@@ -6,12 +6,14 @@
  * two errors are divided by it: a drift d of Phi moves the pose by d / sigma and its acceleration
  * by 2 d v^2 / sigma^3, onto the other branch if sigma < d^(1/2). So up to a sine tau, the width,
  * these rows are left out. The directions u that they leave open, M-orthogonal to the velocities
- * that all rows allow, keep the acceleration that they had at the border,
+ * that all rows allow, have the accelerations in between those at the two borders t_0 and t_1,
  *
- *   (M u)^T v' = (M u)^T v'(t_0),   |u|_M = 1.
+ *   (M u)^T v' = ((t_1 - t) a_0 + (t - t_0) a_1) / (t_1 - t_0),   a = (M u)^T v',   |u|_M = 1.
  *
- * The motion at the other border is off by O(tau^2) in u' and O(tau^3) in u, which the rows take
- * back there, and along the branch by O(tau^3): tau = rtol^(1/3). */
+ * At t_1 the motion of a second order Taylor polynomial is, brought back to all constraints. If it
+ * does not fulfil those that were left out within their tolerance, the branches do not meet.
+ * The motion is off by O(tau^3) in u' and O(tau^4) in u, which the rows take back at t_1, and along
+ * the branch by O(tau^4). The width is rtol^(1/3): rounding moves v' by 2 eps / tau^3 at most. */
 #ifndef NSDAE_EVENT_CHANGE_POINT_H
 #define NSDAE_EVENT_CHANGE_POINT_H
 
@@ -20,23 +22,33 @@
 /* Directions at once: as many loops in one pose. */
 enum { NSDAE_CROSSING_MOST = 8 };
 
-/* Of the width: sines up to it belong to the rows that are left out, as another order of elimination
- * measures them. */
+static inline int nsdae_crossing_most(int m)
+{
+  return m < NSDAE_CROSSING_MOST ? m : NSDAE_CROSSING_MOST;
+}
+
+/* Of the width: sines up to it belong to the rows that are left out, as another order of
+ * elimination measures them. */
 #define NSDAE_CROSSING_NEAR 4
 
+typedef struct nsdae_crossing_room {
+  double *x, *l, *q; /* nv, m, max(nq, nv) */
+} nsdae_crossing_room;
+
 typedef struct nsdae_event_crossing {
-  int count;       /* directions that are held; 0: all rows are in force */
-  int most;        /* for which there is room */
-  int rank;        /* of all rows, at the border */
-  int redundant;   /* constraints outside of the basis */
-  int at_border;   /* an event is due at a border */
-  double width;    /* tau */
-  double least;    /* smallest sine at which forces were asked for since it was set to 1 */
-  double *basis;   /* of the rows in force: see nsdae_kkt_basis */
-  nsdae_rows rows; /* (M u)^T of each direction */
-  double *rate;    /* most: (M u)^T v'(t_0) */
-  double *x, *a; /* nv */
-  double *l, *q;   /* m, 2 nq + nv */
+  int count;             /* directions that are held; 0: all rows are in force */
+  int at_border;         /* an event is due at a border */
+  int rank;              /* of all rows, at the border */
+  int redundant;         /* constraints outside of the basis */
+  double width;          /* tau */
+  double least;          /* smallest sine at which forces were asked for since it was set to 1 */
+  double *basis;         /* of the rows in force: see nsdae_kkt_basis */
+  nsdae_rows rows;       /* (M u)^T of each direction */
+  double begin, span;    /* t_0, t_1 - t_0 */
+  double *start, *slope; /* most: of (M u)^T v' */
+  double *a, *a_ahead;   /* nv: v' at both borders */
+  double *ahead;         /* n: q and v at t_1, and room for forces */
+  nsdae_crossing_room room;
 } nsdae_event_crossing;
 
 void nsdae_event_crossing_layout(nsdae_event_crossing *crossing, const nsdae_event_setting *setting,
@@ -49,11 +61,21 @@ void nsdae_event_crossing_prepare(nsdae_event_crossing *crossing, double rtol);
  * or a status. */
 int nsdae_event_sine(nsdae_event_setting *setting, int rank, double *sine);
 
-/* Whether the motion from the point in work, with the acceleration a [nv], crosses a change point:
- * it comes nearer, and its continuation beyond fulfils the constraints within their tolerance. Then
- * the directions are held from here on. rank is that of all rows, y begins with q and v. 1, 0, or a
- * status; the setting's kkt has other factors then, and the point in work is the same anew. */
-int nsdae_event_cross(nsdae_event_crossing *crossing, nsdae_event_setting *setting, int rank,
-                      const double *y, const double *a);
+/* Whether the motion from q and v of y [n] at t, the point in work, with the acceleration a, crosses
+ * a change point of rows of the crossing's rank: it comes nearer, and its continuation beyond,
+ * `ahead`, fulfils the constraints within their tolerance. 1, 0, or a status. The point in work and
+ * the setting's kkt are others then. */
+int nsdae_event_foresee(nsdae_event_crossing *crossing, nsdae_event_setting *setting, double t,
+                        const double *y);
+
+/* After it, with the acceleration a_ahead there: holds the directions from y on. 1, 0 if they are
+ * not found, or a status. */
+int nsdae_event_hold(nsdae_event_crossing *crossing, nsdae_event_setting *setting, const double *y);
+
+/* (M u)^T v' of direction j at t. */
+static inline double nsdae_event_held(const nsdae_event_crossing *c, int j, double t)
+{
+  return c->start[j] + c->slope[j] * (t - c->begin);
+}
 
 #endif

@@ -73,7 +73,7 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
   /* The forces in turn: k normal, k nt tangential, f of frictional joints. */
   long forces = d->k * (1 + d->nt) + d->f, most;
   nsdae_event_crossing_layout(&p->crossing, p->setting, arena);
-  most = forces + p->crossing.most;
+  most = forces + nsdae_crossing_most(d->m);
   p->x = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->l = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->circle = NSDAE_ARENA_DOUBLES(arena, d->f);
@@ -285,7 +285,7 @@ static int solve_factored(nsdae_event_phase *p)
   for (int a = 0; a < p->rows.count; a++) {
     const nsdae_event_row *row = &p->rows.row[a];
     p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED       ? wanted(p, row)
-                   : row->kind == NSDAE_ROW_HELD       ? p->crossing.rate[row->index]
+                   : row->kind == NSDAE_ROW_HELD       ? nsdae_event_held(&p->crossing, row->index, T->t)
                    : row->kind == NSDAE_ROW_SLIDE_RUBS ? dry_friction(p, row->index)
                                                        : 0;
   }
