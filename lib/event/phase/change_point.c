@@ -15,6 +15,9 @@ static const double DRIFT = 10;
 /* Rounds of Newton's method: the prediction is off by the square of the width. */
 enum { ROUNDS = 3 };
 
+/* Times to measure how fast a sine falls, each a quarter of the one before. */
+enum { SHORTER = 6 };
+
 void nsdae_event_crossing_layout(nsdae_event_crossing *c, const nsdae_event_setting *s,
                                  nsdae_arena *arena)
 {
@@ -181,15 +184,19 @@ static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, dou
 
 int nsdae_event_foresee(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y)
 {
-  double here, there, tol = DRIFT * nsdae_event_position_size(s);
+  double here, there = 0, tol = DRIFT * nsdae_event_position_size(s);
   int status = nsdae_event_sine(s, c->rank, &here);
   if (status < 0 || !(here < NSDAE_CROSSING_NEAR * c->width) || !(here > 0)) return status;
   /* how fast the sine falls, in a time in which nothing turns by more than a part of the width */
   double speed = nsdae_largest(s->system->dims.nv, s->here->v), h = c->width / (8 * speed);
   if (!(speed > 0)) return 0;
-  status = move_ahead(c, s, t, y, h);
-  if (status == NSDAE_OK) status = nsdae_event_sine(s, c->rank, &there);
-  if (status < 0 || !(there < here)) return status;
+  for (int i = 0; i < SHORTER && !(there > here / 2 && there < here); i++, h /= 4) {
+    status = move_ahead(c, s, t, y, h);
+    if (status == NSDAE_OK) status = nsdae_event_sine(s, c->rank, &there);
+    if (status < 0) return status;
+  }
+  h *= 4;
+  if (!(there < here)) return 0;
   c->begin = t;
   c->span = 2 * here * h / (here - there);
   status = move_ahead(c, s, t, y, c->span);
