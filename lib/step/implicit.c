@@ -130,7 +130,8 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   /* of redundant constraints as many are left out in all iterates as at the start, and the same if
    * they can: which these are is decided by rounding, and the iteration would go to and fro */
   if (status == NSDAE_OK)
-    status = factor_mean_mass(step, s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
+    status = factor_mean_mass(
+        step, step->crosses || s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -258,11 +259,27 @@ static int worth_another_attempt(const nsdae_step *step, int status)
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 
+/* The step from near a change point, where the iteration does not converge; its status else. */
+static int cross(nsdae_step *step, int status)
+{
+  nsdae_counters *counters = &step->result->counters;
+  nsdae_error kept = *step->tools->error;
+  int crosses = nsdae_step_cross(step), rank = counters->rank_most;
+  *step->tools->error = kept;
+  if (crosses <= 0) return status;
+  nsdae_error_clear(step->tools->error);
+  step->crosses = 1;
+  status = nsdae_step_close(step, step->start);
+  if (status == NSDAE_OK) status = attempt(step, 0);
+  counters->rank = counters->rank_most = rank; /* of the poses beside it */
+  return status;
+}
+
 static int advance(void *own, const nsdae_state *state, double t_end, nsdae_result *result)
 {
   nsdae_stepper *s = own;
   nsdae_terms *start = state->terms;
-  const nsdae_step step = nsdae_step_begin(s, state, t_end, result);
+  nsdae_step step = nsdae_step_begin(s, state, t_end, result);
   int status = nsdae_terms_need(start, NSDAE_TERM_GAP);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(start, start->v, s->qdot[0]);
   if (status < 0) return status;
@@ -271,6 +288,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   int redundant;
   if (status == NSDAE_OK) status = nsdae_step_judge_rank(&step, start, &redundant);
   if (status == NSDAE_OK) status = attempt(&step, 0);
+  if (status == NSDAE_E_CONVERGENCE || status == NSDAE_E_RANK) status = cross(&step, status);
   if (worth_another_attempt(&step, status)) {
     status = nsdae_step_close(&step, start);
     if (status == NSDAE_OK) status = attempt(&step, 1);
