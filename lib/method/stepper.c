@@ -215,7 +215,7 @@ static int factor_constraints(const nsdae_step *step, nsdae_terms *terms, int *r
 int nsdae_step_cross(const nsdae_step *step)
 {
   /* Of the larger sine at the ends; no bars that are so far from one line are near a change point. */
-  const double more = 1.5, most = 0.5;
+  const double more = 4, most = 0.5;
   nsdae_stepper *s = step->tools;
   nsdae_island_dispatch *d = &s->problem.dispatch;
   int rank = 0, now, status = NSDAE_OK;
@@ -237,7 +237,7 @@ int nsdae_step_cross(const nsdae_step *step)
   double sum = sine[0] + sine[2], change = fabs(sine[0] - sine[2]);
   if (fabs(2 * sine[1] - change) < fabs(2 * sine[1] - sum)) change = sum;
   double tol = more * fmax(sine[0], sine[2]);
-  if (!(fmin(sine[0], sine[2]) <= change) || tol > most) return 0;
+  if (!(fmin(sine[0], sine[2]) <= 4 * change) || tol > most) return 0;
   nsdae_island_dispatch_rank(d, fmax(tol, s->options->rank_tol), 1);
   status = factor_constraints(step, step->start, &now);
   return status < 0 ? status : now < rank;

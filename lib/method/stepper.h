@@ -44,7 +44,7 @@ typedef struct nsdae_step {
   nsdae_terms *start, *end; /* of the state and the result */
   nsdae_result *result;
   double h, t_end; /* t_end is start.t + h up to rounding */
-  int crosses;     /* a change point */
+  int crosses;     /* a change point: 1, or -1 not; 0: not known */
 } nsdae_step;
 
 /* Sets sizes and settings, again after options or coefficients changed; then takes the arrays.

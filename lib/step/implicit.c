@@ -37,6 +37,12 @@
  */
 static const double TRUNCATION = 1e-5;
 
+/* A sine: what it changes by in a step of 0.1 rad. */
+static const double NEARLY = 0.1;
+
+/* In place of a status. */
+enum { SINGULAR = 1 };
+
 enum { STAGNATION = 10 }; /* a contraction by 0.93 and less is halved in fewer */
 
 /* An iterate that has nothing in common with the one before, this often in turn: large impulses
@@ -131,7 +137,7 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
    * they can: which these are is decided by rounding, and the iteration would go to and fro */
   if (status == NSDAE_OK)
     status = factor_mean_mass(
-        step, step->crosses || s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
+        step, step->crosses > 0 || s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -220,7 +226,16 @@ static int end_iteration(const nsdae_step *step, const progress *p)
   return moves || p->frozen ? need(step, step->end, 0) : NSDAE_OK;
 }
 
-/* On return end is at q_1 with the velocity v_1. */
+/* Whether the constraints are nearly dependent at q_0 + h v_0. */
+static int is_singular(const nsdae_step *step, int status)
+{
+  const nsdae_solved *solved = step->tools->problem.dispatch.solved;
+  return step->tools->system->dims.m > 0 &&
+         (status == NSDAE_E_RANK || (status == NSDAE_OK && solved->kept < NEARLY));
+}
+
+/* On return end is at q_1 with the velocity v_1. SINGULAR: it is to be seen whether the step crosses
+ * a change point. */
 static int attempt(const nsdae_step *step, int all_impacts)
 {
   nsdae_stepper *s = step->tools;
@@ -235,6 +250,7 @@ static int attempt(const nsdae_step *step, int all_impacts)
   memset(s->impulse, 0, (size_t)dims->m * sizeof *s->impulse);
   for (int i = 0; i < s->options->iteration_max; i++) {
     status = iterate(step, i == 0, p.frozen, all_impacts, &impact);
+    if (i == 0 && step->crosses == 0 && is_singular(step, status)) return SINGULAR;
     if (status < 0) return status;
     step->result->counters.iterations++;
     p.moved = nsdae_relative_change(dims->nq, s->q, step->end->q) +
@@ -259,19 +275,19 @@ static int worth_another_attempt(const nsdae_step *step, int status)
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 
-/* The step from near a change point, where the iteration does not converge; its status else. */
-static int cross(nsdae_step *step, int status)
+/* The same, across a change point if there is one near. */
+static int attempt_across(nsdae_step *step)
 {
   nsdae_counters *counters = &step->result->counters;
-  nsdae_error kept = *step->tools->error;
-  int crosses = nsdae_step_cross(step), rank = counters->rank_most;
-  *step->tools->error = kept;
-  if (crosses <= 0) return status;
-  nsdae_error_clear(step->tools->error);
-  step->crosses = 1;
+  step->crosses = 0;
+  int status = attempt(step, 0), rank = counters->rank_most;
+  if (status != SINGULAR) return status;
+  int crosses = nsdae_step_cross(step);
+  if (crosses < 0) return crosses;
+  step->crosses = crosses > 0 ? 1 : -1;
   status = nsdae_step_close(step, step->start);
   if (status == NSDAE_OK) status = attempt(step, 0);
-  counters->rank = counters->rank_most = rank; /* of the poses beside it */
+  if (crosses > 0) counters->rank = counters->rank_most = rank; /* of the poses beside it */
   return status;
 }
 
@@ -287,8 +303,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   if (status == NSDAE_OK) status = need(&step, start, 0);
   int redundant;
   if (status == NSDAE_OK) status = nsdae_step_judge_rank(&step, start, &redundant);
-  if (status == NSDAE_OK) status = attempt(&step, 0);
-  if (status == NSDAE_E_CONVERGENCE || status == NSDAE_E_RANK) status = cross(&step, status);
+  if (status == NSDAE_OK) status = attempt_across(&step);
   if (worth_another_attempt(&step, status)) {
     status = nsdae_step_close(&step, start);
     if (status == NSDAE_OK) status = attempt(&step, 1);
