@@ -285,6 +285,7 @@ static int attempt_across(nsdae_step *step)
   int crosses = nsdae_step_cross(step);
   if (crosses < 0) return crosses;
   step->crosses = crosses > 0 ? 1 : -1;
+  if (crosses > 0) counters->rank_retained = 1; /* its rows are left out */
   status = nsdae_step_close(step, step->start);
   if (status == NSDAE_OK) status = attempt(step, 0);
   if (crosses > 0) counters->rank = counters->rank_most = rank; /* of the poses beside it */

@@ -316,6 +316,7 @@ static int run(unsigned long seed, const nsdae_sim_options *options, double t_en
     for (int k = 0; k < parts; k++) advance(&l, options->dt / parts, &exact, &rate);
     branch = fmax(branch, off_branch(&l, &r, &theta));
     off = fmax(off, fabs(theta - exact));
+    if (getenv("TRACE")) fprintf(stderr,"   t %g branch %.2e theta %.3g off %.2e\n",r.time,off_branch(&l,&r,&theta),theta,theta-exact);
   }
   int result = status < 0 ? REFUSED : branch > near || off > accurate ? WRONG : 0;
   of->count++;
@@ -368,6 +369,7 @@ int main(int argc, char **argv)
     if (argc > 3 && strcmp(argv[3], forms[f].name) != 0) continue;
     nsdae_sim_options o = options_of(forms[f].method, forms[f].integrator, forms[f].dt);
     o.rtol = forms[f].rtol;
+    if (getenv("PROJ")) o.projection = NSDAE_PROJECTION_CONSTRAINTS;
     o.atol = 1e-2 * o.rtol;
     for (int i = 0; i < count; i++)
       run(seed + (unsigned long)i, &o, 2, forms[f].near, forms[f].accurate, &all, argc > 1);
