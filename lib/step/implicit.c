@@ -286,6 +286,10 @@ static int attempt_across(nsdae_step *step)
   if (crosses < 0) return crosses;
   step->crosses = crosses > 0 ? 1 : -1;
   if (crosses > 0) counters->rank_retained = 1; /* its rows are left out */
+  const int *held = step->tools->problem.dispatch.factorisation.held;
+  nsdae_crossed *crossed = &step->result->crossed;
+  for (int i = 0; crosses > 0 && i < step->tools->system->dims.m && crossed->constraint < 0; i++)
+    if (!held[i]) *crossed = (nsdae_crossed){i, step->t_end};
   status = nsdae_step_close(step, step->start);
   if (status == NSDAE_OK) status = attempt(step, 0);
   if (crosses > 0) counters->rank = counters->rank_most = rank; /* of the poses beside it */

@@ -358,6 +358,8 @@ static const form forms[] = {
     {"ida", NSDAE_METHOD_EVENT, NSDAE_INTEGRATOR_IDA, 0.01, 1e-8, 1e-6, 1e-3},
     {"penalty", NSDAE_METHOD_PENALTY, NSDAE_INTEGRATOR_AUTO, 0.01, 1e-8, 1e-6, 1e-3},
     {"implicit", NSDAE_METHOD_IMPLICIT, NSDAE_INTEGRATOR_AUTO, 5e-4, 1e-8, 1e-2, 1},
+    {"implicit2", NSDAE_METHOD_IMPLICIT, NSDAE_INTEGRATOR_AUTO, 2e-3, 1e-8, 5e-2, 10},
+    {"moreau2", NSDAE_METHOD_MOREAU, NSDAE_INTEGRATOR_AUTO, 2e-3, 1e-8, 5e-2, 10},
     {"moreau", NSDAE_METHOD_MOREAU, NSDAE_INTEGRATOR_AUTO, 5e-4, 1e-8, 5e-2, 10}};
 
 int main(int argc, char **argv)
