@@ -157,11 +157,17 @@ static int cross_change_point(nsdae_event_integrator *e, double t)
   nsdae_event_crossing *c = &p->crossing;
   size_t size = (size_t)p->setting->system->dims.nv * sizeof *c->a;
   c->rank = p->setting->system->dims.m - *p->modes.redundant;
-  if (!(c->least < NSDAE_CROSSING_NEAR * c->width)) return NSDAE_OK;
+  c->width = c->tau;
+  if (!(c->least < NSDAE_CROSSING_NEAR * c->tau)) return NSDAE_OK;
   memcpy(c->a, p->x, size);
-  int crosses = nsdae_event_foresee(c, p->setting, t, e->y);
-  if (crosses > 0) crosses = nsdae_event_forces(p, t + c->span, c->ahead) == NSDAE_OK;
+  int crosses = 1;
+  for (int again = 0; again < 2 && crosses > 0; again++) {
+    memcpy(c->a_ahead, p->x, size);
+    crosses = nsdae_event_foresee(c, p->setting, t, e->y, again);
+    if (crosses > 0) crosses = nsdae_event_forces(p, t + c->span, c->ahead) == NSDAE_OK;
+  }
   memcpy(c->a_ahead, p->x, size);
+  if (crosses > 0) crosses = !nsdae_event_narrow(c, p->setting, e->y);
   if (crosses > 0) crosses = nsdae_event_hold(c, p->setting, e->y);
   if (crosses < 0) return crosses;
   int status = NSDAE_OK;

@@ -7,7 +7,7 @@
 #include "vector.h"
 
 /* Bounds of the width: rounding 2 eps / tau^3 of accelerations, and a small angle. */
-static const double LEAST_WIDTH = 1e-4, MOST_WIDTH = 0.02;
+static const double LEAST_WIDTH = 1e-4, MOST_WIDTH = 0.05;
 
 /* Of the tolerance of positions: as far as a drift may be before it is projected. */
 static const double DRIFT = 10;
@@ -29,12 +29,13 @@ void nsdae_event_crossing_layout(nsdae_event_crossing *c, const nsdae_event_sett
   nsdae_arena_doubles(arena, d->nv, (double **[]){&c->room.x, &c->a, &c->a_ahead, NULL});
   c->room.l = NSDAE_ARENA_DOUBLES(arena, d->m);
   c->room.q = NSDAE_ARENA_DOUBLES(arena, d->nq > d->nv ? d->nq : d->nv);
-  c->ahead = NSDAE_ARENA_DOUBLES(arena, s->at.n);
+  c->ahead = NSDAE_ARENA_DOUBLES(arena, s->at.n + d->nq); /* and a stage */
 }
 
 void nsdae_event_crossing_prepare(nsdae_event_crossing *c, double rtol)
 {
-  c->width = fmin(fmax(cbrt(rtol), LEAST_WIDTH), MOST_WIDTH);
+  c->tau = c->width = fmin(fmax(10 * cbrt(rtol), LEAST_WIDTH), MOST_WIDTH);
+  c->turns = 0.1 * sqrt(rtol);
 }
 
 int nsdae_event_sine(nsdae_event_setting *s, int rank, double *sine)
@@ -118,22 +119,30 @@ static int find_directions(nsdae_event_crossing *c, const nsdae_event_setting *s
   return 1;
 }
 
-/* q and v h ahead of the state `from`, by the midpoint rule, to `ahead` and the point in work. */
+/* q and v h ahead of the state `from`, to `ahead` and the point in work: by the classical Runge-Kutta
+ * method for q' = H(q) v, with v' on the straight line from a to a_ahead. */
 static int move_ahead(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *from,
                       double h)
 {
+  const double at[] = {0, 0.5, 0.5, 1}, weight[] = {1, 2, 2, 1};
   nsdae_terms *T = s->here;
   int nq = T->system->dims.nq, n = T->system->dims.nv;
-  double *to = c->ahead;
-  nsdae_terms_at(T, t, from, from + nq);
-  for (int half = 1; half <= 2; half++) {
-    nsdae_move(n, from + nq, h * half / 4, c->a, c->room.x);
-    int status = nsdae_kinematics_at(T, c->room.x, c->room.q);
+  double *sum = c->ahead, *v = c->room.x;
+  nsdae_event_move(s, t, from);
+  memcpy(sum, from, (size_t)nq * sizeof *sum);
+  for (int k = 0; k < 4; k++) {
+    double x = at[k];
+    for (int i = 0; i < n; i++)
+      v[i] = from[nq + i] + h * x * (c->a[i] + x / 2 * (c->a_ahead[i] - c->a[i]));
+    int status = nsdae_kinematics_at(T, v, c->room.q);
     if (status < 0) return status;
-    nsdae_move(nq, from, h * half / 2, c->room.q, to);
-    nsdae_move(n, from + nq, h * half / 2, c->a, to + nq);
-    nsdae_event_move(s, t + h * half / 2, to);
+    nsdae_add(nq, h * weight[k] / 6, c->room.q, sum);
+    if (k == 3) break;
+    nsdae_move(nq, from, h * at[k + 1], c->room.q, sum + nq);
+    nsdae_terms_at(T, t, sum + nq, from + nq);
   }
+  memcpy(sum + nq, v, (size_t)n * sizeof *v);
+  nsdae_event_move(s, t + h, sum);
   return NSDAE_OK;
 }
 
@@ -182,13 +191,15 @@ static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, dou
   return 1;
 }
 
-int nsdae_event_foresee(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y)
+/* The time in which the motion from y crosses the change point, by how fast the smallest sine falls.
+ * 1, 0 if it does not fall, or a status. */
+static int find_span(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y)
 {
-  double here, there = 0, tol = DRIFT * nsdae_event_position_size(s);
+  double here, there = 0;
   int status = nsdae_event_sine(s, c->rank, &here);
-  if (status < 0 || !(here < NSDAE_CROSSING_NEAR * c->width) || !(here > 0)) return status;
-  /* how fast the sine falls, in a time in which nothing turns by more than a part of the width */
-  double speed = nsdae_largest(s->system->dims.nv, s->here->v), h = c->width / (8 * speed);
+  if (status < 0 || !(here < NSDAE_CROSSING_NEAR * c->tau) || !(here > 0)) return status;
+  /* at first in a time in which nothing turns by more than a part of the sine */
+  double speed = nsdae_largest(s->system->dims.nv, s->here->v), h = here / (8 * speed);
   if (!(speed > 0)) return 0;
   for (int i = 0; i < SHORTER && !(there > here / 2 && there < here); i++, h /= 4) {
     status = move_ahead(c, s, t, y, h);
@@ -196,11 +207,35 @@ int nsdae_event_foresee(nsdae_event_crossing *c, nsdae_event_setting *s, double 
     if (status < 0) return status;
   }
   h *= 4;
-  if (!(there < here)) return 0;
+  c->width = here;
   c->begin = t;
   c->span = 2 * here * h / (here - there);
-  status = move_ahead(c, s, t, y, c->span);
-  return status < 0 ? status : meet_constraints(c, s, tol);
+  return there < here;
+}
+
+int nsdae_event_foresee(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y,
+                        int again)
+{
+  double tol = DRIFT * nsdae_event_position_size(s);
+  int crosses = again ? 1 : find_span(c, s, t, y);
+  int status = crosses > 0 ? move_ahead(c, s, t, y, c->span) : crosses;
+  if (status < 0 || crosses == 0) return status;
+  return meet_constraints(c, s, again ? tol : INFINITY);
+}
+
+int nsdae_event_narrow(nsdae_event_crossing *c, const nsdae_event_setting *s, const double *y)
+{
+  const nsdae_terms *T = s->here;
+  int n = T->system->dims.nv;
+  for (int i = 0; i < n; i++) c->room.x[i] = c->a_ahead[i] - c->a[i];
+  double change = nsdae_terms_energy(T, c->room.x), a = nsdae_terms_energy(T, c->a),
+         v = nsdae_terms_energy(T, y + T->system->dims.nq);
+  /* the remainder of a linear interpolation, |a''| span^2 / 12 in the mean, with a'' span^2 about
+   * change^2 / a */
+  double error = c->span / 12 * change / sqrt(a * v);
+  if (!(error > c->turns) || !(c->width / 2 > LEAST_WIDTH)) return 0;
+  c->width /= 2;
+  return 1;
 }
 
 int nsdae_event_hold(nsdae_event_crossing *c, nsdae_event_setting *s, const double *y)

@@ -40,7 +40,9 @@ typedef struct nsdae_event_crossing {
   int at_border;         /* an event is due at a border */
   int rank;              /* of all rows, at the border */
   int redundant;         /* constraints outside of the basis */
-  double width;          /* tau */
+  double tau;            /* the largest width */
+  double width;          /* of the phase */
+  double turns;          /* of |v|_M: how far u' may be off */
   double least;          /* smallest sine at which forces were asked for since it was set to 1 */
   double *basis;         /* of the rows in force: see nsdae_kkt_basis */
   nsdae_rows rows;       /* (M u)^T of each direction */
@@ -61,14 +63,20 @@ void nsdae_event_crossing_prepare(nsdae_event_crossing *crossing, double rtol);
  * or a status. */
 int nsdae_event_sine(nsdae_event_setting *setting, int rank, double *sine);
 
-/* Whether the motion from q and v of y [n] at t, the point in work, with the acceleration a, crosses
- * a change point of rows of the crossing's rank: it comes nearer, and its continuation beyond,
- * `ahead`, fulfils the constraints within their tolerance. 1, 0, or a status. The point in work and
+/* Whether the motion from q and v of y [n] at t, the point in work, with the acceleration a, and
+ * a_ahead beyond, crosses a change point of rows of the crossing's rank: it comes nearer, and its continuation beyond,
+ * `ahead`, fulfils the constraints within their tolerance. At first a_ahead is a, and the tolerance
+ * is asked for with the better one that follows from it, again. 1, 0, or a status. The point in work and
  * the setting's kkt are others then. */
 int nsdae_event_foresee(nsdae_event_crossing *crossing, nsdae_event_setting *setting, double t,
-                        const double *y);
+                        const double *y, int again);
 
-/* After it, with the acceleration a_ahead there: holds the directions from y on. 1, 0 if they are
+/* After it, with the acceleration a_ahead there: whether the two differ by more than a straight line
+ * may be off, so that the crossing is to begin at half of the sine. */
+int nsdae_event_narrow(nsdae_event_crossing *crossing, const nsdae_event_setting *setting,
+                       const double *y);
+
+/* After both: holds the directions from y on. 1, 0 if they are
  * not found, or a status. */
 int nsdae_event_hold(nsdae_event_crossing *crossing, nsdae_event_setting *setting, const double *y);
 
