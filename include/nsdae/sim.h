@@ -397,7 +397,8 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
  *  first step. event: it was slower than the tolerance of velocities that another body sets
  * - NSDAE_WARN_CONTACT: a contact problem was left above its tolerance, see contact_give
  * - NSDAE_WARN_SINGULAR: event or implicit passed a singular pose of the constraints, beyond which
- *  two motions exist, on the one without a jump of velocities; the text names time and constraint */
+ *  two motions exist, on the one without a jump of velocities; the text names time and constraint
+ */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* Runs to t_end, or to the end of the first step for which nsdae_sim_step returns NSDAE_EVENT or
  * NSDAE_ZENO. Returns that status. */

@@ -164,10 +164,11 @@ static int cross_change_point(nsdae_event_integrator *e, double t)
   for (int again = 0; again < 2 && crosses > 0; again++) {
     memcpy(c->a_ahead, p->x, size);
     crosses = nsdae_event_foresee(c, p->setting, t, e->y, again);
-    if (crosses > 0) crosses = nsdae_event_forces(p, t + c->span, c->ahead) == NSDAE_OK;
+    if (crosses > 0) crosses = nsdae_event_forces(p, t + c->span, c->room.ahead) == NSDAE_OK;
   }
   memcpy(c->a_ahead, p->x, size);
-  if (crosses > 0) crosses = !nsdae_event_narrow(c, p->setting, e->y);
+  if (crosses > 0) crosses = nsdae_event_is_straight(c, p->setting, e->y);
+  if (crosses == 0) nsdae_event_narrow(c);
   if (crosses > 0) crosses = nsdae_event_hold(c, p->setting, e->y);
   if (crosses < 0) return crosses;
   int status = NSDAE_OK;
@@ -319,6 +320,7 @@ static int step_to_fall(nsdae_event_integrator *e)
   double from = e->ahead;
   nsdae_event_crossing *c = &e->roots->phase->crossing;
   memcpy(e->y, e->end, (size_t)s->controlled * sizeof *e->y);
+  if (c->count == 0 && !e->smooth.is_stiff) nsdae_event_widen(c);
   c->least = 1;
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, 1, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;

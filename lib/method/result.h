@@ -88,9 +88,9 @@ typedef struct nsdae_result {
   double contact_tol;    /* the largest tolerance of them; 0: there was none */
   struct {
     double residual, tol;
-  } above;                        /* of the one that is furthest above its tolerance */
-  nsdae_twofold twofold;          /* the first of the step */
-  nsdae_unresolved unresolved;    /* the first of the step */
+  } above;                     /* of the one that is furthest above its tolerance */
+  nsdae_twofold twofold;       /* the first of the step */
+  nsdae_unresolved unresolved; /* the first of the step */
   nsdae_crossed crossed;
   int smooth;                     /* nothing was closed */
   const nsdae_contacts *problem;  /* the one that was asked last, for who wants to see it fail */

@@ -214,7 +214,8 @@ static int factor_constraints(const nsdae_step *step, nsdae_terms *terms, int *r
 
 int nsdae_step_cross(const nsdae_step *step)
 {
-  /* Of the larger sine at the ends; no bars that are so far from one line are near a change point. */
+  /* Of the larger sine at the ends; no bars that are so far from one line are near a change point.
+   */
   const double more = 4, most = 0.5;
   nsdae_stepper *s = step->tools;
   nsdae_island_dispatch *d = &s->problem.dispatch;

@@ -197,10 +197,10 @@ static int search(nsdae_penalty *p, double from)
   return status < 0 || !found ? status : nsdae_penalty_slots_close(p, from);
 }
 
-/* Near a change point a drift of the constraints turns the motion onto another branch, in steps that
- * follow it. On a smooth branch v turns by a small part while a sine changes by its width: in the
- * step from `from`, whose velocities are still in qv, it turns by more. The new ones are in the room
- * of the equations. */
+/* Near a change point a drift of the constraints turns the motion onto another branch, in steps
+ * that follow it. On a smooth branch v turns by a small part while a sine changes by its width: in
+ * the step from `from`, whose velocities are still in qv, it turns by more. The new ones are in the
+ * room of the equations. */
 static int leaves_branch(nsdae_penalty *p, double from)
 {
   nsdae_stepper *s = p->equations.stepper;
@@ -218,11 +218,12 @@ static int leaves_branch(nsdae_penalty *p, double from)
   double bend = sqrt(nsdae_terms_energy(T, change)) * width / (8 * speed * (p->ahead - from));
   if (!(bend > turned * sqrt(nsdae_terms_energy(T, v)))) return NSDAE_OK;
   double t = nsdae_terms_time(T);
-  nsdae_error_set(s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "method",
-                  "the constraints are dependent up to a sine of %.2g at t = %g: this pose is a change "
-                  "point, and the error of penalty would turn the motion onto another branch; use "
-                  "method = event",
-                  sine, t);
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "method",
+      "the constraints are dependent up to a sine of %.2g at t = %g: this pose is a change "
+      "point, and the error of penalty would turn the motion onto another branch; use "
+      "method = event",
+      sine, t);
   return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, t);
 }
 

@@ -196,7 +196,8 @@ static const double far_off = 1e-4;
  * acceleration by d / sine^3: no more of it is left than far_off sine^2. */
 static const double singular = 0.1;
 
-/* Whether a constraint of known size has drifted further than that, in a step of this smallest sine.
+/* Whether a constraint of known size has drifted further than that, in a step of this smallest
+ * sine.
  */
 static int find_drift(nsdae_terms *T, double sine, int *drifted)
 {

@@ -136,8 +136,8 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   /* of redundant constraints as many are left out in all iterates as at the start, and the same if
    * they can: which these are is decided by rounding, and the iteration would go to and fro */
   if (status == NSDAE_OK)
-    status = factor_mean_mass(
-        step, step->crosses > 0 || s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
+    status = factor_mean_mass(step, step->crosses > 0 ||
+                                        s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM);
   if (status < 0) return status;
   if (first) *impact = mark_impacts(step, all_impacts);
   if (*impact) status = impact_velocities(step);
@@ -234,8 +234,8 @@ static int is_singular(const nsdae_step *step, int status)
          (status == NSDAE_E_RANK || (status == NSDAE_OK && solved->kept < NEARLY));
 }
 
-/* On return end is at q_1 with the velocity v_1. SINGULAR: it is to be seen whether the step crosses
- * a change point. */
+/* On return end is at q_1 with the velocity v_1. SINGULAR: it is to be seen whether the step
+ * crosses a change point. */
 static int attempt(const nsdae_step *step, int all_impacts)
 {
   nsdae_stepper *s = step->tools;

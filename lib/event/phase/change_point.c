@@ -6,8 +6,16 @@
 
 #include "vector.h"
 
-/* Bounds of the width: rounding 2 eps / tau^3 of accelerations, and a small angle. */
-static const double LEAST_WIDTH = 1e-4, MOST_WIDTH = 0.05;
+/* The width in rtol^(1/3). A drift of rtol turns v by rtol / width^2 before the rows are left out,
+ * which is projected: of 60 linkages of tests/system/change_points.c at 1e-8 the energy of one is
+ * off by 1e-3 with 1, and by 1e-7 with 10. Its bounds, of rounding and a small angle. */
+static const double WIDTH = 10, LEAST_WIDTH = 1e-3, MOST_WIDTH = 0.05;
+
+/* Of the width, if the motion turns by more within it: 2 eps / width^3 is less than 1e-2 yet. */
+static const double NARROWEST = 0.02;
+
+/* Of rtol^(1/2), as energy is of second order: how far u' may be off. */
+static const double TURNS = 0.1;
 
 /* Of the tolerance of positions: as far as a drift may be before it is projected. */
 static const double DRIFT = 10;
@@ -29,13 +37,12 @@ void nsdae_event_crossing_layout(nsdae_event_crossing *c, const nsdae_event_sett
   nsdae_arena_doubles(arena, d->nv, (double **[]){&c->room.x, &c->a, &c->a_ahead, NULL});
   c->room.l = NSDAE_ARENA_DOUBLES(arena, d->m);
   c->room.q = NSDAE_ARENA_DOUBLES(arena, d->nq > d->nv ? d->nq : d->nv);
-  c->ahead = NSDAE_ARENA_DOUBLES(arena, s->at.n + d->nq); /* and a stage */
+  c->room.ahead = NSDAE_ARENA_DOUBLES(arena, s->at.n + d->nq); /* and a stage */
 }
 
 void nsdae_event_crossing_prepare(nsdae_event_crossing *c, double rtol)
 {
-  c->tau = c->width = fmin(fmax(10 * cbrt(rtol), LEAST_WIDTH), MOST_WIDTH);
-  c->turns = 0.1 * sqrt(rtol);
+  c->tau = c->width = fmin(fmax(WIDTH * cbrt(rtol), LEAST_WIDTH), MOST_WIDTH);
 }
 
 int nsdae_event_sine(nsdae_event_setting *s, int rank, double *sine)
@@ -89,7 +96,8 @@ static void add_direction(nsdae_event_crossing *c, const nsdae_event_setting *s)
   const nsdae_blocks *b = &s->system->blocks;
   const nsdae_terms *T = s->here;
   int n = T->system->dims.nv, j = c->count++;
-  double *row = c->rows.value + (size_t)j * (size_t)n, size = sqrt(nsdae_blocks_square(b, T->M, c->room.x));
+  double *row = c->rows.value + (size_t)j * (size_t)n,
+         size = sqrt(nsdae_blocks_square(b, T->M, c->room.x));
   memset(row, 0, (size_t)n * sizeof *row);
   nsdae_blocks_add_product(b, T->M, c->room.x, row);
   for (int i = 0; i < n; i++) row[i] /= size;
@@ -119,15 +127,15 @@ static int find_directions(nsdae_event_crossing *c, const nsdae_event_setting *s
   return 1;
 }
 
-/* q and v h ahead of the state `from`, to `ahead` and the point in work: by the classical Runge-Kutta
- * method for q' = H(q) v, with v' on the straight line from a to a_ahead. */
+/* q and v h ahead of the state `from`, to `ahead` and the point in work: by the classical
+ * Runge-Kutta method for q' = H(q) v, with v' on the straight line from a to a_ahead. */
 static int move_ahead(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *from,
                       double h)
 {
   const double at[] = {0, 0.5, 0.5, 1}, weight[] = {1, 2, 2, 1};
   nsdae_terms *T = s->here;
   int nq = T->system->dims.nq, n = T->system->dims.nv;
-  double *sum = c->ahead, *v = c->room.x;
+  double *sum = c->room.ahead, *v = c->room.x;
   nsdae_event_move(s, t, from);
   memcpy(sum, from, (size_t)nq * sizeof *sum);
   for (int k = 0; k < 4; k++) {
@@ -168,8 +176,8 @@ static int correct(nsdae_event_crossing *c, nsdae_event_setting *s, int all)
   if (status == NSDAE_OK) status = solve_rows(c, s);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(T, c->room.x, c->room.q);
   if (status < 0) return status;
-  nsdae_add(nq, 1, c->room.q, c->ahead);
-  nsdae_event_move(s, T->t, c->ahead);
+  nsdae_add(nq, 1, c->room.q, c->room.ahead);
+  nsdae_event_move(s, T->t, c->room.ahead);
   return nsdae_terms_need(T, NSDAE_TERM_PHI);
 }
 
@@ -187,16 +195,17 @@ static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, dou
   for (int i = 0; i < m; i++) c->room.l[i] = -nsdae_terms_constraint_rate(T, i, T->v);
   if (status == NSDAE_OK) status = solve_rows(c, s);
   if (status < 0) return status;
-  nsdae_add(T->system->dims.nv, 1, c->room.x, c->ahead + nq);
+  nsdae_add(T->system->dims.nv, 1, c->room.x, c->room.ahead + nq);
   return 1;
 }
 
-/* The time in which the motion from y crosses the change point, by how fast the smallest sine falls.
- * 1, 0 if it does not fall, or a status. */
+/* The time in which the motion from y crosses the change point, by how fast the smallest sine
+ * falls. 1, 0 if it does not fall, or a status. */
 static int find_span(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y)
 {
   double here, there = 0;
   int status = nsdae_event_sine(s, c->rank, &here);
+  c->width = fmin(c->tau, here);
   if (status < 0 || !(here < NSDAE_CROSSING_NEAR * c->tau) || !(here > 0)) return status;
   /* at first in a time in which nothing turns by more than a part of the sine */
   double speed = nsdae_largest(s->system->dims.nv, s->here->v), h = here / (8 * speed);
@@ -223,19 +232,25 @@ int nsdae_event_foresee(nsdae_event_crossing *c, nsdae_event_setting *s, double 
   return meet_constraints(c, s, again ? tol : INFINITY);
 }
 
-int nsdae_event_narrow(nsdae_event_crossing *c, const nsdae_event_setting *s, const double *y)
+int nsdae_event_is_straight(nsdae_event_crossing *c, const nsdae_event_setting *s, const double *y)
 {
   const nsdae_terms *T = s->here;
-  int n = T->system->dims.nv;
-  for (int i = 0; i < n; i++) c->room.x[i] = c->a_ahead[i] - c->a[i];
+  for (int i = 0; i < T->system->dims.nv; i++) c->room.x[i] = c->a_ahead[i] - c->a[i];
   double change = nsdae_terms_energy(T, c->room.x), a = nsdae_terms_energy(T, c->a),
          v = nsdae_terms_energy(T, y + T->system->dims.nq);
   /* the remainder of a linear interpolation, |a''| span^2 / 12 in the mean, with a'' span^2 about
    * change^2 / a */
-  double error = c->span / 12 * change / sqrt(a * v);
-  if (!(error > c->turns) || !(c->width / 2 > LEAST_WIDTH)) return 0;
-  c->width /= 2;
-  return 1;
+  return c->span / 12 * change <= TURNS * sqrt(s->options->rtol) * sqrt(a * v);
+}
+
+void nsdae_event_narrow(nsdae_event_crossing *c)
+{
+  if (c->width / 2 > NARROWEST * c->tau) c->width /= 2;
+}
+
+void nsdae_event_widen(nsdae_event_crossing *c)
+{
+  c->width = fmin(c->tau, fmax(c->width, c->least / 2));
 }
 
 int nsdae_event_hold(nsdae_event_crossing *c, nsdae_event_setting *s, const double *y)
@@ -247,6 +262,7 @@ int nsdae_event_hold(nsdae_event_crossing *c, nsdae_event_setting *s, const doub
   int count = c->rank - s->kkt->rank;
   c->redundant = s->system->dims.m - s->kkt->rank;
   nsdae_kkt_basis(s->kkt, c->basis);
-  if (count < 1 || count > nsdae_crossing_most(s->system->dims.m) || !find_directions(c, s, count)) c->count = 0;
+  if (count < 1 || count > nsdae_crossing_most(s->system->dims.m) || !find_directions(c, s, count))
+    c->count = 0;
   return c->count > 0;
 }

@@ -33,6 +33,7 @@ static inline int nsdae_crossing_most(int m)
 
 typedef struct nsdae_crossing_room {
   double *x, *l, *q; /* nv, m, max(nq, nv) */
+  double *ahead;     /* q and v at t_1, with room for the forces of y and a stage */
 } nsdae_crossing_room;
 
 typedef struct nsdae_event_crossing {
@@ -42,14 +43,12 @@ typedef struct nsdae_event_crossing {
   int redundant;         /* constraints outside of the basis */
   double tau;            /* the largest width */
   double width;          /* of the phase */
-  double turns;          /* of |v|_M: how far u' may be off */
   double least;          /* smallest sine at which forces were asked for since it was set to 1 */
   double *basis;         /* of the rows in force: see nsdae_kkt_basis */
   nsdae_rows rows;       /* (M u)^T of each direction */
   double begin, span;    /* t_0, t_1 - t_0 */
   double *start, *slope; /* most: of (M u)^T v' */
   double *a, *a_ahead;   /* nv: v' at both borders */
-  double *ahead;         /* n: q and v at t_1, and room for forces */
   nsdae_crossing_room room;
 } nsdae_event_crossing;
 
@@ -64,17 +63,22 @@ void nsdae_event_crossing_prepare(nsdae_event_crossing *crossing, double rtol);
 int nsdae_event_sine(nsdae_event_setting *setting, int rank, double *sine);
 
 /* Whether the motion from q and v of y [n] at t, the point in work, with the acceleration a, and
- * a_ahead beyond, crosses a change point of rows of the crossing's rank: it comes nearer, and its continuation beyond,
- * `ahead`, fulfils the constraints within their tolerance. At first a_ahead is a, and the tolerance
- * is asked for with the better one that follows from it, again. 1, 0, or a status. The point in work and
- * the setting's kkt are others then. */
+ * a_ahead beyond, crosses a change point of rows of the crossing's rank: it comes nearer, and its
+ * continuation beyond, room.ahead, fulfils the constraints within their tolerance. At first a_ahead
+ * is a, and the tolerance is asked for with the better one that follows from it, again. 1, 0, or a
+ * status. The point in work and the setting's kkt are others then. */
 int nsdae_event_foresee(nsdae_event_crossing *crossing, nsdae_event_setting *setting, double t,
                         const double *y, int again);
 
-/* After it, with the acceleration a_ahead there: whether the two differ by more than a straight line
- * may be off, so that the crossing is to begin at half of the sine. */
-int nsdae_event_narrow(nsdae_event_crossing *crossing, const nsdae_event_setting *setting,
-                       const double *y);
+/* After it, with the acceleration a_ahead there: whether a straight line between both is as good as
+ * the energy needs it. */
+int nsdae_event_is_straight(nsdae_event_crossing *crossing, const nsdae_event_setting *setting,
+                            const double *y);
+/* If it is not, or the constraints are not fulfilled: the crossing begins at half of the sine, or
+ * not at all. */
+void nsdae_event_narrow(nsdae_event_crossing *crossing);
+/* Before a step: the width again, as far as the sines of the step before allow. */
+void nsdae_event_widen(nsdae_event_crossing *crossing);
 
 /* After both: holds the directions from y on. 1, 0 if they are
  * not found, or a status. */

@@ -143,10 +143,8 @@ static void list_rows(nsdae_event_phase *p)
       row->kind = kind, row->force = force, row->index = i;
     }
   for (int j = 0; j < p->crossing.count; j++)
-    b->row[b->count++] = (nsdae_event_row){.kind = NSDAE_ROW_HELD,
-                                           .rows = &p->crossing.rows,
-                                           .force = first_held(p) + j,
-                                           .index = j};
+    b->row[b->count++] = (nsdae_event_row){
+        .kind = NSDAE_ROW_HELD, .rows = &p->crossing.rows, .force = first_held(p) + j, .index = j};
 }
 
 void nsdae_event_begin_phase(nsdae_event_phase *p)
@@ -284,8 +282,8 @@ static int solve_factored(nsdae_event_phase *p)
               beta2 * T->constraint.phi[i];
   for (int a = 0; a < p->rows.count; a++) {
     const nsdae_event_row *row = &p->rows.row[a];
-    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED       ? wanted(p, row)
-                   : row->kind == NSDAE_ROW_HELD       ? nsdae_event_held(&p->crossing, row->index, T->t)
+    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED ? wanted(p, row)
+                   : row->kind == NSDAE_ROW_HELD ? nsdae_event_held(&p->crossing, row->index, T->t)
                    : row->kind == NSDAE_ROW_SLIDE_RUBS ? dry_friction(p, row->index)
                                                        : 0;
   }

@@ -49,9 +49,9 @@ typedef struct nsdae_event_modes {
 
 /* The row of a force. */
 typedef enum nsdae_event_row_kind {
-  NSDAE_ROW_NONE,      /* F = 0 */
-  NSDAE_ROW_CLOSED,    /* what it holds has no acceleration */
-  NSDAE_ROW_RELATED,   /* others hold it: F = sum r_l F_l */
+  NSDAE_ROW_NONE,       /* F = 0 */
+  NSDAE_ROW_CLOSED,     /* what it holds has no acceleration */
+  NSDAE_ROW_RELATED,    /* others hold it: F = sum r_l F_l */
   NSDAE_ROW_RUBS,       /* F_T = -mu F_N d */
   NSDAE_ROW_SLIDE_RUBS, /* F_S = -(b + mu |lambda|) s */
   NSDAE_ROW_HELD        /* a direction of a change point: see change_point.h */

@@ -70,8 +70,8 @@ static int has_row(const nsdae_event_phase *p, nsdae_event_row_kind kind)
   return any;
 }
 
-/* At the point in work. The sine is measured only if that of the forces' equations, by another order
- * of elimination, comes near. */
+/* At the point in work. The sine is measured only if that of the forces' equations, by another
+ * order of elimination, comes near. */
 static double change_point(const nsdae_event_phase *p)
 {
   const nsdae_event_crossing *c = &p->crossing;
