@@ -175,7 +175,7 @@ static int cross_change_point(nsdae_event_integrator *e, double t)
   if (crosses) {
     nsdae_crossed *crossed = &p->setting->result->crossed;
     if (crossed->constraint < 0 && !e->again)
-      *crossed = (nsdae_crossed){p->setting->kkt->dependent, t + c->span / 2};
+      *crossed = (nsdae_crossed){p->setting->kkt->dependent, t + c->span / 2, 0};
     nsdae_event_begin_phase(p);
     nsdae_smooth_set(&e->smooth, NSDAE_INTEGRATOR_DOPRI5);
     status = nsdae_smooth_start(&e->smooth, t, e->end);

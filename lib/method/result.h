@@ -47,10 +47,10 @@ typedef struct nsdae_unresolved {
 } nsdae_unresolved;
 
 /* The first change point that the step crossed: a pose in which this constraint depends on the
- * others. constraint -1: none. */
+ * others. constraint -1: none. sine: the smallest one of a time-stepping step near one; 0: far. */
 typedef struct nsdae_crossed {
   int constraint;
-  double t;
+  double t, sine;
 } nsdae_crossed;
 
 /* The deepest contact of a list that the step did not close and that overlaps at its end. */

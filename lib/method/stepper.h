@@ -34,6 +34,7 @@ typedef struct nsdae_stepper {
   double *size;      /* nv: how large the terms of a velocity are */
   double *qdot[2];   /* nq: at both ends of a way */
   double *impulse;   /* m: Lambda of the bilateral constraints over the step */
+  int *parent;       /* sets of blocks and the ground */
   double *rate;      /* m: rates of the bilateral constraints, then what is not asked for */
 } nsdae_stepper;
 

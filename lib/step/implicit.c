@@ -26,6 +26,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "disjoint_sets.h"
 #include "errors.h"
 #include "exponential_map.h"
 #include "stepper.h"
@@ -226,12 +227,33 @@ static int end_iteration(const nsdae_step *step, const progress *p)
   return moves || p->frozen ? need(step, step->end, 0) : NSDAE_OK;
 }
 
+/* Whether constraints close a loop of blocks: those of a tree are independent. Rows of a joint follow
+ * each other. */
+static int has_loop(const nsdae_step *step)
+{
+  const nsdae_rows *J = &step->end->by.jacobian;
+  int *parent = step->tools->parent, ground = step->tools->system->blocks.count;
+  nsdae_sets_begin(parent, ground + 1);
+  for (int i = 0, last[2] = {-1, -1}; i < J->count; i++) {
+    int parts = J->first[i + 1] - J->first[i];
+    const int *block = J->block + J->first[i];
+    int pair[2] = {parts > 0 ? block[0] : ground, parts > 1 ? block[1] : ground};
+    if (parts > 2) return 1;
+    if (pair[0] == last[0] && pair[1] == last[1]) continue;
+    if (nsdae_sets_root(parent, pair[0]) == nsdae_sets_root(parent, pair[1])) return 1;
+    nsdae_sets_join(parent, pair[0], pair[1]);
+    memcpy(last, pair, sizeof last);
+  }
+  return 0;
+}
+
 /* Whether the constraints are nearly dependent at q_0 + h v_0. */
 static int is_singular(const nsdae_step *step, int status)
 {
   const nsdae_solved *solved = step->tools->problem.dispatch.solved;
   return step->tools->system->dims.m > 0 &&
-         (status == NSDAE_E_RANK || (status == NSDAE_OK && solved->kept < NEARLY));
+         (status == NSDAE_E_RANK || (status == NSDAE_OK && solved->kept < NEARLY)) &&
+         has_loop(step);
 }
 
 /* On return end is at q_1 with the velocity v_1. SINGULAR: it is to be seen whether the step
@@ -285,11 +307,10 @@ static int attempt_across(nsdae_step *step)
   int crosses = nsdae_step_cross(step);
   if (crosses < 0) return crosses;
   step->crosses = crosses > 0 ? 1 : -1;
-  if (crosses > 0) counters->rank_retained = 1; /* its rows are left out */
   const int *held = step->tools->problem.dispatch.factorisation.held;
   nsdae_crossed *crossed = &step->result->crossed;
   for (int i = 0; crosses > 0 && i < step->tools->system->dims.m && crossed->constraint < 0; i++)
-    if (!held[i]) *crossed = (nsdae_crossed){i, step->t_end};
+    if (!held[i]) *crossed = (nsdae_crossed){i, step->t_end, 0};
   status = nsdae_step_close(step, step->start);
   if (status == NSDAE_OK) status = attempt(step, 0);
   if (crosses > 0) counters->rank = counters->rank_most = rank; /* of the poses beside it */

@@ -401,7 +401,7 @@ static tally try_form(const form *f, unsigned long seed, int count, double miss,
   return all;
 }
 
-/* 200 members of seeds 2000 to 2199 are in the note of each form. */
+/* penalty does not pass them, and says so. */
 static void test_forms(void **state)
 {
   (void)state;
@@ -409,7 +409,7 @@ static void test_forms(void **state)
     int count = share_of(7 * forms[f].quick);
     tally all = try_form(&forms[f], 1, count, 0, 1);
     assert_int_equal(all.wrong, 0);
-    if (forms[f].method != NSDAE_METHOD_PENALTY) assert_at_most(all.refused, 0.05 * count);
+    if (forms[f].method != NSDAE_METHOD_PENALTY) assert_at_most(all.refused, 1 + 0.02 * count);
   }
 }
 

@@ -45,10 +45,20 @@ void nsdae_event_crossing_prepare(nsdae_event_crossing *c, double rtol)
   c->tau = c->width = fmin(fmax(WIDTH * cbrt(rtol), LEAST_WIDTH), MOST_WIDTH);
 }
 
+/* Factors the constraints at the point in work, which has the terms: no more than that rank, as a
+ * drift turns redundant rows out of the others. */
+static int factor_rank(nsdae_event_setting *s, int rank)
+{
+  s->kkt->spare = s->kkt->m - rank;
+  int status = nsdae_terms_factor(s->here, s->here->M, s->kkt, 1);
+  s->kkt->spare = 0;
+  return status;
+}
+
 int nsdae_event_sine(nsdae_event_setting *s, int rank, double *sine)
 {
   int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
-  if (status == NSDAE_OK) status = nsdae_terms_factor(s->here, s->here->M, s->kkt, 1);
+  if (status == NSDAE_OK) status = factor_rank(s, rank);
   if (status < 0) return status;
   *sine = s->kkt->rank < rank ? s->kkt->left : s->kkt->kept;
   return NSDAE_OK;
@@ -171,7 +181,7 @@ static int correct(nsdae_event_crossing *c, nsdae_event_setting *s, int all)
   int m = T->system->dims.m, nq = T->system->dims.nq;
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK)
-    status = all ? nsdae_terms_factor(T, T->M, s->kkt, 1) : factor_reduced(c, s);
+    status = all ? factor_rank(s, c->rank) : factor_reduced(c, s);
   for (int i = 0; i < m; i++) c->room.l[i] = -T->constraint.phi[i];
   if (status == NSDAE_OK) status = solve_rows(c, s);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(T, c->room.x, c->room.q);
@@ -191,7 +201,7 @@ static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, dou
   for (int i = 0; i < ROUNDS && status == NSDAE_OK; i++) status = correct(c, s, 1);
   if (status == NSDAE_OK)
     status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN | NSDAE_TERM_PHI_T);
-  if (status == NSDAE_OK) status = nsdae_terms_factor(T, T->M, s->kkt, 1);
+  if (status == NSDAE_OK) status = factor_rank(s, c->rank);
   for (int i = 0; i < m; i++) c->room.l[i] = -nsdae_terms_constraint_rate(T, i, T->v);
   if (status == NSDAE_OK) status = solve_rows(c, s);
   if (status < 0) return status;
