@@ -227,8 +227,8 @@ static int end_iteration(const nsdae_step *step, const progress *p)
   return moves || p->frozen ? need(step, step->end, 0) : NSDAE_OK;
 }
 
-/* Whether constraints close a loop of blocks: those of a tree are independent. Rows of a joint follow
- * each other. */
+/* Whether constraints close a loop of blocks: those of a tree are independent. Rows of a joint
+ * follow each other. */
 static int has_loop(const nsdae_step *step)
 {
   const nsdae_rows *J = &step->end->by.jacobian;

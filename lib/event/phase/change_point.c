@@ -180,8 +180,7 @@ static int correct(nsdae_event_crossing *c, nsdae_event_setting *s, int all)
   nsdae_terms *T = s->here;
   int m = T->system->dims.m, nq = T->system->dims.nq;
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
-  if (status == NSDAE_OK)
-    status = all ? factor_rank(s, c->rank) : factor_reduced(c, s);
+  if (status == NSDAE_OK) status = all ? factor_rank(s, c->rank) : factor_reduced(c, s);
   for (int i = 0; i < m; i++) c->room.l[i] = -T->constraint.phi[i];
   if (status == NSDAE_OK) status = solve_rows(c, s);
   if (status == NSDAE_OK) status = nsdae_kinematics_at(T, c->room.x, c->room.q);
