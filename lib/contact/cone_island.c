@@ -418,8 +418,8 @@ static int rested(const nsdae_cone_island *c, const nsdae_island_equations *w,
 /* Coulomb's law may have several solutions where contacts are hyperstatic, as of a body in a grip.
  * If all rested, and rest is one, it is the one that is used: that of the convex problem with s = 0
  * (Acary, Cadoux, Lemarechal, Malick 2011), which has the least |u|, if it has u = 0. */
-static int prefer_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
-                       nsdae_cone_work *work, double budget)
+static int prefer_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
+                       double budget)
 {
   if (c->driven || c->contacts < 2 || !rested(c, w, work) || is_at_rest(c, w, work))
     return NSDAE_OK;
