@@ -297,6 +297,27 @@ static int worth_another_attempt(const nsdae_step *step, int status)
          (status == NSDAE_E_LCP || status == NSDAE_E_INFEASIBLE || status == NSDAE_E_CONVERGENCE);
 }
 
+/* Near a change point: no velocity jumps without an impulse, so that a change by half of v in a
+ * step is another branch. */
+static int check_jump(const nsdae_step *step)
+{
+  nsdae_stepper *s = step->tools;
+  const nsdae_blocks *blocks = &s->system->blocks;
+  const double part = 0.5, *from = step->start->v;
+  for (int i = 0; i < s->system->dims.nv; i++) s->v_other[i] = s->v[i] - from[i];
+  double jump = sqrt(nsdae_blocks_square(blocks, s->mean.M, s->v_other)),
+         speed = sqrt(nsdae_blocks_square(blocks, s->mean.M, from)),
+         t = nsdae_terms_time(step->start);
+  int near = step->crosses > 0 || step->result->crossed.sine > 0;
+  if (!near || !(jump > part * speed)) return NSDAE_OK;
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_implicit", "dt",
+      "at t = %g the velocity changes by %.3g of itself in a step near a change point of "
+      "the constraints: this is another branch; make dt smaller, or use method = event",
+      t, jump / speed);
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, t);
+}
+
 /* The same, across a change point if there is one near. */
 static int attempt_across(nsdae_step *step)
 {
@@ -314,6 +335,7 @@ static int attempt_across(nsdae_step *step)
   status = nsdae_step_close(step, step->start);
   if (status == NSDAE_OK) status = attempt(step, 0);
   if (crosses > 0) counters->rank = counters->rank_most = rank; /* of the poses beside it */
+  if (status == NSDAE_OK && step->tools->problem.count == 0) status = check_jump(step);
   return status;
 }
 
