@@ -76,7 +76,7 @@ static void test_grip(void **state)
   const double dt[] = {2e-3, 2e-3, 1e-2}, more[] = {1.02, 1.1, 1.3, 1.5, 2, 3};
   double way, turn;
   (void)state;
-  for (int i = 0; i < 6; i += test_share() > 1 ? 2 : 1)
+  for (int i = 0; i<6; i += test_share()> 1 ? 2 : 1)
     for (int j = 0; j < 3; j++) {
       grip(more[i], methods[j], dt[j], &way, &turn);
       /* the residuals of 0.3 s: a velocity of 1e-8 at most */
