@@ -8,7 +8,8 @@ first, then those of systems, anomalies and conformance, the quick ones first, u
 usage: mutants.py BUILD --sample COUNT [--seed N] [--write LIST]
        mutants.py BUILD --list LIST [--only I,J..]
 LIST is a JSON array of {"file": "lib/..", "line": N, "column": N, "old": "+", "new": "-"}; without a column the first "old" of the line
-is meant, and "new" may be empty. Each result goes to --results at once; mutants that are there are not run again.
+is meant, and "new" may be empty. Each result goes to --results at once; mutants that are there are not run again. Nor are those of
+mutants_equivalent.json, which change no answer, for the reason there.
 """
 import argparse
 import json
@@ -224,11 +225,22 @@ class Tests:
         return sorted(self.tests, key=rank)
 
 
+def reason(mutant, line):
+    """Why the mutant of this line changes no answer; None: it does, as far as is known. Lines move: their text is compared."""
+    table = json.loads(pathlib.Path(__file__).with_name("mutants_equivalent.json").read_text())
+    at = (mutant["column"] - 1 if "column" in mutant else line.find(mutant["old"])) - (len(line) - len(line.lstrip()))
+    same = {**{key: mutant[key] for key in ("file", "old", "new")}, "text": line.strip(), "at": at}
+    return next((known["why"] for known in table if all(known[key] == same[key] for key in same)), None)
+
+
 def tried(tests, root, mutant, most):
     """The mutant with its verdict."""
     path = root / mutant["file"]
     text = path.read_text()
-    result = dict(mutant, text=text.split("\n")[mutant["line"] - 1].strip())
+    line = text.split("\n")[mutant["line"] - 1]
+    result, why = dict(mutant, text=line.strip()), reason(mutant, line)
+    if why:
+        return dict(result, verdict="equivalent", why=why)
     changed = applied(text, mutant)
     extra = tests.compiled(path, changed)
     if not extra:
@@ -281,14 +293,14 @@ def main():
         done.append(result)
         with results.open("a") as out:
             out.write(json.dumps(result) + "\n")
-        print(f"{result['file']}:{result['line']} {result['old']!r} -> {result['new']!r}: {result['verdict']} {result.get('by', '')} "
+        print(f"{result['file']}:{result['line']} {result['old']!r} -> {result['new']!r}: {result['verdict']} {result.get('by', result.get('why', ''))} "
               f"({time.time() - began:.0f} s)", flush=True)
     print("\nsurvivors:")
     for result in done:
         if result["verdict"] == "survived":
             print(f"{result['file']}:{result['line']}:{result.get('column', '')} {result['old']!r} -> {result['new']!r}: {result['text']}"
                   f" ({len(result['passed'])} tests passed)")
-    for verdict in ("killed", "survived", "same code", "does not compile"):
+    for verdict in ("killed", "equivalent", "survived", "same code", "does not compile"):
         print(f"{verdict}: {sum(result['verdict'] == verdict for result in done)}")
     return 0
 

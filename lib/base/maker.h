@@ -20,10 +20,13 @@ typedef struct nsdae_maker_sensors {
   /* The angles after a step of length h from those before it; before NULL: at the start, `to`. */
   void (*follow)(const void *of, const nsdae_moved *from, const nsdae_moved *to, double h,
                  const double *before, double *angle);
-  void (*sense)(const void *of, int i, const nsdae_record *record, const double *angle,
-                double *value);
+  /* linear [3 count]: impulse of each contact of the record on the block of the larger number, in
+   * its first velocities */
+  void (*sense)(const void *of, int i, const nsdae_record *record, const double *linear,
+                const double *angle, double *value);
   /* nsdae_sim_get_contact_forces */
-  void (*contact_forces)(const void *of, const nsdae_record *record, double *point, double *force);
+  void (*contact_forces)(const void *of, const nsdae_record *record, const double *linear,
+                         double *point, double *force);
 } nsdae_maker_sensors;
 
 /* Why a callback has no value at a point. */
@@ -51,6 +54,15 @@ typedef struct nsdae_tunnelling {
   long contact;      /* its number, or its id in a list; -1: none */
   double way, least; /* by which its gap closes in the step; that is reported */
 } nsdae_tunnelling;
+
+/* Bodies that spin, with omega' = a = J^-1 (J omega x omega) of no torque. Motion across a steady
+ * spin turns with Omega in the axes of the body. */
+typedef struct nsdae_spin {
+  double across; /* its energy, a J a / (2 Omega^2), of all bodies */
+  double gain;   /* a J a / 2 of all: what a step h of Euler's rule makes of it, over h^2 */
+  double rate;   /* |omega| of the body with the largest energy across */
+  int body;      /* that; -1: there is none */
+} nsdae_spin;
 
 typedef struct nsdae_maker {
   const void *of; /* handed to each; owned by the system */
@@ -83,6 +95,10 @@ typedef struct nsdae_maker {
                     nsdae_tunnelling *worst, const void *user);
   /* Whether a contact may get deeper in h than the slop, by these velocities. */
   int (*may_enter)(const double *v, double h, const void *user);
+  /* Whether an element is too stiff for a step h of time stepping: the worst; or NULL. */
+  int (*stiff)(const double *q, const double *v, double h, nsdae_reason *reason, const void *user);
+  int (*idle)(const void *of); /* whether it has no force and no drive at all */
+  void (*spin)(const double *v, nsdae_spin *spin, const void *user); /* NULL: of the plane */
 } nsdae_maker;
 
 /* Whether the caller reads omega of the contacts: time stepping does not, and a long list is filled

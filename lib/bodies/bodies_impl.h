@@ -348,6 +348,10 @@ int nsdae_bodies_find_tunnelling(const double *q, const double *v, double h, dou
                                  nsdae_tunnelling *worst, const void *user);
 /* nsdae_maker.may_enter */
 int nsdae_bodies_may_enter(const double *v, double h, const void *user);
+/* nsdae_maker.idle */
+int nsdae_bodies_are_idle(const void *of);
+/* nsdae_maker.spin */
+void nsdae_bodies_spin(const double *v, nsdae_spin *spin, const void *user);
 /* Lengths of contacts, or of bodies whose contacts are by list, and of constraints. */
 int nsdae_bodies_set_sizes(const nsdae_bodies *bodies, nsdae_system *system);
 /* Blocks of bodies, and M. */

@@ -298,6 +298,50 @@ static int explain_load(const nsdae_bodies *b, int i, double t, const double *q,
   return code || j < 6;
 }
 
+/* W^T M^-1 W of a row, at most: without products of inertia, and without joints, which only make it
+ * smaller. */
+static double mobility(const nsdae_bodies *b, const nsdae_places *at, const nsdae_velocity_row *row)
+{
+  double sum = 0, part[6];
+  int d = b->dimension;
+  for (int i = 0; i < 2; i++) {
+    if (at->body[i] == NSDAE_GROUND) continue;
+    const nsdae_rigid_body *body = nsdae_body_at(b, at->body[i]);
+    nsdae_bodies_part(b, row, i, &at->pose[i], part);
+    for (int j = 0; j < nsdae_body_nv(b); j++)
+      sum += part[j] * part[j] / (j < d ? body->mass : body->inertia[d == 2 ? 2 : j - d]);
+  }
+  return sum;
+}
+
+/* F(q_m) in a step of moreau is stable up to w h = 2, w^2 = k mobility, and a damper at v_0 up to
+ * c mobility h = 2. The iteration of implicit contracts by (w h)^2 / 4 and c mobility h / 2. */
+static int stiff(const double *q, const double *v, double h, nsdae_reason *r, const void *user)
+{
+  const nsdae_bodies *b = nsdae_bodies_of(user);
+  int rows = ((const nsdae_maker_user *)user)->rows;
+  nsdae_places at = nsdae_nowhere;
+  nsdae_primitive_value is;
+  double most = 2;
+  for (int i = 0; i < b->force.spring.count; i++) {
+    const nsdae_bodies_spring *s = nsdae_spring_at(b, i);
+    if (s->owner == NSDAE_POSITION_MOTOR && rows) continue;
+    nsdae_bodies_coordinate(b, &s->value, q, v, &at, &is);
+    double m = mobility(b, &at, &is.row), turn = h * sqrt(s->stiffness * m),
+           brake = h * s->damping * m;
+    if (!(fmax(turn, brake) > most)) continue;
+    most = fmax(turn, brake);
+    r->element = s->owner >= NSDAE_FORCE_MOTOR ? "motor" : "spring";
+    r->index = s->number;
+    char bodies[WORDS];
+    snprintf(r->text, sizeof r->text,
+             "%s %d of %s has %s = %.2g, above 2: make dt smaller than %.2g, or use method = event",
+             r->element, r->index, of_bodies(b, s->value.body, bodies),
+             turn > brake ? "w dt" : "c dt / m", most, 2 * h / most);
+  }
+  return most > 2;
+}
+
 static int is_round(const nsdae_solid_of *s)
 {
   return s->points == 1 && s->shape != NSDAE_SHAPE_PLANE;
@@ -352,6 +396,9 @@ void nsdae_bodies_sign(nsdae_bodies *b, nsdae_system *system)
                        .fixed = nsdae_motor_fixed,
                        .tunnelling = nsdae_bodies_find_tunnelling,
                        .may_enter = nsdae_bodies_may_enter,
+                       .idle = nsdae_bodies_are_idle,
+                       .stiff = b->force.spring.count > 0 ? stiff : NULL,
+                       .spin = b->dimension == 3 ? nsdae_bodies_spin : NULL,
                        .position = nsdae_motor_position,
                        .errors = nsdae_motor_errors};
   for (int i = 0; i < b->limit.count; i++)

@@ -34,6 +34,47 @@ static int loads(const nsdae_bodies *b, double t, const double *q, const double 
   return 0;
 }
 
+/* a := J^-1 (J w x w), by the adjugate of J; returns a J a. */
+static double free_spin(const nsdae_rigid_body *body, const double *w, double *a)
+{
+  const double *J = body->inertia, *P = body->product;
+  const double row[3][3] = {{J[0], P[0], P[1]}, {P[0], J[1], P[2]}, {P[1], P[2], J[2]}};
+  double L[3], torque[3], adjugate[3][3];
+  nsdae_body_momentum(body, w, L);
+  nsdae_cross3(L, w, torque);
+  for (int i = 0; i < 3; i++) nsdae_cross3(row[(i + 1) % 3], row[(i + 2) % 3], adjugate[i]);
+  for (int i = 0; i < 3; i++)
+    a[i] = nsdae_dot3(adjugate[i], torque) / nsdae_dot3(row[0], adjugate[0]);
+  return nsdae_dot3(a, torque);
+}
+
+/* a is quadratic: with D = da/dw, 2 D a = a(w + a) - a(w - a), and |D a| = Omega |a|. */
+void nsdae_bodies_spin(const double *v, nsdae_spin *s, const void *user)
+{
+  const nsdae_bodies *b = nsdae_bodies_of(user);
+  double most = 0;
+  *s = (nsdae_spin){.body = -1};
+  for (int i = 0; i < b->body.count; i++) {
+    const nsdae_rigid_body *body = nsdae_body_at(b, i);
+    const double *w = v + 6 * i + 3;
+    double a[3], ahead[3], back[3], side[2][3], turned[3], L[3];
+    double square = free_spin(body, w, a);
+    for (int j = 0; j < 3; j++) side[0][j] = w[j] + a[j], side[1][j] = w[j] - a[j];
+    free_spin(body, side[0], ahead);
+    free_spin(body, side[1], back);
+    for (int j = 0; j < 3; j++) turned[j] = (ahead[j] - back[j]) / 2;
+    nsdae_body_momentum(body, turned, L);
+    if (!(square > 0 && nsdae_dot3(turned, L) > 0)) continue;
+    double across = square * square / nsdae_dot3(turned, L) / 2;
+    s->gain += square / 2;
+    s->across += across;
+    if (!(across > most)) continue;
+    most = across;
+    s->body = i;
+    s->rate = sqrt(nsdae_dot3(w, w));
+  }
+}
+
 int nsdae_bodies_force(const void *user, double t, const double *q, const double *v, double *F)
 {
   const nsdae_bodies *b = nsdae_bodies_of(user);

@@ -103,6 +103,18 @@ static int note_gravity(nsdae_bodies *b)
                          g[1]);
 }
 
+/* nsdae_maker.idle */
+int nsdae_bodies_are_idle(const void *of)
+{
+  const nsdae_bodies *b = of;
+  const double *g = b->force.gravity;
+  int acts = b->force.load.count + b->force.spring.count + b->frictional_joint.count +
+             b->own.dims.nq + b->own.dims.m + b->own.dims.k + b->own.dims.f +
+             (b->own.force != NULL);
+  for (int i = 0; i < b->constraint.count; i++) acts += nsdae_constraint_at(b, i)->drive != NULL;
+  return b->body.count > 0 && acts == 0 && g[0] == 0 && g[1] == 0 && g[2] == 0;
+}
+
 /* Triangles of both orders: beneath one of them there is no material. */
 static int note_mesh(nsdae_bodies *b, int i)
 {

@@ -3,7 +3,8 @@
  *
  *   reaction   f = -sum_i lambda_i g_i, of the rows of a joint, on its body 1; the moment is about
  *              the joint's point
- *   contact    f = sum_j (Lambda_j / h) u_j, of the directions u_j of contacts, h: the step
+ *   contact    f = (1 / h) int W F dt, along the directions that the method had, h: the step: so
+ *              that h times all forces is the change of momentum
  *   point      x = r + R s,   x' = v + w x R s,   x'' = v' + w' x R s + w x (w x R s), v' and w'
  *              the means of the step
  *   energy     T = m v^2 / 2 + w . J w / 2,   U = -m g . r
@@ -224,9 +225,8 @@ int nsdae_bodies_pair_of(const nsdae_bodies *b, long features, long id, int soli
 }
 
 /* Contacts of a record one after another that are of the same two solids, in one pass over the
- * features of these: for a contact the point midway between its surfaces and the force on the body
- * of the larger number. The force is along the directions of its feature. If this is no longer one
- * of the pair at the end of the step, it is along those of the nearest.
+ * features of these: for a contact the point midway between its surfaces. If its feature is no
+ * longer one of the pair at the end of the step, it is that of the nearest.
  *
  * Two boxes have at most 8 contacts; more of a pair, as on a mesh, take further passes. */
 enum { TOGETHER = 16, NONE = -1 /* in place of a number: no impulse */ };
@@ -234,20 +234,12 @@ typedef struct pressed {
   int dimension, count, solid[2], left; /* left: contacts with an impulse that are not found */
   long number[TOGETHER];
   int found[TOGETHER];
-  double impulse[TOGETHER][3], gap, point[TOGETHER][3], force[TOGETHER][3];
+  double gap, point[TOGETHER][3];
 } pressed;
 
-/* Contact k is at this feature. */
-static void act(pressed *p, int k, const nsdae_still *still, const nsdae_couple *two)
+static void set_point(pressed *p, int k, const nsdae_still *still)
 {
-  nsdae_contact c;
-  int d = p->dimension, side = two->solid[1]->body > two->solid[0]->body; /* not the ground */
-  nsdae_bodies_contact_rows(d, two, still, d, &c);
-  for (int i = 0; i < d; i++) {
-    p->point[k][i] = (still->at[0][i] + still->at[1][i]) / 2;
-    p->force[k][i] = 0;
-    for (int j = 0; j < d; j++) p->force[k][i] += p->impulse[k][j] * c.direction[side][j][i];
-  }
+  for (int i = 0; i < p->dimension; i++) p->point[k][i] = (still->at[0][i] + still->at[1][i]) / 2;
 }
 
 static int find_own(void *to, long number, const nsdae_closest *closest, const nsdae_couple *two)
@@ -256,7 +248,7 @@ static int find_own(void *to, long number, const nsdae_closest *closest, const n
   for (int k = 0; k < p->count; k++) {
     if (p->number[k] != number || p->found[k]) continue;
     const nsdae_still still = nsdae_closest_still(closest, two);
-    act(p, k, &still, two);
+    set_point(p, k, &still);
     p->found[k] = 1;
     p->left--;
   }
@@ -273,7 +265,7 @@ static int find_nearest(void *to, long number, const nsdae_closest *closest,
   p->gap = still.gap;
   for (int k = 0; k < p->count; k++)
     if (p->number[k] != NONE && p->found[k] != 1) {
-      act(p, k, &still, two);
+      set_point(p, k, &still);
       p->found[k] = 2; /* by a nearer one again */
     }
   return 0;
@@ -283,7 +275,7 @@ static int find_nearest(void *to, long number, const nsdae_closest *closest,
 static void gather(const nsdae_bodies *b, const nsdae_record *r, long features, int first,
                    pressed *p)
 {
-  int nt = nsdae_bodies_nt(b), solid[2];
+  int solid[2];
   long number;
   *p = (pressed){.dimension = b->dimension, .gap = INFINITY};
   for (int i = first; i < r->contacts.count && p->count < TOGETHER; i++) {
@@ -296,14 +288,11 @@ static void gather(const nsdae_bodies *b, const nsdae_record *r, long features, 
     if (r->duration <= 0 || r->contacts.normal_impulse[i] == 0) continue;
     p->left++;
     p->number[k] = number;
-    p->impulse[k][0] = r->contacts.normal_impulse[i] / r->duration;
-    for (int j = 0; j < nt; j++)
-      p->impulse[k][1 + j] = r->contacts.tangential_impulse[i * nt + j] / r->duration;
   }
 }
 
 /* Finds them, unless the solids are apart. */
-static void press(const nsdae_bodies *b, const nsdae_record *r, pressed *p)
+static void find_points(const nsdae_bodies *b, const nsdae_record *r, pressed *p)
 {
   const nsdae_solid_of *solids = b->solid.at;
   int one = p->solid[0], other = p->solid[1];
@@ -333,32 +322,30 @@ static double sign_of(const nsdae_bodies *b, const nsdae_sensor *s, const int so
 }
 
 static void contact_force(const nsdae_bodies *b, const nsdae_sensor *s, const nsdae_record *r,
-                          double *value)
+                          const double *linear, double *value)
 {
-  pressed p;
-  long features = nsdae_broad_features(b);
-  for (int first = 0; first < r->contacts.count; first += p.count) {
-    gather(b, r, features, first, &p);
-    double sign = p.left > 0 ? sign_of(b, s, p.solid) : 0;
-    if (sign == 0) continue;
-    press(b, r, &p);
-    for (int k = 0; k < p.count; k++)
-      for (int j = 0; j < b->dimension && p.found[k]; j++) value[j] += sign * p.force[k][j];
+  int solid[2];
+  long number, features = nsdae_broad_features(b);
+  for (int i = 0; i < r->contacts.count && r->duration > 0; i++) {
+    if (!nsdae_bodies_pair_of(b, features, r->contacts.id[i], solid, &number)) continue;
+    double share = sign_of(b, s, solid) / r->duration;
+    for (int j = 0; j < b->dimension; j++) value[j] += share * linear[3 * i + j];
   }
 }
 
-static void contact_forces(const void *of, const nsdae_record *r, double *point, double *force)
+static void contact_forces(const void *of, const nsdae_record *r, const double *linear,
+                           double *point, double *force)
 {
   const nsdae_bodies *b = of;
   pressed p;
   long features = nsdae_broad_features(b);
   for (int first = 0; first < r->contacts.count; first += p.count) {
     gather(b, r, features, first, &p);
-    if (p.left > 0) press(b, r, &p);
+    if (p.left > 0) find_points(b, r, &p);
     for (int k = 0; k < p.count; k++)
-      for (int j = 0; j < 3; j++) {
-        point[3 * (first + k) + j] = p.found[k] ? p.point[k][j] : NAN;
-        force[3 * (first + k) + j] = p.found[k] ? p.force[k][j] : 0;
+      for (int i = 3 * (first + k), j = 0; j < 3; i++, j++) {
+        point[i] = p.found[k] ? p.point[k][j] : NAN;
+        force[i] = p.number[k] != NONE ? linear[i] / r->duration : 0;
       }
   }
 }
@@ -421,7 +408,8 @@ static void of_body(const nsdae_bodies *b, const nsdae_bodies_sensor *s, const n
 
 /* ---- reading */
 
-static void sense(const void *of, int i, const nsdae_record *r, const double *angle, double *value)
+static void sense(const void *of, int i, const nsdae_record *r, const double *linear,
+                  const double *angle, double *value)
 {
   const nsdae_bodies *b = of;
   const nsdae_bodies_sensor *s = nsdae_sensor_at(b, i);
@@ -440,7 +428,7 @@ static void sense(const void *of, int i, const nsdae_record *r, const double *an
     break;
   case NSDAE_SENSOR_CONTACT_FORCE:
   case NSDAE_SENSOR_PAIR_FORCE:
-    contact_force(b, &s->of, r, is);
+    contact_force(b, &s->of, r, linear, is);
     break;
   default:
     of_body(b, s, r, is);

@@ -628,8 +628,8 @@ int nsdae_cone_island_solve(nsdae_cone_island *c, const nsdae_island_equations *
   work->tol = nsdae_accuracy_tol(work->accuracy);
   int status = leave_rounding(c, w, work, solve_motors(c, w, island, work));
   if (status < 0) return unsolved(c, w, status, work);
-  const double speed = nsdae_fc_speed(work->solver);
-  work->residual = (nsdae_natural_residual){work->info.residual * (speed > 0 ? speed : 1), speed};
+  const double speed = nsdae_fc_speed(work->solver), left = work->info.residual;
+  work->residual = (nsdae_natural_residual){speed > 0 ? left * speed : left, speed, 0};
   status = nsdae_cone_velocities(c, w, work, speed);
   if (status == NSDAE_OK) scatter(c, w, island);
   return status;

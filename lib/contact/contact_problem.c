@@ -355,6 +355,15 @@ void nsdae_problem_add_constraints(const nsdae_problem *p, const nsdae_terms *T,
       nsdae_rows_add(&p->system->blocks, J, i, scale * lambda[i], y);
 }
 
+/* += share W Lambda of contact i */
+static void add_linear(const nsdae_problem *p, const nsdae_terms *T, int i, double share)
+{
+  const nsdae_impulses *r = p->results;
+  int nt = p->system->dims.nt;
+  if (p->system->maker.sensors.contact_forces)
+    nsdae_terms_add_linear(T, i, share, r->normal[i], r->tangential + i * nt, r->linear + 3 * i);
+}
+
 void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, double scale,
                                int skip_impacts, double *y)
 {
@@ -368,12 +377,24 @@ void nsdae_problem_add_impulse(const nsdae_problem *p, const nsdae_terms *T, dou
     nsdae_rows_add(blocks, &T->by.normal, i, scale * r->normal[i], y);
     for (int j = i * nt; j < (i + 1) * nt; j++)
       nsdae_rows_add(blocks, &T->by.tangent, j, scale * r->tangential[j], y);
+    add_linear(p, T, i, scale);
   }
   for (int i = 0; i < is->joints; i++) {
     int j = is->joint_number[i];
     if (skip_impacts && p->hit[nsdae_island_of_joint(is, T, i)]) continue;
     nsdae_rows_add(blocks, &T->by.frictional_joint, j, scale * r->frictional_joint_impulse[j], y);
   }
+}
+
+void nsdae_problem_no_linear(nsdae_problem *p)
+{
+  double *linear = p->results->linear;
+  for (int a = 0; a < p->count; a++) memset(linear + 3 * p->number[a], 0, 3 * sizeof *linear);
+}
+
+void nsdae_problem_add_linear(nsdae_problem *p, const nsdae_terms *T)
+{
+  for (int a = 0; a < p->count; a++) add_linear(p, T, p->number[a], 1);
 }
 
 double nsdae_problem_work(const nsdae_problem *p, double *motors)

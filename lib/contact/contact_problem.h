@@ -97,6 +97,11 @@ void nsdae_problem_add_constraints(const nsdae_problem *problem, const nsdae_ter
 void nsdae_problem_add_impulse(const nsdae_problem *problem, const nsdae_terms *terms, double scale,
                                int skip_impacts, double *y);
 
+/* The linear impulses of the results, whose sum is the change of momentum: none; += W Lambda at the
+ * terms' point. What nsdae_problem_add_impulse adds is added to them, too. */
+void nsdae_problem_no_linear(nsdae_problem *problem);
+void nsdae_problem_add_linear(nsdae_problem *problem, const nsdae_terms *terms);
+
 /* Work of the impulses, and that of position motors apart; what of it the moving surfaces of a list
  * did: sum of Lambda w; residual. */
 double nsdae_problem_work(const nsdae_problem *problem, double *motors);

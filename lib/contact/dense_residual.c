@@ -84,6 +84,8 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
   fit_speed(l, column, u, residual);
   double left =
       columns == 1 ? nsdae_natural_normal(d * r->normal[i], u) : fit_friction(l, a, d, u, residual);
+  if (rounded)
+    nsdae_natural_residual_raise(&residual->hidden, fmin(left, rounding_of(l, column, columns)));
   leave(l, column, columns, rounded, left, residual);
 }
 

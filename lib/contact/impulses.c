@@ -8,7 +8,7 @@
 /* All doubles and all integers are in one piece each, so that they are cleared at once. */
 static size_t doubles(const nsdae_dims *d)
 {
-  return 3 * ((size_t)d->k * (size_t)(1 + d->nt) + (size_t)d->f);
+  return 3 * ((size_t)d->k * (size_t)(2 + d->nt) + (size_t)d->f);
 }
 
 static size_t wholes(const nsdae_dims *d)
@@ -33,6 +33,7 @@ void nsdae_impulses_layout(nsdae_impulses *r, const nsdae_dims *dims, nsdae_aren
   r->after_t = r->after + k;
   r->normal = r->after_t + kt;
   r->tangential = r->normal + k;
+  r->linear = r->tangential + kt;
   r->impact = r->frictional_joint_mode + f;
   r->mode = r->impact + k;
 }
@@ -70,15 +71,17 @@ void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,
                           const nsdae_impulses *from)
 {
   size_t n = (size_t)count, t = n * (size_t)dims->nt, f = (size_t)dims->f;
-  const size_t size[] = {n, n, n, t, t, t, f, f, f};
+  const size_t size[] = {n, n, n, t, t, t, f, f, f, 3 * n};
   double *const into[] = {to->before,       to->after,       to->normal,
                           to->before_t,     to->after_t,     to->tangential,
-                          to->slide_before, to->slide_after, to->frictional_joint_impulse};
+                          to->slide_before, to->slide_after, to->frictional_joint_impulse,
+                          to->linear};
   double *const of[] = {from->before,       from->after,       from->normal,
                         from->before_t,     from->after_t,     from->tangential,
-                        from->slide_before, from->slide_after, from->frictional_joint_impulse};
+                        from->slide_before, from->slide_after, from->frictional_joint_impulse,
+                        from->linear};
   nsdae_impulses_clear(to, dims);
-  for (int i = 0; i < 9; i++)
+  for (int i = 0; i < 10; i++)
     if (size[i] > 0) memcpy(into[i], of[i], size[i] * sizeof *into[i]);
   if (n > 0) memcpy(to->impact, from->impact, n * sizeof *to->impact);
   if (n > 0) memcpy(to->mode, from->mode, n * sizeof *to->mode);
@@ -87,7 +90,7 @@ void nsdae_impulses_carry(nsdae_impulses *to, const nsdae_dims *dims, int count,
 
 /* ---- closed */
 
-enum { ARRAYS = 13 };
+enum { ARRAYS = 14 };
 
 static void list_arrays(nsdae_closed *c, nsdae_impulses *r, nsdae_array all[ARRAYS])
 {
@@ -103,7 +106,8 @@ static void list_arrays(nsdae_closed *c, nsdae_impulses *r, nsdae_array all[ARRA
                                     NSDAE_ARRAY(r->after, 1),
                                     NSDAE_ARRAY(r->after_t, c->nt),
                                     NSDAE_ARRAY(r->normal, 1),
-                                    NSDAE_ARRAY(r->tangential, c->nt)};
+                                    NSDAE_ARRAY(r->tangential, c->nt),
+                                    NSDAE_ARRAY(r->linear, 3)};
   memcpy(all, list, sizeof list);
 }
 
@@ -129,6 +133,7 @@ void nsdae_closed_clear(const nsdae_closed *c, nsdae_impulses *r)
   size_t k = (size_t)c->count, kt = k * (size_t)c->nt;
   memset(r->impact, 0, k * sizeof *r->impact);
   memset(r->mode, 0, k * sizeof *r->mode);
+  memset(r->linear, 0, 3 * k * sizeof *r->linear);
   double *const by_contact[] = {r->before, r->after, r->normal};
   double *const by_tangent[] = {r->before_t, r->after_t, r->tangential};
   for (int i = 0; i < 3; i++) {

@@ -12,6 +12,7 @@ typedef struct nsdae_impulses {
   double *before, *before_t;   /* v_N(-), v_T(-): k, k nt */
   double *after, *after_t;     /* v_N(+), v_T(+) */
   double *normal, *tangential; /* Lambda_N, Lambda_T */
+  double *linear;              /* 3 k: of bodies W Lambda, nsdae_terms_add_linear */
   int *mode;                   /* enum nsdae_mode */
 
   double *slide_before, *slide_after; /* f: sliding velocity */

@@ -17,6 +17,7 @@
 
 typedef struct nsdae_natural_residual {
   double left, speed; /* numerator and denominator; NaN where one is */
+  double hidden; /* what contacts leave beside `left`, below the rounding of their velocities */
 } nsdae_natural_residual;
 
 static inline void nsdae_natural_residual_raise(double *most, double x)
@@ -61,6 +62,7 @@ static inline void nsdae_natural_residual_add(nsdae_natural_residual *sum,
 {
   nsdae_natural_residual_raise(&sum->left, one->left);
   nsdae_natural_residual_raise(&sum->speed, one->speed);
+  nsdae_natural_residual_raise(&sum->hidden, one->hidden);
 }
 
 static inline double nsdae_natural_residual_scaled(const nsdae_natural_residual *m)

@@ -29,6 +29,7 @@ static void add_residual(nsdae_solved *s, const nsdae_natural_residual *one, dou
   nsdae_natural_residual_add(&s->residual, one);
   raise_worst(s, &(nsdae_island_residual){one->left, tol});
   s->tol = fmax(s->tol, tol);
+  if (one->hidden > tol * one->speed) s->hidden = fmax(s->hidden, one->hidden / one->speed);
 }
 
 void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
@@ -36,6 +37,7 @@ void nsdae_solved_add(nsdae_solved *sum, const nsdae_solved *one)
   nsdae_natural_residual_add(&sum->residual, &one->residual);
   raise_worst(sum, &one->worst);
   sum->tol = fmax(sum->tol, one->tol);
+  sum->hidden = fmax(sum->hidden, one->hidden);
   sum->noise = fmax(sum->noise, one->noise);
   sum->pivots += one->pivots;
   sum->lcps += one->lcps;

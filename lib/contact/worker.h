@@ -27,6 +27,7 @@ typedef struct nsdae_solved {
   nsdae_island_residual worst;     /* of the island that is furthest above its tolerance */
   long pivots;
   double tol;        /* the largest tolerance of them; 0: none was solved */
+  double hidden;     /* of an island by its own speed, above its tolerance; 0: there is none */
   double kept, left; /* smallest sine that counts in the rank, largest that does not */
   double noise;      /* relative error that the cones leave in velocities; 0: none were solved */
   int lcps, rank, islands, contacts; /* contacts of the largest island */

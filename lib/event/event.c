@@ -165,8 +165,8 @@ static int explain(nsdae_event *e, int status)
 }
 
 /* No step of the integrator is short enough at t, where its y is: a gap may have a kink just ahead.
- * The least step of Euler from which one is seen is taken, at the same time: (q, v) + h (q', v');
- * the forces in y stay.
+ * The least step of Euler from which one is seen is taken, at the same time: q + h q'. v and the
+ * forces in y stay: no time passes, so there is no impulse.
  * Returns 1 where it is, else 0. */
 static int cross_kink(nsdae_event *e, double t)
 {
@@ -180,9 +180,8 @@ static int cross_kink(nsdae_event *e, double t)
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)
     return 0;
   if (nsdae_event_unbounded(&e->roots, NSDAE_EVENT_POLE) >= 0) return 0;
-  memcpy(rate + at->v, e->phase.x, (size_t)(at->lambda - at->v) * sizeof *rate);
   for (double h = 64 * DBL_EPSILON * (fabs(t) + longest); !found && h < longest; h *= 8) {
-    nsdae_move(at->lambda, from, h, rate, g->y);
+    nsdae_move(at->v, from, h, rate, g->y);
     found = strayed(e, t);
   }
   if (found <= 0) memcpy(g->y, from, (size_t)at->lambda * sizeof *from);

@@ -88,7 +88,7 @@ static int look_around(double t, nsdae_terms **terms, void *user)
 void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena)
 {
   const nsdae_event_setting *s = e->roots->phase->setting;
-  e->smooth.steps = (nsdae_runge_kutta){.n = s->at.n + 2,
+  e->smooth.steps = (nsdae_runge_kutta){.n = s->at.whole,
                                         .controlled = s->at.lambda,
                                         .positions = s->at.v,
                                         .forces = s->at.n - s->at.lambda,
@@ -109,7 +109,7 @@ void nsdae_event_integrator_layout(nsdae_event_integrator *e, nsdae_arena *arena
   nsdae_dip_layout(&e->dip, arena);
   if (s->system->tracked) nsdae_tracking_layout(&e->tracking, arena);
   e->y = NSDAE_ARENA_DOUBLES(arena, s->at.n);
-  nsdae_arena_doubles(arena, s->at.n + 2L, (double **[]){&e->z, &e->later, &e->end, NULL});
+  nsdae_arena_doubles(arena, s->at.whole, (double **[]){&e->z, &e->later, &e->end, NULL});
   e->fallen = NSDAE_ARENA_INTS(arena, e->roots->count);
 }
 

@@ -19,8 +19,8 @@ typedef struct nsdae_event_integrator {
   nsdae_smooth smooth;     /* of z: see account.h; the modes say which of its two is at work */
   nsdae_fall fall;         /* of the roots, in the last step */
   nsdae_dip dip;           /* of the gaps, likewise */
-  double *y, *z, *later;   /* n, n + 2: where it was last read */
-  double *end;             /* n + 2: where the last step ended */
+  double *y, *z, *later;   /* n, whole: where it was last read */
+  double *end;             /* whole: where the last step ended */
   int *fallen;             /* roots: in the last step */
   nsdae_tracking tracking; /* of the contacts of a list */
   int *late;               /* k, of the memory: in their slots since the base */

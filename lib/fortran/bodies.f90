@@ -351,15 +351,24 @@ contains
 
   ! headers: wrappers nsdae_bodies_ get_dims
 
-  ! q [nq] and v [nv] at the start.
-  integer(c_int) function nsdae_bodies_get_start(bodies, q, v) result(status)
+  ! q [nq] and v [nv] at the start. NSDAE_E_ARGUMENT: the text of error has the sizes.
+  integer(c_int) function nsdae_bodies_get_start(bodies, q, v, error) result(status)
     type(nsdae_bodies), intent(in) :: bodies
     real(c_double), intent(inout), contiguous :: q(:), v(:)
+    type(nsdae_error), intent(out), optional :: error
     type(nsdae_dims) :: dims
     status = c_get_dims(at(bodies), dims)
     if (status < 0) return
     status = NSDAE_E_ARGUMENT
-    if (size(q) < dims%nq .or. size(v) < dims%nv) return
+    if (size(q) < dims%nq .or. size(v) < dims%nv) then
+      if (.not. present(error)) return
+      error%status = status
+      error%where = 'nsdae_bodies_get_start'
+      error%argument = merge('q', 'v', size(q) < dims%nq)
+      write (error%text, '(4(a, i0))') 'q has ', size(q), ' entries and v has ', size(v), ': they need at least ', dims%nq, &
+        ' and ', dims%nv
+      return
+    end if
     status = c_get_start(at(bodies), q, v)
   end function
 

@@ -103,7 +103,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   if (!impulses_follow) nsdae_impulses_clear(&r->impulses, dims);
   r->impacts = r->changes = 0;
   r->work = r->lifted = r->raised = r->gain = r->turnover = r->carried = 0;
-  r->worst_residual = r->contact_tol = 0;
+  r->worst_residual = r->contact_tol = r->above.hidden = 0;
   r->smooth = r->located = r->given_up = 0;
   r->twofold.frictional_joint = -1;
   r->unresolved.velocity = 0;

@@ -88,6 +88,7 @@ typedef struct nsdae_result {
   double contact_tol;    /* the largest tolerance of them; 0: there was none */
   struct {
     double residual, tol;
+    double hidden;             /* above it too, but below the rounding of heavy loads; or 0 */
   } above;                     /* of the one that is furthest above its tolerance */
   nsdae_twofold twofold;       /* the first of the step */
   nsdae_unresolved unresolved; /* the first of the step */

@@ -112,8 +112,9 @@ int nsdae_step_end(const nsdae_step *step)
   result->worst_residual = nsdae_problem_residual(&s->problem);
   result->contact_tol = solved->tol;
   result->above.residual = nsdae_natural_residual_scaled(
-      &(nsdae_natural_residual){solved->worst.left, solved->residual.speed});
+      &(nsdae_natural_residual){solved->worst.left, solved->residual.speed, 0});
   result->above.tol = solved->worst.tol;
+  result->above.hidden = solved->hidden;
   result->counters.inexact = !(result->above.residual <= result->above.tol);
   if (is_accepted(s, result->worst_residual, result->contact_tol) &&
       is_accepted(s, result->above.residual, result->above.tol))

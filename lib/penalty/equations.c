@@ -207,7 +207,7 @@ static int accelerations(nsdae_penalty_equations *p, nsdae_terms *T, double *a)
   return d->f > 0 ? slide_forces(p, T, a) : 0;
 }
 
-/* rate := E', A' of the forces in `at` at the terms' point, q' = qdot. */
+/* rate := E', A' and the linear forces, of the forces in `at` at the terms' point, q' = qdot. */
 static int powers(nsdae_penalty_equations *p, const nsdae_terms *T, const double *qdot,
                   double *rate)
 {
@@ -219,6 +219,9 @@ static int powers(nsdae_penalty_equations *p, const nsdae_terms *T, const double
   rate[1] += nsdae_dot(d->nv, T->F, T->v) + nsdae_dot(d->m, at->lambda, T->constraint.phi_t) -
              nsdae_dot(d->k, at->normal, T->w_N) - nsdae_dot(kt, at->tangential, T->w_T) -
              nsdae_dot(d->f, at->frictional_joint, T->frictional_joint.w);
+  double *linear = rate + nsdae_penalty_at(d).linear - nsdae_penalty_at(d).work;
+  memset(linear, 0, 3 * (size_t)d->k * sizeof *linear);
+  nsdae_terms_add_all_linear(T, at->normal, at->tangential, linear);
   return status;
 }
 

@@ -50,14 +50,15 @@ double nsdae_penalty_restitution(const nsdae_penalty_force *law, double e);
  * of the forces in y = [q, v, lambda, F_N, F_T, F_S] are the same. */
 
 typedef struct nsdae_penalty_offsets {
-  int lambda, normal, tangential, slide, work, size;
+  int lambda, normal, tangential, slide, work, linear, size;
 } nsdae_penalty_offsets;
 
 static inline nsdae_penalty_offsets nsdae_penalty_at(const nsdae_dims *d)
 {
   int lambda = d->nq + d->nv, normal = lambda + d->m, tangential = normal + d->k;
   int slide = tangential + d->k * d->nt, work = slide + d->f;
-  return (nsdae_penalty_offsets){lambda, normal, tangential, slide, work, work + 2};
+  return (nsdae_penalty_offsets){lambda, normal,   tangential,         slide,
+                                 work,   work + 2, work + 2 + 3 * d->k};
 }
 
 /* ---- where the integrator started last, and the contacts of then: the method's part of

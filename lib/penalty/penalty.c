@@ -276,6 +276,7 @@ static int account(nsdae_penalty *p, nsdae_result *r, double t)
   nsdae_add_change(d->k, from + at.normal, to + at.normal, r->impulses.normal);
   nsdae_add_change(d->k * d->nt, from + at.tangential, to + at.tangential, r->impulses.tangential);
   nsdae_add_change(d->f, from + at.slide, to + at.slide, r->impulses.frictional_joint_impulse);
+  nsdae_add_change(3 * d->k, from + at.linear, to + at.linear, r->impulses.linear);
   r->work -= to[at.work] - from[at.work];
   r->gain += to[at.work + 1] - from[at.work + 1] - (to[at.work] - from[at.work]);
   p->reached = t;

@@ -171,6 +171,38 @@ static int check_rates(nsdae_projector *p, const nsdae_terms *T, const relation 
   return NSDAE_OK;
 }
 
+/* A row of Phi_q that vanishes where Phi = 0, though Phi does not, as of the square of a
+ * constraint: no multiplier holds it. Along each trial velocity Phi is even in s: its first order
+ * is less than 1e-3 of the second, which is above rounding. */
+static int check_gradients(nsdae_projector *p, const nsdae_terms *T, const relation *r)
+{
+  const double none = 1e-6,
+               s = 1e-3; /* above differences; terms of third order are s of the second */
+  nsdae_differences *d = T->differences;
+  char called[NSDAE_CALLED_SIZE];
+  for (int i = 0; i < r->rows; i++) {
+    int even = nsdae_rows_largest(&T->system->blocks, r->rate, i) < none;
+    for (int number = 0; number < TRIALS && even; number++) {
+      trial_velocity(T->system->dims.nv, number, p->v);
+      int status = nsdae_kinematics_at(T, p->v, d->qdot);
+      if (status == NSDAE_OK) status = displaced(T, r, s, d->plus);
+      if (status == NSDAE_OK) status = displaced(T, r, -s, d->minus);
+      if (status < 0) return status;
+      double first = fabs(d->plus[i] - d->minus[i]) / 2;
+      double second = fabs((d->plus[i] + d->minus[i]) / 2 - r->value[i]);
+      even = second > s * s * none && first < 10 * s * second;
+    }
+    if (!even) continue;
+    nsdae_error_set(T->error, NSDAE_E_RANK, "nsdae_sim_init", "constraint",
+                    "the gradient of %s is zero at the start, and Phi is of second order there, as "
+                    "the square of a constraint: give the constraint itself (start_check = no "
+                    "accepts it)",
+                    nsdae_system_called(T->system, NSDAE_NAME_CONSTRAINT, i, called));
+    return nsdae_error_at(T->error, NSDAE_E_RANK, i, nsdae_terms_time(T));
+  }
+  return NSDAE_OK;
+}
+
 /* ---- accelerations, against differences of usual and of a thousand times finer steps */
 
 enum { FINER = 10 };
@@ -322,7 +354,8 @@ static int check_derivatives(nsdae_projector *p, const nsdae_terms *T, double *w
   int rows = any_users(s, NSDAE_NAME_CONSTRAINT, d->m);
   int contacts = any_users(s, NSDAE_NAME_CONTACT, d->k);
   int accelerations = contacts || any_users(s, NSDAE_NAME_FRICTIONAL_JOINT, d->f);
-  if (rows && (nsdae_system_has_jacobian(s) || s->call.constraint_bias))
+  if (rows) status = check_gradients(p, T, &constraints);
+  if (status == NSDAE_OK && rows && (nsdae_system_has_jacobian(s) || s->call.constraint_bias))
     status = check_rates(p, T, &constraints);
   if (status == NSDAE_OK && rows) status = check_omega(p, T);
   if (status == NSDAE_OK && contacts && (s->call.gap_normal || s->call.contact_bias))

@@ -173,13 +173,13 @@ int nsdae_monitors_start(const nsdae_sim *sim, nsdae_point *point)
       if (!isfinite(F[i])) F[i] = start->F[i];
   }
   double rounding, from_rest = way_from_rest(start, F, h, &rounding);
-  point->accounts.watch =
-      (nsdae_monitors){.change = from_rest,
-                       .row = largest_entry(&start->system->blocks, &start->by.jacobian),
-                       .way = from_rest,
-                       .apart = apart(start, &sim->options),
-                       .scale = fmax(point->record.kinetic, rounding),
-                       .kinetic = point->record.kinetic,
-                       .known = point->record.kinetic};
+  double row = largest_entry(&start->system->blocks, &start->by.jacobian);
+  point->accounts.watch = (nsdae_monitors){.change = from_rest,
+                                           .row = row,
+                                           .way = fmax(from_rest, row * nsdae_terms_touch(start)),
+                                           .apart = apart(start, &sim->options),
+                                           .scale = fmax(point->record.kinetic, rounding),
+                                           .kinetic = point->record.kinetic,
+                                           .known = point->record.kinetic};
   return NSDAE_OK;
 }

@@ -304,6 +304,12 @@ static int start_at(nsdae_sim *sim, double t0, const double *q0, const double *v
   if (status > 0) sim->next->accounts.stats.warnings |= NSDAE_MONITORS_PENETRATION;
   if (nsdae_initial_law(&sim->model, &sim->options, NULL, &sim->stage.start) > 0)
     sim->next->accounts.stats.warnings |= NSDAE_MONITORS_RESTITUTION; /* penalty has no other */
+  const nsdae_maker *maker = &sim->system->maker;
+  if (sim->stage.start.status == NSDAE_OK && maker->idle && maker->idle(maker->of) &&
+      nsdae_largest(sim->system->dims.nv, v0) == 0)
+    nsdae_error_set(&sim->stage.start, NSDAE_WARN_MODEL, "nsdae_sim_init", "gravity",
+                    "nothing moves: gravity is 0, no body has a velocity, and there is no load, "
+                    "spring, motor or drive");
   nsdae_error_clear(&sim->error);
   status = nsdae_initial_touch(sim, &r->end);
   return status > 0 ? nsdae_point_start(sim, sim->next) : status;
@@ -381,7 +387,8 @@ NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_sensor, (nsdae_sim * sim, int i, double 
                            "i = %d is outside its range: there are %d sensors", i,
                            maker->sensors.count);
   const nsdae_point *shown = nsdae_sim_shown(sim);
-  maker->sensors.sense(maker->of, i, &shown->record, shown->angle, value);
+  maker->sensors.sense(maker->of, i, &shown->record, shown->result.impulses.linear, shown->angle,
+                       value);
   return NSDAE_OK;
 }
 
@@ -394,13 +401,14 @@ NSDAE_SIM_CALL(NSDAE_ASK, nsdae_sim_get_contact_forces,
   if (!sim->stage.started)
     return nsdae_error_set(&sim->error, NSDAE_E_STATE, where, "",
                            "the simulation has no state: call nsdae_sim_init first");
-  const nsdae_record *record = &nsdae_sim_shown(sim)->record;
+  const nsdae_point *shown = nsdae_sim_shown(sim);
+  const nsdae_record *record = &shown->record;
   if (record->contacts.count > 0 && (!point || !force))
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, missing, "%s is NULL", missing);
   if (!maker->sensors.contact_forces)
     return nsdae_error_set(&sim->error, NSDAE_E_ARGUMENT, where, "sim",
                            "the system of sim has no solids: nsdae_bodies_system makes such a one");
-  maker->sensors.contact_forces(maker->of, record, point, force);
+  maker->sensors.contact_forces(maker->of, record, shown->result.impulses.linear, point, force);
   return NSDAE_OK;
 }
 

@@ -14,6 +14,7 @@ static void move(nsdae_impulses *r, size_t nt, int from, int to)
     one[i][to] = one[i][from];
     memmove(along[i] + (size_t)to * nt, along[i] + (size_t)from * nt, nt * sizeof **along);
   }
+  memmove(r->linear + 3 * (size_t)to, r->linear + 3 * (size_t)from, 3 * sizeof *r->linear);
   r->mode[to] = r->mode[from];
   r->impact[to] = r->impact[from];
 }

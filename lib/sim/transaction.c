@@ -388,6 +388,24 @@ static int find_risen_rank(nsdae_sim *sim)
   return NSDAE_E_RANK;
 }
 
+/* A step that diverges, or gains energy, by an element that is too stiff for it: that is the cause,
+ * not the callback which had infinite coordinates. */
+static void name_stiff(nsdae_sim *sim, int status, double length)
+{
+  const nsdae_maker *maker = &sim->system->maker;
+  const nsdae_terms *start = &sim->now->result.end;
+  nsdae_reason reason;
+  int of_callback =
+      status == NSDAE_E_NONFINITE && strncmp(sim->error.text, "callback force", 14) != 0;
+  int diverged = status == NSDAE_E_CONVERGENCE || status == NSDAE_E_NONFINITE;
+  if (!(diverged || status == NSDAE_WARN_ENERGY) || of_callback || !sim->method->closes ||
+      !maker->stiff || !maker->stiff(start->q, start->v, length, &reason, sim->model.user))
+    return;
+  nsdae_error_set(&sim->error, status, "nsdae_sim", "dt", "at t = %g %s", nsdae_terms_time(start),
+                  reason.text);
+  nsdae_error_at(&sim->error, status, reason.index, nsdae_terms_time(start));
+}
+
 /* A step to t1 into next, complete except for its observers. */
 static int try_step(nsdae_sim *sim, double t1, double length)
 {
@@ -402,6 +420,7 @@ static int try_step(nsdae_sim *sim, double t1, double length)
   if (status == NSDAE_OK) status = nsdae_point_follow(sim, now, next, length);
   if (status == NSDAE_OK) status = nsdae_certificate_energy(sim, now, next);
   if (status == NSDAE_OK) status = nsdae_monitors_step(sim, now, next);
+  if (status != NSDAE_OK) name_stiff(sim, status, length);
   if (status < 0 || !sim->model.tracked) return status;
   nsdae_point_list(next, sim->projection.contacts.closed);
   int finite = nsdae_point_finite(next);

@@ -115,6 +115,7 @@ static void right_hand_side(const nsdae_step *step, int impact)
     nsdae_problem_add_constraints(p, start, -0.5, impact, s->impulse, s->r);
   }
   if (!nsdae_problem_any(p)) return;
+  nsdae_problem_no_linear(&s->problem);
   nsdae_problem_add_impulse(p, end, -0.5, 1, s->r);
   nsdae_problem_add_impulse(p, start, 0.5, 1, s->r);
 }
@@ -148,6 +149,7 @@ static int iterate(const nsdae_step *step, int first, int frozen, int all_impact
   nsdae_problem_bound(&s->problem, step->h / 2, step->start, step->h / 2, step->end);
   status = nsdae_step_impact(step, step->end, s->mean.M, s->r, s->impulse, s->v);
   if (status < 0) return status;
+  nsdae_problem_add_linear(&s->problem, step->end);
   /* q_1 of the rates H_0 v_0 and H_1 v_1 into s->q, of the velocity s->v; H_1 = H(q_1 of end) */
   status = nsdae_kinematics_at(step->end, s->v, s->qdot[1]);
   nsdae_units_mean_rate(s->units, nq, q_0, s->qdot[0], step->end->q, s->qdot[1]);

@@ -226,6 +226,7 @@ static int to_end(const nsdae_step *step)
   const nsdae_terms *middle = &s->middle;
   int status = nsdae_kinematics_at(middle, s->v, s->qdot[1]);
   nsdae_units_move(s->units, s->system->dims.nq, middle->q, step->h / 2, s->qdot[1], s->q);
+  nsdae_problem_add_linear(&s->problem, middle);
   if (s->system->dims.m > 0) nsdae_result_rate(step->result, middle, s->v);
   nsdae_terms_at(step->end, step->t_end, s->q, s->v);
   return status < 0 ? status : nsdae_step_end(step);

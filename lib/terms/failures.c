@@ -90,10 +90,13 @@ int nsdae_terms_bad_equations(const nsdae_terms *T, nsdae_error *error, const ch
 int nsdae_terms_bad_rank(const nsdae_terms *T, nsdae_error *error, const char *in, int rank, int m,
                          int dependent)
 {
+  int zero = nsdae_rows_largest(&T->system->blocks, &T->by.jacobian, dependent) == 0;
   nsdae_error_set(error, NSDAE_E_RANK, "nsdae_terms", nsdae_system_jacobian_name(T->system),
-                  "%sPhi_q has rank %d of %d at t = %g: remove the redundant constraints or set "
-                  "redundant = least-norm; the first redundant one",
-                  in, rank, m, nsdae_terms_time(T));
+                  "%sPhi_q has rank %d of %d at t = %g: %s", in, rank, m, nsdae_terms_time(T),
+                  zero ? "a gradient is zero, as that of the square of a constraint, of which no "
+                         "multiplier acts: give the constraint itself"
+                       : "remove the redundant constraints or set redundant = least-norm; the "
+                         "first redundant one");
   error->time = nsdae_terms_time(T);
   nsdae_system_name_item(T->system, NSDAE_NAME_CONSTRAINT, dependent, error);
   return NSDAE_E_RANK;

@@ -545,3 +545,33 @@ double nsdae_terms_mobility(const nsdae_terms *T, const double *M, const nsdae_r
   }
   return sum > 0 ? sum : 1;
 }
+
+static void add_last_part(const nsdae_terms *T, const nsdae_rows *rows, int i, double size,
+                          double *linear)
+{
+  int p = rows->first[i + 1] - 1;
+  if (p < rows->first[i] || size == 0) return;
+  const double *W = rows->value + rows->at[p];
+  int n = nsdae_blocks_size(&T->system->blocks, rows->block[p]), width = T->system->dims.nt + 1;
+  for (int l = 0; l < width && l < n; l++) linear[l] += size * W[(size_t)l * rows->stride];
+}
+
+void nsdae_terms_add_linear(const nsdae_terms *T, int i, double share, double normal,
+                            const double *tangential, double *linear)
+{
+  int nt = T->system->dims.nt;
+  add_last_part(T, &T->by.normal, i, share * normal, linear);
+  for (int j = 0; j < nt; j++)
+    add_last_part(T, &T->by.tangent, i * nt + j, share * tangential[j], linear);
+}
+
+void nsdae_terms_add_all_linear(const nsdae_terms *T, const double *normal,
+                                const double *tangential, double *linear)
+{
+  const nsdae_system *s = T->system;
+  for (int n = 0; n < s->dims.k && s->maker.sensors.contact_forces; n++) {
+    int i = nsdae_system_contact(s, n);
+    if (normal[i] != 0)
+      nsdae_terms_add_linear(T, i, 1, normal[i], tangential + i * s->dims.nt, linear + 3 * i);
+  }
+}

@@ -213,6 +213,15 @@ static inline double nsdae_terms_constraint_rate(const nsdae_terms *T, int i, co
   return nsdae_terms_rate(T, &T->by.jacobian, T->constraint.phi_t, i, v);
 }
 
+/* linear [3] += the share W_N L_N + W_T L_T [nt] of contact i in the first velocities of the last
+ * block that it touches: of bodies the linear impulse or the force on that of the larger number, in
+ * the axes of space. */
+void nsdae_terms_add_linear(const nsdae_terms *T, int i, double share, double normal,
+                            const double *tangential, double *linear);
+/* The same of all contacts [k] with a force, if the system is of bodies. */
+void nsdae_terms_add_all_linear(const nsdae_terms *T, const double *normal,
+                                const double *tangential, double *linear);
+
 /* |W_T^T v + w_T| of contact i */
 static inline double nsdae_terms_slip(const nsdae_terms *T, int i, const double *v)
 {

@@ -185,6 +185,8 @@ static void expect(fault f, const char *method, const char *integrator)
   if (!strstr(first.text, e->text) && !strstr(first.text, e->or_text) &&
       !strstr(first.text, "velocity 1 \"y\""))
     fail_msg("neither %s nor %s in: %s", e->text, e->or_text, first.text);
+  if (strstr(first.text, "smaller penalty_stiffness") && strstr(first.text, "velocity "))
+    assert_non_null(strstr(first.text, "; fastest change: velocity "));
   assert_true(e->begin - 1e-6 <= first.time && first.time <= e->end);
   assert_int_equal(run(sim, f, &second), status);
   assert_string_equal(second.text, first.text);

@@ -116,11 +116,39 @@ static void test_nan(void **state)
     for (long at = 50; at < 53; at++) fails(method, at, 0, at == 51 ? INFINITY : NAN);
 }
 
+/* Only quaternions must have length one: a unit vector of two entries may as well be a point on a
+ * circle of any radius, which each start keeps. */
+static void test_radius(void **state)
+{
+  const nsdae_dims dims = {.nq = 3, .nv = 2};
+  const double radius[] = {0.2, 0.5, 3};
+  wheel w = {.at = -1};
+  nsdae_system *system;
+  nsdae_sim *sim;
+  (void)state;
+  nsdae_system_create(&dims, &system, NULL);
+  nsdae_system_set_user(system, &w);
+  nsdae_system_set_mass(system, mass);
+  nsdae_system_set_force(system, force);
+  nsdae_system_set_kinematics(system, kinematics);
+  assert_int_equal(nsdae_sim_create(system, NULL, &sim, NULL), NSDAE_OK);
+  for (int i = 0; i < 3; i++) {
+    double q[3] = {0, 0.6 * radius[i], -0.8 * radius[i]}, v[2] = {1, 3};
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+    assert_int_equal(nsdae_sim_project(sim, 0, q, v), NSDAE_OK);
+    assert_near(hypot(q[1], q[2]), radius[i], 1e-15);
+    assert_int_equal(nsdae_sim_run(sim, 0.1), NSDAE_OK);
+  }
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_code),
       cmocka_unit_test(test_nan),
+      cmocka_unit_test(test_radius),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -188,6 +188,128 @@ static void test_rest(void **state)
   }
 }
 
+/* ---- a bead of 1 kg in a hoop of 1 m, e_N = 1/2 */
+
+static const double hoop_g = 9.81;
+
+static int bead_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[ldm + 1] = 1;
+  return 0;
+}
+
+static int bead_weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[1] = -hoop_g;
+  return 0;
+}
+
+static int hoop(double t, const double *q, double *gap, void *user)
+{
+  (void)t, (void)user;
+  gap[0] = 1 - hypot(q[0], q[1]);
+  return 0;
+}
+
+static int hoop_normal(double t, const double *q, double *W, int ldw, void *user)
+{
+  (void)t, (void)ldw, (void)user;
+  for (int i = 0; i < 2; i++) W[i] = -q[i] / hypot(q[0], q[1]);
+  return 0;
+}
+
+/* The hoop turns the bead's velocity in every step, which is no impact: it slides to and fro and
+ * keeps its energy, up to that of the speed that a step of gravity gives. Bounces would take their
+ * (1 - e^2) of (v^2 dt / R)^2 / 2 a step, of first order: 0.3 J here. */
+static void test_hoop(void **state)
+{
+  const nsdae_dims dims = {.nq = 2, .k = 1};
+  const double start = 1.2, dt = 1e-3, q[2] = {sin(start), -cos(start)}, v[2] = {0};
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options options;
+  nsdae_record r;
+  (void)state;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_mass(system, bead_mass);
+  nsdae_system_set_force(system, bead_weight);
+  nsdae_system_set_gap(system, hoop);
+  nsdae_system_set_gap_normal(system, hoop_normal);
+  nsdae_system_set_contact(system, 0, 0, 0.5, 0);
+  nsdae_sim_options_default(&options);
+  options.method = NSDAE_METHOD_IMPLICIT;
+  options.dt = dt;
+  assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  assert_true(nsdae_sim_run(sim, 5) >= 0);
+  nsdae_sim_get_record(sim, &r);
+  assert_near(r.kinetic + hoop_g * (r.q[1] - q[1]), 0, hoop_g * dt * hoop_g * dt / 2);
+  assert_near(hypot(r.q[0], r.q[1]), 1, hoop_g * dt * dt); /* the way of a step of gravity, twice */
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
+/* ---- a bead of 1 kg that 3 N press on a wall which swings, x = 0.2 m sin(3 t), by a list */
+
+static int listed_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int press(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[0] = -3;
+  return 0;
+}
+
+static int swings(double t, const double *q, const double *v, double reach,
+                  nsdae_contact_list *list, void *user)
+{
+  nsdae_contact c = {
+      .block = {0, -1}, .gap = q[0] - 0.2 * sin(3 * t), .w = {-0.6 * cos(3 * t)}, .e_n = 0.5};
+  (void)v, (void)user;
+  c.direction[0][0][0] = 1;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
+/* The wall never falls as fast as the bead would, so that they stay together, up to the way of a
+ * step at their largest relative acceleration, 3 + 0.2 * 3^2 m/s^2. */
+static void test_swing(void **state)
+{
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method += 2) {
+    const nsdae_dims dims = {.nq = 1};
+    const int one = 1;
+    const double q = 0, v = 0.6, dt = 0.005;
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_sim_options options;
+    nsdae_record r = {.time = 0};
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_system_set_blocks(system, 1, &one, &one), NSDAE_OK);
+    nsdae_system_set_mass_blocks(system, listed_mass);
+    nsdae_system_set_force(system, press);
+    nsdae_system_set_contacts(system, swings);
+    nsdae_sim_options_default(&options);
+    options.method = method;
+    options.dt = dt;
+    assert_int_equal(nsdae_sim_create(system, &options, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, &q, &v), NSDAE_OK);
+    while (r.time < 4) {
+      assert_true(nsdae_sim_step(sim) >= 0);
+      nsdae_sim_get_record(sim, &r);
+      assert_near(r.q[0], 0.2 * sin(3 * r.time), (3 + 0.2 * 9) * dt * dt);
+    }
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -198,6 +320,8 @@ int main(void)
       cmocka_unit_test_setup(test_order, defaults),
       cmocka_unit_test_setup(test_energy, defaults),
       cmocka_unit_test_setup(test_rest, defaults),
+      cmocka_unit_test(test_hoop),
+      cmocka_unit_test(test_swing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -360,10 +360,74 @@ static void test_named(void **state)
   nsdae_system_destroy(&s.system);
 }
 
+/* ---- a bead on the hill y = -x^2 / 2, which begins at x = 0: the list has nothing behind */
+
+static int hill_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[3] = 1;
+  return 0;
+}
+
+static int hill_weight(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)user;
+  F[1] = -9.81;
+  return 0;
+}
+
+static int hill(double t, const double *q, const double *v, double reach, nsdae_contact_list *list,
+                void *user)
+{
+  nsdae_contact c = {.block = {0, -1}, .gap = q[1] + q[0] * q[0] / 2};
+  (void)t, (void)v, (void)user;
+  c.direction[0][0][0] = q[0];
+  c.direction[0][0][1] = 1;
+  return q[0] >= 0 && c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
+/* Slower than sqrt(g R), R = 1, it stays on the hill: the rate of the gap, whose differences at the
+ * start are those of points ahead alone, falls by v^2 / R. So nothing happens but that the contact
+ * is closed at the start. */
+static void test_nothing_behind(void **state)
+{
+  (void)state;
+  const double parts[] = {0.3, 0.5, 0.7, 0.9}; /* of g R */
+  for (int i = 0; i < 4; i++) {
+    const nsdae_dims dims = {.nq = 2};
+    const int two = 2;
+    const double q[2] = {0, 0}, v[2] = {sqrt(parts[i] * 9.81), 0};
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_sim_options o;
+    nsdae_record r;
+    nsdae_stats stats;
+    assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_system_set_blocks(system, 1, &two, &two), NSDAE_OK);
+    nsdae_system_set_mass_blocks(system, hill_mass);
+    nsdae_system_set_force(system, hill_weight);
+    nsdae_system_set_contacts(system, hill);
+    nsdae_sim_options_default(&o);
+    o.method = NSDAE_METHOD_EVENT;
+    o.dt = 0.01;
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+    assert_int_equal(nsdae_sim_run(sim, 0.05), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    nsdae_sim_get_stats(sim, &stats);
+    assert_int_equal(stats.events, 1);
+    assert_int_equal(stats.impacts, 0);
+    assert_near(r.q[1] + r.q[0] * r.q[0] / 2, 0, 1e-9); /* rtol is 1e-8, the way 0.1 m */
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_examples), cmocka_unit_test(test_random),
-                                     cmocka_unit_test(test_fallbacks),
-                                     cmocka_unit_test(test_resumed), cmocka_unit_test(test_named)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_examples),  cmocka_unit_test(test_random),
+      cmocka_unit_test(test_fallbacks), cmocka_unit_test(test_resumed),
+      cmocka_unit_test(test_named),     cmocka_unit_test(test_nothing_behind)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

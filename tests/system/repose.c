@@ -224,10 +224,68 @@ static void test_pyramid(void **state)
   }
 }
 
+/* ---- a plate on ice, with balls on it */
+
+/* The plate weighs 1 kg and rests without friction on four corners, the balls of 1 kg on it with
+ * friction: in the record the former slip, for nothing holds them, and the latter stick. */
+static void test_modes(void **state)
+{
+  (void)state;
+  for (int method = NSDAE_METHOD_IMPLICIT; method <= NSDAE_METHOD_MOREAU; method++) {
+    const double gravity[3] = {0, 0, -g}, inertia = 0.004; /* of a ball */
+    enum { BALLS = 2, NQ = 7 * (1 + BALLS) };
+    double q[NQ], v[NQ], weight = 0;
+    nsdae_bodies *b;
+    nsdae_system *system;
+    nsdae_sim *sim;
+    nsdae_sim_options o;
+    nsdae_record r;
+    int slip = 0, stick = 0;
+    assert_int_equal(nsdae_bodies_create(3, &b, NULL), NSDAE_OK);
+    nsdae_bodies_set_gravity(b, gravity);
+    nsdae_bodies_set_pair(b, 0, 1, 0, 0, 0);
+    nsdae_bodies_set_pair(b, 1, 2, 0.5, 0, 0);
+    nsdae_solid ice = {.shape = NSDAE_SHAPE_PLANE},
+                plate = {.shape = NSDAE_SHAPE_BOX, .length = {2, 2, 0.2}, .material = 1},
+                ball = {.shape = NSDAE_SHAPE_SPHERE, .radius = 0.1, .material = 2};
+    nsdae_rigid_body body = {.mass = 1, .inertia = {1, 1, 1}, .position = {0, 0, 0.1}};
+    nsdae_bodies_add_solid(b, NSDAE_GROUND, &ice);
+    nsdae_bodies_add_solid(b, nsdae_bodies_add(b, &body), &plate);
+    for (int i = 0; i < BALLS; i++) {
+      body = (nsdae_rigid_body){
+          .mass = 1, .inertia = {inertia, inertia, inertia}, .position = {0.3 * i, 0.1, 0.3}};
+      nsdae_bodies_add_solid(b, nsdae_bodies_add(b, &body), &ball);
+    }
+    assert_true(nsdae_bodies_system(b, &system) >= 0);
+    nsdae_bodies_get_start(b, q, v);
+    nsdae_sim_options_default(&o);
+    o.method = method;
+    o.dt = 1e-3;
+    assert_int_equal(nsdae_sim_create(system, &o, &sim, NULL), NSDAE_OK);
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+    for (int i = 0; i < 3; i++) assert_int_equal(nsdae_sim_step(sim), NSDAE_OK);
+    nsdae_sim_get_record(sim, &r);
+    for (int i = 0; i < r.contacts.count; i++) {
+      int on_ice = r.contacts.block[2 * i] < 0 || r.contacts.block[2 * i + 1] < 0;
+      weight += on_ice ? r.contacts.normal_impulse[i] : 0;
+      if (r.contacts.mode[i] == NSDAE_MODE_SLIP) slip += on_ice;
+      if (r.contacts.mode[i] == NSDAE_MODE_STICK) stick += !on_ice;
+    }
+    assert_int_equal(slip, 4);
+    assert_int_equal(stick, BALLS);
+    /* the tolerance of a small problem is 1e-10 of its largest impulse */
+    assert_near(weight, 3 * g * o.dt, 1e-9 * 3 * g * o.dt);
+    nsdae_sim_destroy(&sim);
+    nsdae_system_destroy(&system);
+    nsdae_bodies_destroy(&b);
+  }
+}
+
 int main(void)
 {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_published), cmocka_unit_test(test_slopes),
-      cmocka_unit_test(test_rolls_out), cmocka_unit_test(test_pyramid)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_published),
+                                     cmocka_unit_test(test_slopes),
+                                     cmocka_unit_test(test_rolls_out),
+                                     cmocka_unit_test(test_pyramid), cmocka_unit_test(test_modes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -252,6 +252,89 @@ static void test_quaternion(void **state)
   nsdae_system_destroy(&system);
 }
 
+/* What the user gives wrongly. */
+typedef struct mistake {
+  double sign;  /* of the Jacobian */
+  double omega; /* the part of it */
+} mistake;
+
+/* A bead on the unit circle, K (1 - x^2 - y^2) = 0, so that omega = -2 K |v|^2. */
+enum { STEEP = 100 };
+
+static int circle_mass(double t, const double *q, double *M, int ldm, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = M[ldm + 1] = 1;
+  return 0;
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+static int circle(double t, const double *q, double *phi, void *user)
+{
+  (void)t, (void)user;
+  phi[0] = STEEP * (1 - q[0] * q[0] - q[1] * q[1]);
+  return 0;
+}
+
+static int circle_jacobian(double t, const double *q, double *J, int ldj, void *user)
+{
+  const mistake *wrong = user;
+  (void)t;
+  for (int i = 0; i < 2; i++) J[i * ldj] = -2 * STEEP * q[i] * wrong->sign;
+  return 0;
+}
+
+static int circle_bias(double t, const double *q, const double *v, double *phi_t, double *omega,
+                       void *user)
+{
+  const mistake *wrong = user;
+  (void)t, (void)q;
+  phi_t[0] = 0;
+  omega[0] = -2 * STEEP * (v[0] * v[0] + v[1] * v[1]) * (1 + wrong->omega);
+  return 0;
+}
+
+/* A start looks for gross errors alone, as a Jacobian of the other sign or half the size: an
+ * acceleration may be off by 1e-3, whatever its sign. The bound of the sum of both sizes and of the
+ * rounding of finer steps is 4e-3 of this one. */
+static void test_derivatives(void **state)
+{
+  (void)state;
+  const nsdae_dims dims = {.nq = 2, .m = 1};
+  const double q[2] = {0.6, 0.8}, v[2] = {0}, taken[] = {0, 1e-4, -1e-4, 1e-3, -1e-3},
+               not_taken[] = {1e-2, -1e-2, -1, -2};
+  mistake wrong = {.sign = 1};
+  nsdae_system *system;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  nsdae_system_set_user(system, &wrong);
+  nsdae_system_set_mass(system, circle_mass);
+  nsdae_system_set_force(system, no_force);
+  nsdae_system_set_constraint(system, circle);
+  nsdae_system_set_constraint_jacobian(system, circle_jacobian);
+  nsdae_system_set_constraint_bias(system, circle_bias);
+  nsdae_sim *sim = make(system, NSDAE_METHOD_IMPLICIT, 0);
+  for (int i = 0; i < 5; i++) {
+    wrong.omega = taken[i];
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_OK);
+  }
+  for (int i = 0; i < 4; i++) {
+    wrong.omega = not_taken[i];
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_DERIVATIVE);
+    assert_string_equal(nsdae_sim_error(sim)->argument, "constraint_bias");
+  }
+  for (wrong = (mistake){.sign = -1}; wrong.sign < 1; wrong.sign += 1.5) {
+    assert_int_equal(nsdae_sim_init(sim, 0, q, v), NSDAE_E_DERIVATIVE);
+    assert_string_equal(nsdae_sim_error(sim)->argument, "constraint_jacobian");
+  }
+  nsdae_sim_destroy(&sim);
+  nsdae_system_destroy(&system);
+}
+
 /* What is no state is refused like a start, and an empty handle says so. */
 static void test_arguments(void **state)
 {
@@ -305,10 +388,15 @@ static void test_touching_is_closed(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_bounds),    cmocka_unit_test(test_taken),
-      cmocka_unit_test(test_put_right), cmocka_unit_test(test_least_change_among_walls),
-      cmocka_unit_test(test_no_room),   cmocka_unit_test(test_quaternion),
-      cmocka_unit_test(test_arguments), cmocka_unit_test(test_touching_is_closed),
+      cmocka_unit_test(test_bounds),
+      cmocka_unit_test(test_taken),
+      cmocka_unit_test(test_put_right),
+      cmocka_unit_test(test_least_change_among_walls),
+      cmocka_unit_test(test_no_room),
+      cmocka_unit_test(test_quaternion),
+      cmocka_unit_test(test_derivatives),
+      cmocka_unit_test(test_arguments),
+      cmocka_unit_test(test_touching_is_closed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

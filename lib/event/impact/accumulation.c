@@ -96,25 +96,47 @@ static int any_sticks(const nsdae_event_phase *p)
   return any;
 }
 
-static void append_velocities(nsdae_event_projection *p, const int *moving)
+/* How many rows contact i has: none, the normal, or all. */
+static int rows_of(const nsdae_event_projection *p, const int *moving, int begin, int i)
+{
+  const nsdae_event_modes *m = &p->phase->modes;
+  const nsdae_system *s = p->phase->setting->system;
+  if (m->contact[i] == NSDAE_MODE_OPEN) return 0;
+  int rests = begin && s->contact[i].mu > 0 && !moving[i];
+  return rests || m->contact[i] == NSDAE_MODE_STICK ? 1 + s->dims.nt : 1;
+}
+
+static void append_velocities(nsdae_event_projection *p, const int *moving, int begin)
 {
   const nsdae_terms *T = p->phase->setting->here;
   const nsdae_event_modes *m = &p->phase->modes;
   const nsdae_dims *d = &T->system->dims;
-  int begin = moving && any_sticks(p->phase);
   append_rates(p, T->v);
   for (int n = 0; n < d->k; n++) {
-    int i = nsdae_system_contact(T->system, n);
-    if (m->contact[i] == NSDAE_MODE_OPEN) continue;
-    append_rate(p, &T->by.normal, T->w_N, i, T->v);
-    int rests = begin && T->system->contact[i].mu > 0 && !moving[i];
-    for (int j = i * d->nt; (rests || m->contact[i] == NSDAE_MODE_STICK) && j < (i + 1) * d->nt;
-         j++)
+    int i = nsdae_system_contact(T->system, n), rows = rows_of(p, moving, begin, i);
+    if (rows > 0) append_rate(p, &T->by.normal, T->w_N, i, T->v);
+    for (int j = i * d->nt; rows > 1 && j < (i + 1) * d->nt; j++)
       append_rate(p, &T->by.tangent, T->w_T, j, T->v);
   }
   for (int j = 0; j < d->f; j++)
     if (m->frictional_joint[j] == NSDAE_MODE_STICK)
       append_rate(p, &T->by.frictional_joint, T->frictional_joint.w, j, T->v);
+}
+
+/* The impulses of the projection are a part of the change of momentum. */
+static void add_linear(const nsdae_event_projection *p, const int *moving, int begin)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_dims *d = &s->system->dims;
+  static const double none[2];
+  const double *c = p->least.c + d->m;
+  for (int n = 0; n < d->k && s->system->maker.sensors.contact_forces; n++) {
+    int i = nsdae_system_contact(s->system, n), rows = rows_of(p, moving, begin, i);
+    if (rows == 0) continue;
+    nsdae_terms_add_linear(s->here, i, -1, *c, rows > 1 ? c + 1 : none,
+                           s->result->impulses.linear + 3 * i);
+    c += rows;
+  }
 }
 
 /* The balance of energy of a change d that takes the rates A v + w of its rows to zero, with the
@@ -139,7 +161,8 @@ static void account_change(const nsdae_event_projection *p)
 int nsdae_event_project_velocities(nsdae_event_projection *p, const int *moving, double *y)
 {
   nsdae_event_setting *s = p->phase->setting;
-  append_velocities(p, moving);
+  int begin = moving && any_sticks(p->phase);
+  append_velocities(p, moving, begin);
   if (p->least.rows == 0) return NSDAE_OK;
   double worst = nsdae_largest(p->least.rows, p->least.c);
   int status = nsdae_least_solve(&p->least, s->here);
@@ -147,6 +170,7 @@ int nsdae_event_project_velocities(nsdae_event_projection *p, const int *moving,
   double size = far_of(p->phase) * (worst + nsdae_event_velocity_size(s));
   if (nsdae_largest(p->least.kkt.n, p->least.change) > size) return NSDAE_OK;
   account_change(p);
+  add_linear(p, moving, begin);
   nsdae_add(p->least.kkt.n, 1, p->least.change, y + s->at.v);
   nsdae_terms_set_velocity(s->here, y + s->at.v);
   return NSDAE_OK;

@@ -286,6 +286,7 @@ static void keep(nsdae_event_impacts *p)
   nsdae_event_account_impact(p->account, c, p->multiplier);
   nsdae_add(d->k, 1, a->normal, r->impulses.normal);
   nsdae_add(d->k * d->nt, 1, a->tangential, r->impulses.tangential);
+  nsdae_terms_add_all_linear(s->here, a->normal, a->tangential, r->impulses.linear);
   if (ends && a->early) note_slow_set(p);
   r->counters.accumulations += ends;
   r->counters.accumulations_early += (ends && a->early) || rattled;

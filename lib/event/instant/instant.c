@@ -98,6 +98,19 @@ static void choose_candidates(nsdae_event_instant *p, int impacted)
   }
 }
 
+/* A feature that comes to its end may be lost by the rounding of a projection. */
+static void open_lost(nsdae_event_instant *p)
+{
+  const nsdae_event_setting *s = p->roots->phase->setting;
+  const nsdae_event_findings *is = &p->acceleration.is;
+  double most = LOST * nsdae_event_position_size(s);
+  for (int i = 0; i < s->system->dims.k; i++) {
+    if (!is->candidate[i] || !(s->here->gap[i] > most)) continue;
+    is->touching[i] = is->candidate[i] = 0;
+    p->roots->phase->modes.contact[i] = NSDAE_MODE_OPEN;
+  }
+}
+
 /* Positions to what stays closed; everything at the point of y, with the matrices factored. */
 static int bring(nsdae_event_instant *p, double t, double *y)
 {
@@ -107,6 +120,7 @@ static int bring(nsdae_event_instant *p, double t, double *y)
   if (status == NSDAE_OK) status = nsdae_terms_need(s->here, NSDAE_EVENT_TERMS);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);
   if (status < 0) return status;
+  open_lost(p);
   *m->redundant = s->kkt->m - s->kkt->rank;
   if (*m->redundant) nsdae_kkt_basis(s->kkt, m->basis);
   return NSDAE_OK;

@@ -28,6 +28,13 @@ static double friction_power(const nsdae_event_phase *p, const double *y)
   return power;
 }
 
+static void linear_forces(const nsdae_event_phase *p, const double *y, double *linear)
+{
+  const nsdae_event_places *at = &p->setting->at;
+  memset(linear, 0, (size_t)(at->whole - at->n - 2) * sizeof *linear);
+  nsdae_terms_add_all_linear(p->setting->here, y + at->normal, y + at->tangential, linear);
+}
+
 /* Power that constraints, closed contacts and what sticks take though they do none: their forces
  * times the rates that should be zero. A mechanism that locks, as where redundant constraints have
  * become independent by their drift, loses its energy here. */
@@ -80,6 +87,7 @@ int nsdae_event_account_rate(nsdae_event_account *a, double t, const double *z, 
   if (!integrals) return 0;
   memcpy(rate + at->lambda, y + at->lambda, (size_t)(at->n - at->lambda) * sizeof *rate);
   rate[at->n] = friction_power(p, y);
+  linear_forces(p, y, &rate[at->n + 2]);
   return 0;
 }
 
@@ -87,12 +95,14 @@ int nsdae_event_account_powers(nsdae_event_account *a, double t, const double *y
 {
   nsdae_event_phase *p = a->phase;
   const unsigned rubs = NSDAE_TERM_NORMAL | NSDAE_TERM_TANGENT | NSDAE_TERM_SLIDE;
-  power[0] = power[1] = 0;
+  const nsdae_event_places *at = &p->setting->at;
+  memset(power, 0, (size_t)(at->whole - at->n) * sizeof *power);
   if (!(p->terms & rubs)) return 0;
   nsdae_event_move(p->setting, t, y);
   int status = nsdae_terms_need(p->setting->here, p->terms & (rubs | NSDAE_TERM_BIAS));
   if (status < 0) return nsdae_progress_code(status, p->setting->error);
   power[0] = friction_power(p, y);
+  linear_forces(p, y, power + 2);
   return 0;
 }
 
@@ -108,6 +118,7 @@ void nsdae_event_account_phase(const nsdae_event_account *a, const double *from,
   nsdae_add_change(d->k * d->nt, from + at->tangential, to + at->tangential, sum->tangential);
   nsdae_add_change(d->f, from + at->frictional_joint, to + at->frictional_joint,
                    sum->frictional_joint_impulse);
+  nsdae_add_change(3 * d->k, from + at->n + 2, to + at->n + 2, sum->linear);
   r->work += to[at->n] - from[at->n];
   r->gain +=
       *a->phase->modes.integrator == NSDAE_INTEGRATOR_IDA ? NAN : to[at->n + 1] - from[at->n + 1];
@@ -124,4 +135,5 @@ void nsdae_event_account_impact(const nsdae_event_account *a, const nsdae_impuls
   nsdae_add(d->k, 1, from->normal, to->normal);
   nsdae_add(d->k * d->nt, 1, from->tangential, to->tangential);
   nsdae_add(d->f, 1, from->frictional_joint_impulse, to->frictional_joint_impulse);
+  nsdae_terms_add_all_linear(s->here, from->normal, from->tangential, to->linear);
 }

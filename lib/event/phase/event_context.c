@@ -18,6 +18,7 @@ void nsdae_event_set_places(nsdae_event_setting *s)
   s->at.tangential = s->at.normal + d->k;
   s->at.frictional_joint = s->at.tangential + d->k * d->nt;
   s->at.n = s->at.frictional_joint + d->f;
+  s->at.whole = s->at.n + 2 + 3 * d->k;
 }
 
 void nsdae_event_move(nsdae_event_setting *s, double t, const double *y)

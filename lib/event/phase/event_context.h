@@ -21,9 +21,10 @@
 /* The largest relative error of differences, eps^(1/2): beyond it the function is not smooth. */
 #define NSDAE_EVENT_DIFFERENCES 1.5e-8
 
-/* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length. */
+/* Where the unknowns of a phase are in y = [q, v, lambda, F_N, F_T, F_S]; n: its length; whole:
+ * that of z, see account.h. */
 typedef struct nsdae_event_places {
-  int v, lambda, normal, tangential, frictional_joint, n;
+  int v, lambda, normal, tangential, frictional_joint, n, whole;
 } nsdae_event_places;
 
 typedef struct nsdae_event_setting {

@@ -304,6 +304,12 @@ static void test_forms(void **state)
   assert_int_equal(nsdae_friction_read(path, &file, NULL), NSDAE_OK);
   assert_near(file.asymmetry, 0.5 / 3, 1e-16);
   nsdae_friction_file_release(&file);
+  s.W.x[1] = 1e-10; /* beside W_01 a rounding of the diagonal is none of its own */
+  s.W.x[2] = 1e-10 + 1e-14;
+  write_local(&s, "/fclib_local");
+  assert_int_equal(nsdae_friction_read(path, &file, NULL), NSDAE_OK);
+  assert_true(file.asymmetry == 0);
+  nsdae_friction_file_release(&file);
 }
 
 static void refused(const char *words)

@@ -28,6 +28,7 @@ static int skips(const void *user, const char *term, long at)
 static int mass(double t, const double *q, double *M, int ldm, void *user)
 {
   (void)t, (void)q;
+  assert_int_equal(ldm, 3);
   M[0] = M[ldm + 1] = M[2 * ldm + 2] = 2;
   spoil(user, "mass", M);
   return 0;
@@ -52,6 +53,7 @@ static int constraint(double t, const double *q, double *phi, void *user)
 static int jacobian(double t, const double *q, double *J, int ldj, void *user)
 {
   (void)t, (void)q;
+  assert_int_equal(ldj, 1);
   J[0] = 1;
   J[ldj] = -1;
   spoil(user, "constraint_jacobian", J);
@@ -79,6 +81,7 @@ static int gap(double t, const double *q, double *g, void *user)
 static int gap_normal(double t, const double *q, double *W, int ldw, void *user)
 {
   (void)t, (void)q;
+  assert_int_equal(ldw, 3);
   W[2] = W[ldw] = 1;
   spoil(user, "gap_normal", W);
   return 0;

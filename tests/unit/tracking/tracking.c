@@ -3,6 +3,8 @@
 #include "tracking.h"
 #include "check.h"
 
+#include <nsdae/nsdae.h>
+
 #include <limits.h>
 
 #include "random.h"
@@ -410,12 +412,75 @@ static void test_memory(void **state)
   end(&f);
 }
 
+/* ---- a wall that comes nearer by 1 m/s to a bead at rest, from 2 m away */
+
+static int bead_mass(double t, const double *q, double *M, void *user)
+{
+  (void)t, (void)q, (void)user;
+  M[0] = 1;
+  return 0;
+}
+
+static int no_force(double t, const double *q, const double *v, double *F, void *user)
+{
+  (void)t, (void)q, (void)v, (void)F, (void)user;
+  return 0;
+}
+
+static int wall(double t, const double *q, const double *v, double reach, nsdae_contact_list *list,
+                void *user)
+{
+  nsdae_contact c = {.block = {0, -1}, .gap = q[0] + 2 - t, .w = {-1}, .e_n = 0.5};
+  (void)v, (void)user;
+  c.direction[0][0][0] = 1;
+  return c.gap <= reach && nsdae_contact_add(list, &c) < 0 ? -1 : 0;
+}
+
+static int wall_speed(double t, const double *q, const double *v, double *speed, void *user)
+{
+  (void)t, (void)q, (void)user;
+  *speed = 1 + fabs(v[0]);
+  return 0;
+}
+
+/* A bound that the rate of a contact is equal to is right: none of it is the bead's. It leaves with
+ * (1 + e) of the wall's speed at 2 s. */
+static void test_equal_speed(void **state)
+{
+  (void)state;
+  const nsdae_dims dims = {.nq = 1};
+  const int one = 1;
+  const double q = 0, v = 0;
+  nsdae_system *system;
+  nsdae_sim *sim;
+  nsdae_sim_options o;
+  nsdae_record r;
+  assert_int_equal(nsdae_system_create(&dims, &system, NULL), NSDAE_OK);
+  assert_int_equal(nsdae_system_set_blocks(system, 1, &one, &one), NSDAE_OK);
+  nsdae_system_set_mass_blocks(system, bead_mass);
+  nsdae_system_set_force(system, no_force);
+  nsdae_system_set_contacts(system, wall);
+  nsdae_system_set_contact_speed(system, wall_speed);
+  nsdae_sim_options_default(&o);
+  o.method = NSDAE_METHOD_EVENT;
+  o.dt = 0.1;
+  if (nsdae_sim_create(system, &o, &sim, NULL) == NSDAE_OK) {
+    assert_int_equal(nsdae_sim_init(sim, 0, &q, &v), NSDAE_OK);
+    assert_true(nsdae_sim_run(sim, 3) >= 0);
+    nsdae_sim_get_record(sim, &r);
+    assert_near(r.v[0], 1.5, 1e-12);
+    assert_near(r.q[0], 1.5, 1e-8); /* an instant to rtol */
+    nsdae_sim_destroy(&sim);
+  }
+  nsdae_system_destroy(&system);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_with_speed), cmocka_unit_test(test_estimated),
-      cmocka_unit_test(test_wrong),      cmocka_unit_test(test_slots),
-      cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_wrong),      cmocka_unit_test(test_equal_speed),
+      cmocka_unit_test(test_slots),      cmocka_unit_test(test_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
