@@ -13,7 +13,8 @@
  * At t_1 the motion of a second order Taylor polynomial is, brought back to all constraints. If it
  * does not fulfil those that were left out within their tolerance, the branches do not meet.
  * The motion is off by O(tau^3) in u' and O(tau^4) in u, which the rows take back at t_1, and along
- * the branch by O(tau^4). The width is rtol^(1/3): rounding moves v' by 2 eps / tau^3 at most. */
+ * the branch by O(tau^4). The width is 10 rtol^(1/3), or half of it and so on as long as a straight
+ * line is not good enough. */
 #ifndef NSDAE_EVENT_CHANGE_POINT_H
 #define NSDAE_EVENT_CHANGE_POINT_H
 
