@@ -298,7 +298,7 @@ typedef struct nsdae_stats {
   double energy_balance;    /* energy + dissipated - energy_start [J]; includes the work of forces
                                without potential */
   int warnings;         /* sum of 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32:
-                           restitution, 64: contact; see NSDAE_WARN_ENERGY etc. */
+                           restitution, 64: contact, 128: singular; see NSDAE_WARN_ENERGY */
   double wall_time;     /* time in nsdae_sim_run and nsdae_sim_step [s] */
   int contact_capacity; /* capacity of the contact list; it grows between steps */
   int contact_growths;  /* number of growths */
@@ -395,7 +395,10 @@ NSDAE_API int nsdae_sim_set_interrupt(nsdae_sim *sim, nsdae_interrupt_fn asked, 
  * - NSDAE_WARN_IMPACTS: a time-stepping step solved many consecutive impacts as one
  * - NSDAE_WARN_RESTITUTION: an impact had another restitution than e_N. penalty: by its law, in the
  *  first step. event: it was slower than the tolerance of velocities that another body sets
- * - NSDAE_WARN_CONTACT: a contact problem was left above its tolerance, see contact_give */
+ * - NSDAE_WARN_CONTACT: a contact problem was left above its tolerance, see contact_give
+ * - NSDAE_WARN_SINGULAR: event or implicit passed a singular pose of the constraints, beyond which
+ *  two motions exist, on the one without a jump of velocities; the text names time and constraint
+ */
 NSDAE_API int nsdae_sim_step(nsdae_sim *sim);
 /* Runs to t_end, or to the end of the first step for which nsdae_sim_step returns NSDAE_EVENT or
  * NSDAE_ZENO. Returns that status. */

@@ -28,6 +28,7 @@ extern "C" {
   X(NSDAE_WARN_RESTITUTION, 10, "an impact had another restitution than its own e_N") \
   X(NSDAE_WARN_CONTACT, 11, "a contact problem was left above its tolerance")         \
   X(NSDAE_WARN_MODEL, 12, "the model may have a mistake")                             \
+  X(NSDAE_WARN_SINGULAR, 13, "a singular pose, beyond which two motions exist")       \
   X(NSDAE_E_MEMORY, -1, "out of memory")                                              \
   X(NSDAE_E_ARGUMENT, -2, "an argument is missing or out of its range")               \
   X(NSDAE_E_OPTION, -3, "unknown option or parameter")                                \

@@ -401,6 +401,40 @@ static int solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsd
   return status == NSDAE_E_LCP && work->info.residual <= work->tol ? NSDAE_OK : status;
 }
 
+/* Whether nothing moves before the step, up to the velocities that residuals leave. */
+static int rested(const nsdae_cone_island *c, const nsdae_island_equations *w,
+                  const nsdae_cone_work *work)
+{
+  const nsdae_impulses *r = w->results;
+  const int nt = w->system->dims.nt;
+  double most = 0;
+  for (int i = 0; i < c->contacts; i++) {
+    int a = c->at.item[i];
+    most = fmax(most, fmax(fabs(r->before[a]), nsdae_largest(nt, r->before_t + a * nt)));
+  }
+  return most <= FROM_RESIDUAL * work->tol * nsdae_fc_speed(work->solver);
+}
+
+/* Coulomb's law may have several solutions where contacts are hyperstatic, as of a body in a grip.
+ * If all rested, and rest is one, it is the one that is used: that of the convex problem with s = 0
+ * (Acary, Cadoux, Lemarechal, Malick 2011), which has the least |u|, if it has u = 0. */
+static int prefer_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
+                       double budget)
+{
+  if (c->driven || c->contacts < 2 || !rested(c, w, work) || is_at_rest(c, w, work))
+    return NSDAE_OK;
+  const nsdae_friction_info before = work->info;
+  const nsdae_friction_options options = c->options;
+  c->options.stages = NSDAE_FRICTION_SOCP_INTERIOR_POINT | NSDAE_FRICTION_ITERATIVE_REFINEMENT;
+  int status = solve_to(c, work, work->tol, budget);
+  if (status == NSDAE_OK && is_at_rest(c, w, work)) return status;
+  /* back to the other one, which is a solution */
+  memcpy(c->at.r, c->at.guess, (size_t)c->m * sizeof *c->at.r);
+  work->info = before;
+  c->options = options;
+  return solve_to(c, work, work->tol, budget);
+}
+
 /* To the tolerances of accuracy.h in turn, then to the residual that is accepted instead. */
 static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, int island,
                  nsdae_cone_work *work)
@@ -417,6 +451,8 @@ static int solve(nsdae_cone_island *c, const nsdae_island_equations *w, int isla
                budget = nsdae_accuracy_budget(a, work->tol, size);
   if (status == NSDAE_E_LCP && budget > 0 && work->info.residual > accept)
     status = solve_to(c, work, fmax(accept, work->tol), (1 - NSDAE_SHARE_TO_TOL) * budget);
+  if (status == NSDAE_OK && work->info.residual <= work->tol)
+    status = prefer_rest(c, w, work, budget);
   if (status == NSDAE_OK && work->info.residual <= work->tol)
     status = solve_rest(c, w, work, budget);
   return status == NSDAE_E_LCP && work->info.residual <= accept ? NSDAE_OK : status;

@@ -311,6 +311,26 @@ int nsdae_cones_improve(nsdae_contacts *c, double *impulse)
   return 1;
 }
 
+int nsdae_cones_rest(nsdae_contacts *c, double *impulse)
+{
+  nsdae_cones *s = &c->cones;
+  size_t bytes = (size_t)contact_columns(c) * sizeof *impulse;
+  if (c->slides.count > 0 || s->most == 0 || c->active_count == 0) return 0;
+  for (int a = 0; a < c->active_count; a++)
+    if (c->law[a].columns != 3) return 0;
+  set_values(c, 0);
+  for (int a = 0; a < c->active_count; a++) s->mu[a] = c->system->contact[c->active[a]].mu;
+  nsdae_friction_options_default(&s->options);
+  s->options.stages = NSDAE_FRICTION_SOCP_INTERIOR_POINT | NSDAE_FRICTION_ITERATIVE_REFINEMENT;
+  s->options.budget = IMPROVE;
+  memset(s->r, 0, bytes);
+  if (solve_contacts(c, c->lcp.options.tol) < 0) return 0;
+  double still = 10 * s->info.residual * nsdae_largest(contact_columns(c), c->delassus.offset);
+  if (!(nsdae_largest(contact_columns(c), s->u) <= still)) return 0;
+  memcpy(impulse, s->r, bytes);
+  return 1;
+}
+
 /* Of a complementarity problem G and the offset are still there; its velocities are G r + offset.
  */
 int nsdae_cones_describe(nsdae_contacts *c)

@@ -59,6 +59,10 @@ int nsdae_cones_solve(struct nsdae_contacts *contacts, const double *lambda);
  * changed. */
 int nsdae_cones_improve(struct nsdae_contacts *contacts, double *impulse);
 
+/* impulse [columns] := that of rest, u = 0 of all closed contacts, where Coulomb's law has it among
+ * its solutions: of the convex problem with s = 0. 1, or 0: nothing is changed. */
+int nsdae_cones_rest(struct nsdae_contacts *contacts, double *impulse);
+
 /* The problem that was solved last, whatever the contacts' laws: of those with a cone as it was
  * solved; of others, which were a complementarity problem, as problem says it. NSDAE_OK; or
  * NSDAE_E_STATE where there were slides and no cones, or contacts whose direction was known. */

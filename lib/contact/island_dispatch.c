@@ -50,10 +50,12 @@ void nsdae_island_dispatch_prepare(nsdae_island_dispatch *d, const nsdae_contact
   }
 }
 
-void nsdae_island_dispatch_rank_tol(nsdae_island_dispatch *d, double rank_tol)
+void nsdae_island_dispatch_rank(nsdae_island_dispatch *d, double rank_tol, int least_norm)
 {
-  for (int i = 0; i < d->workers; i++)
+  for (int i = 0; i < d->workers; i++) {
     d->worker[i].dense.kkt.rank_tol = d->worker[i].sparse.rank_tol = rank_tol;
+    d->worker[i].least_norm = least_norm;
+  }
 }
 
 void nsdae_island_dispatch_layout(nsdae_island_dispatch *d, const nsdae_system *system,

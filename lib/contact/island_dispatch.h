@@ -26,7 +26,7 @@ void nsdae_island_dispatch_release(nsdae_island_dispatch *dispatch);
 /* Settings, which may change between runs. */
 void nsdae_island_dispatch_prepare(nsdae_island_dispatch *dispatch, const nsdae_contacts *of,
                                    double rank_tol, int least_norm);
-void nsdae_island_dispatch_rank_tol(nsdae_island_dispatch *dispatch, double rank_tol);
+void nsdae_island_dispatch_rank(nsdae_island_dispatch *dispatch, double rank_tol, int least_norm);
 void nsdae_island_dispatch_layout(nsdae_island_dispatch *dispatch, const nsdae_system *system,
                                   nsdae_arena *arena);
 int nsdae_island_dispatch_grow(nsdae_island_dispatch *dispatch, const nsdae_system *system,

@@ -296,7 +296,8 @@ static int better_integrator(const nsdae_event *e)
   enum { SETTLED = 10, CRAWL = 150 };
   int now = *e->phase.modes.integrator, steps = *e->base.steps;
   int closed = (e->phase.terms & (NSDAE_TERM_NORMAL | NSDAE_TERM_SLIDE)) != 0;
-  if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO) return now;
+  if (e->setting.options->integrator != NSDAE_INTEGRATOR_AUTO || e->phase.crossing.count > 0)
+    return now;
   if (g->is_stiff) return steps < STIFF_STEPS ? now : NSDAE_INTEGRATOR_DOPRI5;
   int crawls = steps >= CRAWL && e->integrator.ahead - *e->base.t < steps * TINY * g->steps.span;
   if (g->ida && (crawls || nsdae_smooth_stiff(g))) return NSDAE_INTEGRATOR_IDA;

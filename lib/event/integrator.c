@@ -135,6 +135,7 @@ void nsdae_event_integrator_prepare(nsdae_event_integrator *e)
   e->smooth.steps.atol = o->atol;
   e->smooth.steps.max_step = fmin(fmin(o->step_max, o->dt), DAMPED / o->baumgarte_alpha);
   e->smooth.steps.span = o->dt;
+  nsdae_event_crossing_prepare(&e->roots->phase->crossing, o->rtol);
 }
 
 /* The largest force applied, or what would stop the bodies in a dt. */
@@ -148,10 +149,44 @@ static double force_of(const nsdae_event_integrator *e)
   return fmax(nsdae_largest(n, T->F), inertia * nsdae_largest(n, T->v) / e->smooth.steps.span);
 }
 
+/* Where the phase that starts at t, with the forces in y, crosses a change point: its equations. By
+ * an explicit pair, as the directions that are held have no unknowns of their own. */
+static int cross_change_point(nsdae_event_integrator *e, double t)
+{
+  nsdae_event_phase *p = e->roots->phase;
+  nsdae_event_crossing *c = &p->crossing;
+  size_t size = (size_t)p->setting->system->dims.nv * sizeof *c->a;
+  c->rank = p->setting->system->dims.m - *p->modes.redundant;
+  c->width = c->tau;
+  if (!(c->least < NSDAE_CROSSING_NEAR * c->tau)) return NSDAE_OK;
+  memcpy(c->a, p->x, size);
+  int crosses = 1;
+  for (int again = 0; again < 2 && crosses > 0; again++) {
+    memcpy(c->a_ahead, p->x, size);
+    crosses = nsdae_event_foresee(c, p->setting, t, e->y, again);
+    if (crosses > 0) crosses = nsdae_event_forces(p, t + c->span, c->room.ahead) == NSDAE_OK;
+  }
+  memcpy(c->a_ahead, p->x, size);
+  if (crosses > 0) crosses = nsdae_event_is_straight(c, p->setting, e->y);
+  if (crosses == 0) nsdae_event_narrow(c);
+  if (crosses > 0) crosses = nsdae_event_hold(c, p->setting, e->y);
+  if (crosses < 0) return crosses;
+  int status = NSDAE_OK;
+  if (crosses) {
+    nsdae_crossed *crossed = &p->setting->result->crossed;
+    if (crossed->constraint < 0 && !e->again)
+      *crossed = (nsdae_crossed){p->setting->kkt->dependent, t + c->span / 2, 0};
+    nsdae_event_begin_phase(p);
+    nsdae_smooth_set(&e->smooth, NSDAE_INTEGRATOR_DOPRI5);
+    status = nsdae_smooth_start(&e->smooth, t, e->end);
+  }
+  c->least = 1;
+  return status < 0 ? status : nsdae_event_forces(p, t, e->y);
+}
+
 int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
 {
   nsdae_event_phase *p = e->roots->phase;
-  nsdae_event_begin_phase(p);
   nsdae_error_clear(p->setting->error);
   nsdae_power_start(&e->account->power); /* a phase begins */
   memset(e->end, 0, (size_t)e->smooth.steps.n * sizeof *e->end);
@@ -162,8 +197,12 @@ int nsdae_event_integrator_start(nsdae_event_integrator *e, double t)
   nsdae_smooth_set(&e->smooth, *p->modes.integrator);
   /* IDA needs the size of the forces; a pair evaluates a first step, beside which the roots need
    * the forces at t */
+  p->crossing.count = 0;
+  nsdae_event_begin_phase(p);
   int status = e->smooth.is_stiff ? NSDAE_OK : nsdae_smooth_start(&e->smooth, t, e->end);
+  p->crossing.least = 1;
   if (status == NSDAE_OK) status = nsdae_event_forces(p, t, e->y);
+  if (status == NSDAE_OK) status = cross_change_point(e, t);
   if (status == NSDAE_OK) e->smooth.steps.force = force_of(e);
   if (status == NSDAE_OK && e->smooth.is_stiff) status = nsdae_smooth_start(&e->smooth, t, e->end);
   if (status == NSDAE_OK) status = nsdae_event_set_roots(e->roots, t, e->y, p->x);
@@ -279,11 +318,15 @@ static int step_to_fall(nsdae_event_integrator *e)
 {
   nsdae_runge_kutta *s = &e->smooth.steps;
   double from = e->ahead;
+  nsdae_event_crossing *c = &e->roots->phase->crossing;
   memcpy(e->y, e->end, (size_t)s->controlled * sizeof *e->y);
+  if (c->count == 0 && !e->smooth.is_stiff) nsdae_event_widen(c);
+  c->least = 1;
   if (e->fall.count > 0 && nsdae_event_root_values(e->roots, from, e->y, 1, e->fall.low) < 0)
     return NSDAE_E_CONVERGENCE;
   for (;;) {
     int status = step(e), fell = 0;
+    if (e->smooth.is_stiff) c->least = 0; /* its steps do not ask for forces */
     if (status == NSDAE_OK) status = look_for_contacts(e, from);
     if (status < 0 || e->fall.count == 0) return status;
     fell = nsdae_fall_find(&e->fall, from, &e->ahead, e->fallen);

@@ -175,7 +175,7 @@ module nsdae_f_sim
     real(c_double) :: energy_start       ! kinetic + potential at the start [J]
     real(c_double) :: energy_balance     ! energy + dissipated - energy_start [J]
     integer(c_int) :: warnings           ! 1: energy, 2: penetration, 4: drift, 8: Painleve, 16: impacts, 32: restitution,
-                                         ! 64: contact
+                                         ! 64: contact, 128: singular
     real(c_double) :: wall_time          ! in nsdae_sim_run and nsdae_sim_step [s]
     integer(c_int) :: contact_capacity   ! capacity of the contact list; it grows between steps
     integer(c_int) :: contact_growths    ! number of growths

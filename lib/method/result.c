@@ -107,6 +107,7 @@ void nsdae_result_begin(nsdae_result *r, int impulses_follow)
   r->smooth = r->located = r->given_up = 0;
   r->twofold.frictional_joint = -1;
   r->unresolved.velocity = 0;
+  r->crossed = (nsdae_crossed){.constraint = -1};
   r->rate = (nsdae_rate){0, -1, 0};
   r->problem = NULL;
   r->single = NULL;

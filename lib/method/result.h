@@ -46,6 +46,13 @@ typedef struct nsdae_unresolved {
   double t, velocity, tol, least;
 } nsdae_unresolved;
 
+/* The first change point that the step crossed: a pose in which this constraint depends on the
+ * others. constraint -1: none. sine: the smallest one of a time-stepping step near one; 0: far. */
+typedef struct nsdae_crossed {
+  int constraint;
+  double t, sine;
+} nsdae_crossed;
+
 /* The deepest contact of a list that the step did not close and that overlaps at its end. */
 typedef struct nsdae_entered {
   double depth; /* 0: none */
@@ -81,10 +88,11 @@ typedef struct nsdae_result {
   double contact_tol;    /* the largest tolerance of them; 0: there was none */
   struct {
     double residual, tol;
-    double hidden;                /* above it too, but below the rounding of heavy loads; or 0 */
-  } above;                        /* of the one that is furthest above its tolerance */
-  nsdae_twofold twofold;          /* the first of the step */
-  nsdae_unresolved unresolved;    /* the first of the step */
+    double hidden;             /* above it too, but below the rounding of heavy loads; or 0 */
+  } above;                     /* of the one that is furthest above its tolerance */
+  nsdae_twofold twofold;       /* the first of the step */
+  nsdae_unresolved unresolved; /* the first of the step */
+  nsdae_crossed crossed;
   int smooth;                     /* nothing was closed */
   const nsdae_contacts *problem;  /* the one that was asked last, for who wants to see it fail */
   const nsdae_single *single;     /* the same of one contact in closed form */

@@ -60,6 +60,7 @@ void nsdae_stepper_layout(nsdae_stepper *s, nsdae_arena *arena)
   nsdae_arena_doubles(arena, n,
                       (double **[]){&s->v, &s->r, &s->mean.F, &s->v_other, &s->size, NULL});
   nsdae_arena_doubles(arena, dims->m, (double **[]){&s->impulse, &s->rate, NULL});
+  s->parent = NSDAE_ARENA_INTS(arena, blocks->count + 1L);
 }
 
 int nsdae_stepper_start(nsdae_stepper *s, nsdae_newton_kkt *newton, const nsdae_terms *at)
@@ -180,6 +181,8 @@ int nsdae_step_judge_rank(const nsdae_step *step, const nsdae_terms *terms, int 
   nsdae_stepper *s = step->tools;
   const nsdae_dims *d = &s->system->dims;
   nsdae_terms *start = step->start;
+  int least_norm = s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
+  nsdae_island_dispatch_rank(&s->problem.dispatch, s->options->rank_tol, least_norm);
   *redundant = d->m > 0 && s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM;
   if (!*redundant) return NSDAE_OK;
   int status = nsdae_terms_need(start, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
@@ -187,11 +190,69 @@ int nsdae_step_judge_rank(const nsdae_step *step, const nsdae_terms *terms, int 
   if (status < 0) return status;
   int worst;
   double drift = nsdae_least_drift(start, &worst);
-  nsdae_island_dispatch_rank_tol(&s->problem.dispatch,
-                                 nsdae_least_sine(s->options->rank_tol, drift));
+  nsdae_island_dispatch_rank(&s->problem.dispatch, nsdae_least_sine(s->options->rank_tol, drift),
+                             1);
   memset(s->r, 0, (size_t)d->nv * sizeof *s->r);
   memset(s->rate, 0, (size_t)d->m * sizeof *s->rate);
   return nsdae_step_solve(step, start, start->M, s->r, 0, s->v_other, s->rate);
+}
+
+/* Factors the constraints at the terms' point, in the islands of the start; the rank of all. hold:
+ * redundant rows as before. */
+static int factor_constraints(const nsdae_step *step, nsdae_terms *terms, int hold, int *rank)
+{
+  nsdae_stepper *s = step->tools;
+  nsdae_counters kept = step->result->counters; /* a look ahead is no part of the step */
+  int status = nsdae_terms_need(terms, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK) status = nsdae_problem_factor(&s->problem, step->start, hold);
+  memset(s->r, 0, (size_t)s->system->dims.nv * sizeof *s->r);
+  memset(s->rate, 0, (size_t)s->system->dims.m * sizeof *s->rate);
+  if (status == NSDAE_OK)
+    status = nsdae_step_solve(step, terms, terms->M, s->r, 0, s->v_other, s->rate);
+  *rank = s->problem.dispatch.solved->rank;
+  kept.evals = step->result->counters.evals;
+  step->result->counters = kept;
+  return status;
+}
+
+int nsdae_step_cross(const nsdae_step *step)
+{
+  /* Of the larger sine at the ends; no bars that are so far from one line are near a change point.
+   */
+  const double more = 4, most = 0.5;
+  nsdae_stepper *s = step->tools;
+  nsdae_island_dispatch *d = &s->problem.dispatch;
+  int rank, now, worst, status;
+  double sine[3] = {0}; /* at the start, half a step and a step ahead */
+  if (s->system->dims.m == 0) return 0;
+  status = nsdae_terms_need(step->start, NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN);
+  if (status < 0) return status;
+  double least = s->options->rank_tol;
+  if (s->options->redundant == NSDAE_REDUNDANT_LEAST_NORM)
+    least = nsdae_least_sine(least, nsdae_least_drift(step->start, &worst));
+  nsdae_island_dispatch_rank(d, least, 1);
+  status = factor_constraints(step, step->start, 0, &rank); /* which rows are redundant */
+  for (int i = 0; i < 3 && status == NSDAE_OK; i++) {
+    nsdae_terms *at = i == 0 ? step->start : step->end;
+    nsdae_units_move(s->units, s->system->dims.nq, step->start->q, i * step->h / 2, s->qdot[0],
+                     s->q);
+    if (i > 0) nsdae_terms_at(at, step->start->t + i * step->h / 2, s->q, step->start->v);
+    status = factor_constraints(step, at, 1, &now);
+    sine[i] = now < rank ? d->solved->left : d->solved->kept;
+  }
+  if (status < 0) return status;
+  /* a sine is the distance from the pose, on either side: it is passed if the mean of the ends is
+   * not what it has half way */
+  double sum = sine[0] + sine[2], change = fabs(sine[0] - sine[2]);
+  if (fabs(2 * sine[1] - change) < fabs(2 * sine[1] - sum)) change = sum;
+  double tol = more * fmax(sine[0], sine[2]);
+  double nearest = fmin(sine[0], sine[2]);
+  if (nearest <= 16 * change) step->result->crossed.sine = nearest;
+  if (!(nearest <= 4 * change) || tol > most) return 0;
+  step->result->crossed.sine = 0;
+  nsdae_island_dispatch_rank(d, fmax(tol, least), 1);
+  status = factor_constraints(step, step->start, 0, &now);
+  return status < 0 ? status : now < rank;
 }
 
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,

@@ -34,6 +34,7 @@ typedef struct nsdae_stepper {
   double *size;      /* nv: how large the terms of a velocity are */
   double *qdot[2];   /* nq: at both ends of a way */
   double *impulse;   /* m: Lambda of the bilateral constraints over the step */
+  int *parent;       /* sets of blocks and the ground */
   double *rate;      /* m: rates of the bilateral constraints, then what is not asked for */
 } nsdae_stepper;
 
@@ -44,6 +45,7 @@ typedef struct nsdae_step {
   nsdae_terms *start, *end; /* of the state and the result */
   nsdae_result *result;
   double h, t_end; /* t_end is start.t + h up to rounding */
+  int crosses;     /* a change point: 1, or -1 not; 0: not known */
 } nsdae_step;
 
 /* Sets sizes and settings, again after options or coefficients changed; then takes the arrays.
@@ -93,6 +95,13 @@ int nsdae_step_update(const nsdae_step *step, nsdae_terms *terms);
 /* Whether rows of Phi_q may depend on each other, and which do: at the start of the step, where the
  * constraints hold up to their drift. The islands are those of the terms named. */
 int nsdae_step_judge_rank(const nsdae_step *step, const nsdae_terms *terms, int *redundant);
+/* Whether the step may cross a change point, a pose in which rows become dependent and where two
+ * branches of the motion meet: at the distance s from it a row bounds v_1 in a direction that turns
+ * by the error of q_1 over s, and h v / 2 s of that is fed back to q_1. So if the smallest sine at
+ * the start, or at q_0 + h v_0, is less than it changes in between, its rows are left out of this
+ * step: v does not jump without an impulse, and the rows bound it again in a later step. 1 with the
+ * rank judged at the start, 0, or a status. end is moved. */
+int nsdae_step_cross(const nsdae_step *step);
 /* v and the stepper's impulse from momentum r [nv] with the closed contacts of the terms' point:
  * M v + Phi_q^T Lambda = r + W Lambda_c,  Phi_q v = -Phi_t. lambda: impulses nearby, or NULL. */
 int nsdae_step_impact(const nsdae_step *step, const nsdae_terms *terms, const double *M,

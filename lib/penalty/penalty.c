@@ -197,6 +197,36 @@ static int search(nsdae_penalty *p, double from)
   return status < 0 || !found ? status : nsdae_penalty_slots_close(p, from);
 }
 
+/* Near a change point a drift of the constraints turns the motion onto another branch, in steps
+ * that follow it. On a smooth branch v turns by a small part while a sine changes by its width: in
+ * the step from `from`, whose velocities are still in qv, it turns by more. The new ones are in the
+ * room of the equations. */
+static int leaves_branch(nsdae_penalty *p, double from)
+{
+  nsdae_stepper *s = p->equations.stepper;
+  nsdae_terms *T = &s->middle;
+  const nsdae_dims *d = nsdae_penalty_dims(p);
+  const double turned = 0.5; /* smooth ones of tests/system/change_points.c: 0.02 at most */
+  double width = cbrt(s->options->rtol), *v = p->equations.room + d->nq, *change = p->qv + d->nq;
+  if (d->m == 0 || (!p->integrator.is_stiff && s->kkt.kept >= width)) return NSDAE_OK;
+  nsdae_terms_at(T, p->ahead, p->equations.room, v);
+  int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
+  if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
+  double speed = nsdae_largest(d->nv, v), sine = s->kkt.kept;
+  if (status < 0 || sine >= width || !(speed > 0)) return status;
+  for (int i = 0; i < d->nv; i++) change[i] = v[i] - change[i];
+  double bend = sqrt(nsdae_terms_energy(T, change)) * width / (8 * speed * (p->ahead - from));
+  if (!(bend > turned * sqrt(nsdae_terms_energy(T, v)))) return NSDAE_OK;
+  double t = nsdae_terms_time(T);
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "method",
+      "the constraints are dependent up to a sine of %.2g at t = %g: this pose is a change "
+      "point, and the error of penalty would turn the motion onto another branch; use "
+      "method = event",
+      sine, t);
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, t);
+}
+
 /* One step of the integrator, up to the first gap that crosses zero. */
 static int one_step(nsdae_penalty *p)
 {
@@ -208,6 +238,8 @@ static int one_step(nsdae_penalty *p)
   p->ahead = g->to;
   ++*p->equations.base.steps;
   status = search(p, from);
+  if (status == NSDAE_OK) status = nsdae_penalty_read(p, p->ahead, p->equations.room);
+  if (status == NSDAE_OK) status = leaves_branch(p, from);
   if (status == NSDAE_OK) status = follow_peaks(p, from);
   return status < 0 ? status : nsdae_penalty_read(p, p->ahead, p->qv);
 }

@@ -318,6 +318,24 @@ static int judge_unresolved(const nsdae_sim *sim, nsdae_point *point, int new)
   return nsdae_error_at(end->error, NSDAE_WARN_RESTITUTION, of->contact, of->t);
 }
 
+/* A change point: the branch of the motion was chosen. */
+static int judge_singular(nsdae_point *point, int new)
+{
+  const nsdae_crossed *of = &point->result.crossed;
+  const nsdae_terms *end = &point->result.end;
+  char called[NSDAE_CALLED_SIZE];
+  if (of->constraint < 0 || !(new &NSDAE_MONITORS_SINGULAR)) return NSDAE_OK;
+  point->accounts.stats.warnings |= NSDAE_MONITORS_SINGULAR;
+  double t = nsdae_system_time(end->system, of->t);
+  nsdae_error_set(
+      end->error, NSDAE_WARN_SINGULAR, "nsdae_sim", "constraint",
+      "at t = %.6g %s depends on the other constraints: this pose is a change point, beyond which "
+      "two motions exist; the one without a jump of velocities is used",
+      t, nsdae_system_called(end->system, NSDAE_NAME_CONSTRAINT, of->constraint, called));
+  int index = nsdae_system_index(end->system, NSDAE_NAME_CONSTRAINT, of->constraint);
+  return nsdae_error_at(end->error, NSDAE_WARN_SINGULAR, index, t);
+}
+
 /* What the solver left of the contact problem of the step; new: warnings not yet given. */
 static int judge_residual(const nsdae_sim *sim, nsdae_point *point, int new)
 {
@@ -398,6 +416,7 @@ int nsdae_monitors_step(const nsdae_sim *sim, const nsdae_point *before, nsdae_p
   if (status == NSDAE_OK) status = judge_law(sim, point);
   if (status == NSDAE_OK) status = judge_unresolved(sim, point, new);
   if (status == NSDAE_OK) status = judge_residual(sim, point, new);
+  if (status == NSDAE_OK) status = judge_singular(point, new);
   if (status != NSDAE_OK) return status;
   const nsdae_twofold *of = &point->result.twofold;
   const nsdae_terms *end = &point->result.end;

@@ -44,7 +44,8 @@ enum {
   NSDAE_MONITORS_PAINLEVE = 8,
   NSDAE_MONITORS_IMPACTS = 16,
   NSDAE_MONITORS_RESTITUTION = 32,
-  NSDAE_MONITORS_CONTACT = 64
+  NSDAE_MONITORS_CONTACT = 64,
+  NSDAE_MONITORS_SINGULAR = 128
 };
 
 /* Largest values of the run so far, for the bounds of monitors.c: doubles alone, see snapshot.c. */

@@ -192,15 +192,17 @@ static int keep_lengths(nsdae_sim *sim)
  * of a link of a chain: a link is off by at most 5e-5 of its length. */
 static const double far_off = 1e-4;
 
-/* Whether a constraint of known size has drifted further than that. */
-static int find_drift(nsdae_terms *T, int *drifted)
+/* Whether a constraint of known size has drifted further than that. Near a change point, at that
+ * sine, a drift d moves the pose by d / sine and the acceleration by d / sine^3: less is left. */
+static int find_drift(nsdae_terms *T, double sine, int *drifted)
 {
+  double most = sine > 0 ? far_off * sine * sine : far_off;
   const double *size = T->system->size[NSDAE_NAME_CONSTRAINT];
   *drifted = 0;
   if (!size) return NSDAE_OK;
   int status = nsdae_terms_need(T, NSDAE_TERM_PHI);
   for (int i = 0; i < T->system->dims.m && status == NSDAE_OK; i++)
-    *drifted |= size[i] > 0 && fabs(T->constraint.phi[i]) > far_off * size[i];
+    *drifted |= size[i] > 0 && fabs(T->constraint.phi[i]) > most * size[i];
   return status;
 }
 
@@ -296,7 +298,8 @@ static int move_to_slop(nsdae_sim *sim, double length)
 {
   double h = fmax(length, sim->options.dt), deepest; /* a short step has the slop of dt */
   int drifted = 0, status = find_deepest(sim, h, length, &deepest);
-  if (status == NSDAE_OK) status = find_drift(&sim->next->result.end, &drifted);
+  if (status == NSDAE_OK)
+    status = find_drift(&sim->next->result.end, sim->next->result.crossed.sine, &drifted);
   if (status < 0) return status;
   return deepest > 0 || drifted ? move_by(sim, deepest, drifted, h, length) : NSDAE_OK;
 }

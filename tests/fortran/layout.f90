@@ -125,6 +125,7 @@ contains
     call same('NSDAE_WARN_RESTITUTION', NSDAE_WARN_RESTITUTION)
     call same('NSDAE_WARN_CONTACT', NSDAE_WARN_CONTACT)
     call same('NSDAE_WARN_MODEL', NSDAE_WARN_MODEL)
+    call same('NSDAE_WARN_SINGULAR', NSDAE_WARN_SINGULAR)
   end subroutine
 
   subroutine constants()

@@ -51,6 +51,12 @@ static double append_positions(nsdae_event_projection *p, const int *closed)
   return nsdae_largest(p->least.rows, p->least.c);
 }
 
+/* At the border of a change point the rows differ: by a sine of its width. */
+static double far_of(const nsdae_event_phase *p)
+{
+  return p->crossing.at_border ? FAR / p->crossing.width : FAR;
+}
+
 int nsdae_event_project_positions(nsdae_event_projection *p, double t, const int *closed, double *y)
 {
   nsdae_event_setting *s = p->phase->setting;
@@ -60,7 +66,8 @@ int nsdae_event_project_positions(nsdae_event_projection *p, double t, const int
     int status = nsdae_least_solve(&p->least, s->here);
     if (status == NSDAE_OK) status = nsdae_kinematics_at(s->here, p->least.change, p->qdot);
     if (status < 0) return status;
-    if (nsdae_largest(s->at.v, p->qdot) > FAR * (worst + nsdae_event_position_size(s))) break;
+    if (nsdae_largest(s->at.v, p->qdot) > far_of(p->phase) * (worst + nsdae_event_position_size(s)))
+      break;
     for (int i = 0; i < s->at.v; i++) y[i] += p->qdot[i];
     nsdae_event_move(s, t, y);
     status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_PHI | NSDAE_TERM_JACOBIAN |
@@ -160,7 +167,7 @@ int nsdae_event_project_velocities(nsdae_event_projection *p, const int *moving,
   double worst = nsdae_largest(p->least.rows, p->least.c);
   int status = nsdae_least_solve(&p->least, s->here);
   if (status < 0) return status;
-  double size = FAR * (worst + nsdae_event_velocity_size(s));
+  double size = far_of(p->phase) * (worst + nsdae_event_velocity_size(s));
   if (nsdae_largest(p->least.kkt.n, p->least.change) > size) return NSDAE_OK;
   account_change(p);
   add_linear(p, moving, begin);

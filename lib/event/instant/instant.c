@@ -227,6 +227,7 @@ static int choose_and_project(nsdae_event_instant *p, int impacted, double *y)
 int nsdae_event_pass(nsdae_event_instant *p, double t, double *y)
 {
   nsdae_event_phase *phase = p->roots->phase;
+  phase->crossing.at_border = nsdae_event_root_of(p->roots, NSDAE_ROOT_CHANGE, 0)->found;
   sort_found(p, y);
   int status = arrive(p, t, y);
   if (status == NSDAE_OK) status = bring_velocities(p, y);
@@ -246,7 +247,7 @@ int nsdae_event_turned(const nsdae_event_instant *p, double t, const double *y)
 {
   nsdae_event_setting *s = p->roots->phase->setting;
   const nsdae_event_modes *m = &p->roots->phase->modes;
-  if (!*m->redundant) return 0;
+  if (!*m->redundant || p->roots->phase->crossing.count > 0) return 0;
   nsdae_event_move(s, t, y);
   int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_event_factor(s);

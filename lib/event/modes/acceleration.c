@@ -130,6 +130,22 @@ static int solve(nsdae_event_acceleration *p)
   return status;
 }
 
+/* Whether nothing that touches moves, and it would from here on, or the problem has no solution. */
+static int may_rest(const nsdae_event_acceleration *p, int status)
+{
+  const nsdae_event_setting *s = p->phase->setting;
+  const nsdae_terms *T = s->here;
+  const double size = nsdae_event_velocity_size(s), none = 1e-6;
+  int touches = 0, n = s->system->dims.nv;
+  if (s->system->dims.nt < 2 || (status < 0 && status != NSDAE_E_LCP)) return 0;
+  for (int i = 0; i < s->system->dims.k; i++) {
+    if (!p->is.candidate[i]) continue;
+    touches++;
+    if (p->is.moving[i] || fabs(nsdae_terms_normal_rate(T, i, T->v)) > size) return 0;
+  }
+  return touches > 1 && (status < 0 || nsdae_largest(n, p->a) > none * nsdae_largest(n, p->size));
+}
+
 /* Where the polygons' problem was not solved, the cones' may be. */
 int nsdae_event_accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin margin)
 {
@@ -137,6 +153,10 @@ int nsdae_event_accelerate(nsdae_event_acceleration *p, nsdae_painleve_margin ma
   p->by_cones = status == NSDAE_E_LCP &&
                 nsdae_projected_gauss_seidel_anew(&p->problem, p->phase->modes.direction, p->force,
                                                   p->xi, p->a, p->lambda);
+  if (!p->by_cones && may_rest(p, status) &&
+      nsdae_cones_rest(&p->problem, p->problem.delassus.impulse))
+    p->by_cones = nsdae_projected_gauss_seidel(&p->problem, p->phase->modes.direction, p->force,
+                                               p->xi, p->a, p->lambda);
   if (p->by_cones) {
     nsdae_error_clear(p->phase->setting->error);
     nsdae_event_add_residual(p->phase->setting, &p->problem);

@@ -63,7 +63,7 @@ static double leak(const nsdae_event_phase *p, const double *y)
 static int least_norm(nsdae_event_account *a, double *lambda)
 {
   nsdae_event_setting *s = a->phase->setting;
-  if (!*a->phase->modes.redundant) return NSDAE_OK;
+  if (!*a->phase->modes.redundant || a->phase->crossing.count > 0) return NSDAE_OK;
   int status = nsdae_event_factor(s);
   return status < 0 ? status
                     : nsdae_kkt_least_norm(s->kkt, &s->here->by.jacobian, lambda, a->reaction);

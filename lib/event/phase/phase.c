@@ -71,18 +71,20 @@ void nsdae_event_phase_layout(nsdae_event_phase *p, nsdae_arena *arena)
 {
   const nsdae_dims *d = &p->setting->system->dims;
   /* The forces in turn: k normal, k nt tangential, f of frictional joints. */
-  long forces = d->k * (1 + d->nt) + d->f;
+  long forces = d->k * (1 + d->nt) + d->f, most;
+  nsdae_event_crossing_layout(&p->crossing, p->setting, arena);
+  most = forces + nsdae_crossing_most(d->m);
   p->x = NSDAE_ARENA_DOUBLES(arena, d->nv);
   p->l = NSDAE_ARENA_DOUBLES(arena, d->m);
   p->circle = NSDAE_ARENA_DOUBLES(arena, d->f);
-  p->rows.row = nsdae_arena_take(arena, forces, sizeof *p->rows.row);
+  p->rows.row = nsdae_arena_take(arena, most, sizeof *p->rows.row);
   p->rows.place = NSDAE_ARENA_INTS(arena, forces);
-  p->rows.f = NSDAE_ARENA_DOUBLES(arena, forces);
+  p->rows.f = NSDAE_ARENA_DOUBLES(arena, most);
   p->modes.direction = NSDAE_ARENA_DOUBLES(arena, (long)d->k * d->nt);
   p->modes.blur = NSDAE_ARENA_DOUBLES(arena, d->k);
   p->moved = NSDAE_ARENA_DOUBLES(arena, p->setting->at.lambda);
   p->border.kkt = p->setting->kkt;
-  nsdae_border_layout(&p->border, p->setting->system, (int)forces, arena);
+  nsdae_border_layout(&p->border, p->setting->system, (int)most, arena);
   nsdae_newton_kkt_layout(&p->newton, p->setting->system, (int)forces,
                           p->setting->options->rank_tol, arena);
 }
@@ -111,7 +113,14 @@ static int row_in_order(const nsdae_system *s, int l, int n)
   return l == 0 ? nsdae_system_contact(s, n) : nsdae_system_contact(s, n / nt) * nt + n % nt;
 }
 
-/* Normal, tangential and of frictional joints. */
+/* The number of a direction that is held, which is no force of y: behind those that are. */
+static int first_held(const nsdae_event_phase *p)
+{
+  const nsdae_dims *d = &p->setting->system->dims;
+  return d->k * (1 + d->nt) + d->f;
+}
+
+/* Normal, tangential, of frictional joints, and of directions that are held. */
 static void list_rows(nsdae_event_phase *p)
 {
   const nsdae_terms *T = p->setting->here;
@@ -133,6 +142,9 @@ static void list_rows(nsdae_event_phase *p)
       *row = of[l];
       row->kind = kind, row->force = force, row->index = i;
     }
+  for (int j = 0; j < p->crossing.count; j++)
+    b->row[b->count++] = (nsdae_event_row){
+        .kind = NSDAE_ROW_HELD, .rows = &p->crossing.rows, .force = first_held(p) + j, .index = j};
 }
 
 void nsdae_event_begin_phase(nsdae_event_phase *p)
@@ -232,7 +244,7 @@ static void add_row(const nsdae_event_phase *p, nsdae_border *b, const nsdae_eve
 {
   const nsdae_system *s = p->setting->system;
   int all = s->dims.k * (1 + s->dims.nt), a = (int)(row - p->rows.row);
-  if (row->kind == NSDAE_ROW_CLOSED) {
+  if (row->kind == NSDAE_ROW_CLOSED || row->kind == NSDAE_ROW_HELD) {
     nsdae_border_depend(b, a, row->rows, row->index, 1);
     return;
   }
@@ -270,7 +282,8 @@ static int solve_factored(nsdae_event_phase *p)
               beta2 * T->constraint.phi[i];
   for (int a = 0; a < p->rows.count; a++) {
     const nsdae_event_row *row = &p->rows.row[a];
-    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED       ? wanted(p, row)
+    p->rows.f[a] = row->kind == NSDAE_ROW_CLOSED ? wanted(p, row)
+                   : row->kind == NSDAE_ROW_HELD ? nsdae_event_held(&p->crossing, row->index, T->t)
                    : row->kind == NSDAE_ROW_SLIDE_RUBS ? dry_friction(p, row->index)
                                                        : 0;
   }
@@ -282,9 +295,12 @@ static int solve_factored(nsdae_event_phase *p)
 static int solve(nsdae_event_phase *p)
 {
   const nsdae_terms *T = p->setting->here;
-  int m = T->system->dims.m, redundant = *p->modes.redundant;
+  int m = T->system->dims.m, held = p->crossing.count;
+  int redundant = held ? p->crossing.redundant : *p->modes.redundant;
+  const double *basis = held ? p->crossing.basis : p->modes.basis;
   int status = nsdae_kkt_factor_coupled(p->setting->kkt, T->M, NULL, &T->by.jacobian,
-                                        redundant ? p->modes.basis : NULL, m - redundant);
+                                        redundant ? basis : NULL, m - redundant);
+  if (m > 0) p->crossing.least = fmin(p->crossing.least, status < 0 ? 0 : p->setting->kkt->kept);
   if (status == NSDAE_OK) status = factor_border(p, &p->border, NULL, INFINITY);
   if (status < 0) return status;
   nsdae_circles circles = nsdae_circles_begin(T, NULL, NULL, NSDAE_CIRCLE_PART,
@@ -320,7 +336,8 @@ int nsdae_event_forces(nsdae_event_phase *p, double t, double *y)
     return nsdae_terms_unsolved(T, p->setting->kkt, status);
   if (status < 0) return status;
   memcpy(y + at->lambda, p->l, (size_t)T->system->dims.m * sizeof *y);
-  for (int a = 0; a < p->rows.count; a++) y[at->normal + p->rows.row[a].force] = p->rows.f[a];
+  for (int a = 0; a < p->rows.count - p->crossing.count; a++)
+    y[at->normal + p->rows.row[a].force] = p->rows.f[a];
   return NSDAE_OK;
 }
 

@@ -24,7 +24,7 @@
 #ifndef NSDAE_EVENT_PHASE_H
 #define NSDAE_EVENT_PHASE_H
 
-#include "event_context.h"
+#include "change_point.h"
 #include "newton_kkt.h"
 #include "hyperstatic.h"
 
@@ -49,11 +49,12 @@ typedef struct nsdae_event_modes {
 
 /* The row of a force. */
 typedef enum nsdae_event_row_kind {
-  NSDAE_ROW_NONE,      /* F = 0 */
-  NSDAE_ROW_CLOSED,    /* what it holds has no acceleration */
-  NSDAE_ROW_RELATED,   /* others hold it: F = sum r_l F_l */
-  NSDAE_ROW_RUBS,      /* F_T = -mu F_N d */
-  NSDAE_ROW_SLIDE_RUBS /* F_S = -(b + mu |lambda|) s */
+  NSDAE_ROW_NONE,       /* F = 0 */
+  NSDAE_ROW_CLOSED,     /* what it holds has no acceleration */
+  NSDAE_ROW_RELATED,    /* others hold it: F = sum r_l F_l */
+  NSDAE_ROW_RUBS,       /* F_T = -mu F_N d */
+  NSDAE_ROW_SLIDE_RUBS, /* F_S = -(b + mu |lambda|) s */
+  NSDAE_ROW_HELD        /* a direction of a change point: see change_point.h */
 } nsdae_event_row_kind;
 
 typedef struct nsdae_event_row {
@@ -79,6 +80,7 @@ typedef struct nsdae_event_phase {
   double *x, *l;  /* nv, m: v', lambda */
   double *circle; /* f: friction of the friction circles */
   nsdae_event_rows rows;
+  nsdae_event_crossing crossing;
   nsdae_border border;     /* of the rows, with the setting's kkt */
   nsdae_newton_kkt newton; /* of IDA's steps: see phase.c */
   double *moved;           /* nq + nv */

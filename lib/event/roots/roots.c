@@ -18,7 +18,7 @@ static const double RELATIONS_LEFT = 0.5;
 void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
-  r->count = 3 * d->k + 2 * d->f + 1;
+  r->count = 3 * d->k + 2 * d->f + 2;
   r->entry = nsdae_arena_take(arena, r->count, sizeof *r->entry);
   r->at = NSDAE_ARENA_DOUBLES(arena, r->phase->setting->at.n);
 }
@@ -26,8 +26,8 @@ void nsdae_event_roots_layout(nsdae_event_roots *r, nsdae_arena *arena)
 void nsdae_event_roots_name(nsdae_event_roots *r)
 {
   const nsdae_dims *d = &r->phase->setting->system->dims;
-  for (int kind = NSDAE_ROOT_NORMAL; kind <= NSDAE_ROOT_JAM; kind++)
-    for (int i = 0; i < (kind == NSDAE_ROOT_JAM ? 1 : kind <= NSDAE_ROOT_HELD ? d->k : d->f); i++) {
+  for (int kind = NSDAE_ROOT_NORMAL; kind <= NSDAE_ROOT_CHANGE; kind++)
+    for (int i = 0; i < (kind >= NSDAE_ROOT_JAM ? 1 : kind <= NSDAE_ROOT_HELD ? d->k : d->f); i++) {
       nsdae_event_root *root = nsdae_event_root_of(r, (nsdae_root_kind)kind, i);
       root->kind = (nsdae_root_kind)kind;
       root->index = i;
@@ -70,6 +70,18 @@ static int has_row(const nsdae_event_phase *p, nsdae_event_row_kind kind)
   return any;
 }
 
+/* At the point in work. The sine is measured only if that of the forces' equations, by another
+ * order of elimination, comes near. */
+static double change_point(const nsdae_event_phase *p)
+{
+  const nsdae_event_crossing *c = &p->crossing;
+  int crosses = c->count > 0, rank = p->setting->system->dims.m - *p->modes.redundant;
+  double sine;
+  if (!crosses && !(c->least < 4 * c->width)) return 1;
+  if (nsdae_event_sine(p->setting, crosses ? c->rank : rank, &sine) < 0) return 1;
+  return crosses ? 1.5 - sine / c->width : sine / c->width - 1;
+}
+
 /* The function as it is. */
 static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const double *y,
                        const nsdae_event_root *root)
@@ -80,6 +92,7 @@ static double value_of(const nsdae_event_phase *p, const nsdae_terms *T, const d
   int i = root->index;
   if (root->kind == NSDAE_ROOT_NORMAL)
     return m->contact[i] == NSDAE_MODE_OPEN ? T->gap[i] : y[at->normal + i];
+  if (root->kind == NSDAE_ROOT_CHANGE) return change_point(p);
   if (root->kind == NSDAE_ROOT_TANGENT)
     return m->contact[i] == NSDAE_MODE_STICK ? nsdae_event_stick_margin(p, y, i)
                                              : along_direction(p, T, i, T->w_T, T->v);
@@ -246,6 +259,7 @@ static int is_off(const nsdae_event_phase *p, const nsdae_event_root *root)
 {
   int i = root->index;
   if (root->kind == NSDAE_ROOT_NORMAL) return 0;
+  if (root->kind == NSDAE_ROOT_CHANGE) return p->setting->system->dims.m == 0;
   if (root->kind == NSDAE_ROOT_HELD)
     return p->modes.contact[i] == NSDAE_MODE_OPEN || !nsdae_event_is_related(p, i);
   if (root->kind == NSDAE_ROOT_JAM)
@@ -266,6 +280,10 @@ static void start(const nsdae_event_phase *p, nsdae_event_root *root, double t, 
   root->state = NSDAE_ROOT_OFF;
   root->rate = 1;
   if (is_off(p, root)) return;
+  if (root->kind == NSDAE_ROOT_CHANGE) { /* off where a width is all there is */
+    root->state = value_of(p, T, y, root) > 0 ? NSDAE_ROOT_LIVE : NSDAE_ROOT_OFF;
+    return;
+  }
   if (root->kind == NSDAE_ROOT_JAM) {
     int sign;
     root->state = NSDAE_ROOT_LIVE;

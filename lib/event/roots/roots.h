@@ -9,6 +9,8 @@
  *   jam        of the phase: det A / det A(t_0) of its border, whose zeros are those of the forces'
  *              poles: forces are without bound (Painleve's paradox); with relations that less 1/2,
  *              as relations that lie along what they leave open have a pole, too: new ones are due
+ *   change     of the phase: smallest sine of the constraints - width, a change point is near;
+ * while it is crossed, 3/2 width - that sine (change_point.h)
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
@@ -25,7 +27,8 @@ typedef enum nsdae_root_kind {
   NSDAE_ROOT_HELD,
   NSDAE_ROOT_SIGN, /* of slide `index` */
   NSDAE_ROOT_SLIP,
-  NSDAE_ROOT_JAM /* of the phase */
+  NSDAE_ROOT_JAM, /* of the phase */
+  NSDAE_ROOT_CHANGE
 } nsdae_root_kind;
 
 typedef enum nsdae_root_state {
@@ -62,7 +65,8 @@ static inline nsdae_event_root *nsdae_event_root_of(const nsdae_event_roots *roo
                                                     nsdae_root_kind kind, int index)
 {
   const nsdae_dims *d = &roots->phase->setting->system->dims;
-  int first[] = {0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f, 3 * d->k + 2 * d->f};
+  int first[] = {
+      0, d->k, 2 * d->k, 3 * d->k, 3 * d->k + d->f, 3 * d->k + 2 * d->f, 3 * d->k + 2 * d->f + 1};
   return roots->entry + first[kind] + index;
 }
 
