@@ -1,12 +1,13 @@
 """The bodies of a frame as an image, from far to near (painter's algorithm).
 
-All faces of a body are turned, culled and shaded at once. Parts that do not move are computed once. The ground and its
-shadows are an image below the moving shadows; its grid, and the faces behind all moving bodies, are an image above them.
+All faces of a body are turned, culled and shaded at once. Parts that do not move are computed once, and are an image. In
+space a frame differs from it within rectangles about the moving bodies and their shadows. What is there is drawn anew: the
+ground and its shadows, the moving shadows, an image of the grid and the faces behind all moving bodies, the other faces.
 
 A part to draw is (layer, depth, function, coordinates in pixels, look...). In space parts are drawn by layer and depth,
 in the plane in the order of the bodies."""
 
-from itertools import repeat
+from itertools import chain, compress, repeat
 from operator import itemgetter
 
 import numpy as np
@@ -16,6 +17,7 @@ from shapes import faces_by_corners, normals_of_loops
 
 FINE = 2  # how much finer is drawn than shown
 GROUND, SHADOW, GRID, BODY = range(4)  # the layers, in the order in which they are drawn
+RIM = 2  # pixels around coordinates: they are rounded to a pixel, which is drawn
 
 
 def rgb(colour):
@@ -45,6 +47,12 @@ def discs(layer, depths, centres, radii, look):
 def paint(draw, parts):
     for _, _, function, *what in parts:
         function(draw, *what)
+
+
+def rectangle(parts):
+    """Left, top, right, bottom of the pixels of polygons and discs."""
+    points = np.reshape(list(chain.from_iterable(part[3] for part in parts)), (-1, 2))
+    return [*(points.min(axis=0) - RIM), *(points.max(axis=0) + RIM)]
 
 
 class Faces:
@@ -164,13 +172,13 @@ class Painter:
         still = [len(one.pose) == 1 and not scene["camera"] for one in self.painted]
         self.moving = [one for one, at_rest in zip(self.painted, still) if not at_rest]
         self.still = {one: list(one.parts(0)) for one, at_rest in zip(self.painted, still) if at_rest}
-        self.below, self.above, self.between = self.blank(BACKGROUND), None, []
+        self.kept, self.ground, self.between = self.blank(BACKGROUND), None, []
         if scene["spatial"]:
             self.lay_out()
         else:
             first = still.index(False) if False in still else len(still)
             for one in self.painted[:first]:
-                paint(ImageDraw.Draw(self.below), self.still[one])
+                paint(ImageDraw.Draw(self.kept), self.still[one])
             self.painted = self.painted[first:]
 
     def drawn_as(self):
@@ -186,17 +194,18 @@ class Painter:
         return painted + [Balls(self, equal) for equal in balls.values()]
 
     def lay_out(self):
-        """What is still, below and above the shadows, and between the moving bodies."""
+        """What is still: all of it, below the shadows, behind all moving bodies, and between these."""
         parts = sorted((part for one in self.still.values() for part in one), key=itemgetter(0, 1))
         if any(one.plane for one in self.moving if isinstance(one, Faces)):
             self.between = parts
             return
         nearest = min((one.nearest() for one in self.moving), default=np.inf)
-        paint(ImageDraw.Draw(self.below), [part for part in parts if part[0] <= SHADOW])
-        far = [part for part in parts if part[0] == GRID or part[0] == BODY and part[1] < nearest]
+        paint(ImageDraw.Draw(self.kept), parts)
+        self.ground, self.anew = self.blank(BACKGROUND), self.blank(BACKGROUND)
+        paint(ImageDraw.Draw(self.ground), [part for part in parts if part[0] <= SHADOW])
+        self.behind = self.cut_out([part for part in parts if part[0] == GRID or part[0] == BODY and part[1] < nearest])
         self.between = [part for part in parts if part[0] == BODY and part[1] >= nearest]
-        if far:
-            self.above = self.cut_out(far)
+        self.places = np.reshape([rectangle([part]) for part in self.between], (-1, 4))
 
     def cut_out(self, parts):
         """Image of the parts, and where they are in it: where it does not depend on the ground."""
@@ -226,20 +235,35 @@ class Painter:
         return self.turned(pose[:3] + points @ pose[3:].reshape(3, 3).T, number)
 
     def image(self, number):
-        image = self.below.copy()
+        image = self.kept.copy()
         draw = ImageDraw.Draw(image)
-        if self.scene["spatial"]:
-            parts = sorted((part for one in self.moving for part in one.parts(number)), key=itemgetter(0, 1))
-            shadows = [part for part in parts if part[0] == SHADOW] if self.above else []
-            paint(draw, shadows)
-            if self.above:
-                image.paste(self.above[0], (0, 0), self.above[1])
-            paint(draw, sorted(self.between + parts[len(shadows):], key=itemgetter(0, 1)))
-        else:
+        if not self.scene["spatial"]:
             for one in self.painted:
                 paint(draw, self.still[one] if one in self.still else one.parts(number))
+        elif self.ground:
+            self.renew(image, [list(one.parts(number)) for one in self.moving])
+        else:
+            parts = self.between + [part for one in self.moving for part in one.parts(number)]
+            paint(draw, sorted(parts, key=itemgetter(0, 1)))
         paint(draw, self.forces(number))
         return image
+
+    def renew(self, image, moving):
+        """The rectangles about the parts of each moving body."""
+        layers = [[part for part in parts if part[0] == layer] for parts in moving for layer in (SHADOW, BODY)]
+        places = np.reshape([rectangle(parts) for parts in layers if parts], (-1, 4)).round().astype(int).clip(0, self.size * 2)
+        places = [place for place in map(tuple, places.tolist()) if place[0] < place[2] and place[1] < place[3]]
+        near = np.zeros(len(self.between), dtype=bool)
+        for place in places:
+            near |= np.all(self.places[:, :2] < place[2:], axis=1) & np.all(self.places[:, 2:] > place[:2], axis=1)
+            self.anew.paste(self.ground.crop(place), place)
+        draw = ImageDraw.Draw(self.anew)
+        paint(draw, chain.from_iterable(layers[::2]))
+        for place in places:
+            self.anew.paste(self.behind[0].crop(place), place, self.behind[1].crop(place))
+        paint(draw, sorted(chain(compress(self.between, near), *layers[1::2]), key=itemgetter(0, 1)))
+        for place in places:
+            image.paste(self.anew.crop(place), place)
 
     def forces(self, number):
         """Lines on top of all."""
