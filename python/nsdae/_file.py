@@ -38,6 +38,8 @@ RECORDS = (
      "potential energy that projection = slop added so far; a part of dissipated, < 0 there", ("time",)),
     ("certificate/lcp_residual", "lcp_residual", "1",
      "scaled natural residual of the step's complementarity problem", ("time",)),
+    ("certificate/contact_tol", "contact_tol", "1", "largest tolerance of the step's contact problems; 0: it had none",
+     ("time",)),
     ("certificate/constraint_drift", "constraint_drift", "of the model", "max |Phi|", ("time",)),
     ("certificate/penetration", "penetration", "m|rad", "largest overlap over the contacts", ("time",)),
 )
@@ -627,8 +629,9 @@ def read(file: Any, shape: Any) -> dict[str, Any]:
     for path, name, _, _, _ in RECORDS:
         kind = "i4" if name.endswith("mode") else "f8"
         columns[name] = _rows(file, path, n) if path in file else np.zeros((n, 0), dtype=kind)
-    if "energy/potential" not in file:
-        columns["potential"] = None
+    for path, name in (("energy/potential", "potential"), ("certificate/contact_tol", "contact_tol")):
+        if path not in file:
+            columns[name] = None
     if "energy/projection" not in file:
         columns["projection_energy"] = np.zeros(n)
     counts = {kind: columns[name].shape[1] for kind, name in

@@ -116,6 +116,8 @@ class Trajectory(ContactColumns):
         Potential energy [J]; None without a potential.
     lcp_residual, constraint_drift, penetration : ndarray, shape (n,)
         Residual of the contact problem, max abs(Phi), largest overlap [m].
+    contact_tol : ndarray or None, shape (n,)
+        Largest tolerance of the contact problems of the step, 0 without one. None in older files.
     certificate : structured ndarray or None, shape (n,)
         ``Record.certificate`` of each record.
     sensors : dict
@@ -174,6 +176,7 @@ class Trajectory(ContactColumns):
     shapes: list[Shape] = field(default_factory=list)
     blocks: np.ndarray | None = None
     certificate: np.ndarray | None = None
+    contact_tol: np.ndarray | None = None
     sensors: dict[str, np.ndarray] = field(default_factory=dict)
 
     @classmethod

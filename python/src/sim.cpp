@@ -132,6 +132,7 @@ void columns::add(const nsdae_record &r, const nsdae_dims &d)
   dissipated.push_back(r.dissipated);
   projection_energy.push_back(r.projection_energy);
   lcp_residual.push_back(r.lcp_residual);
+  contact_tol.push_back(r.contact_tol);
   constraint_drift.push_back(r.constraint_drift);
   penetration.push_back(r.penetration);
   certificates.push_back(r.certificate);
@@ -184,6 +185,7 @@ nb::dict columns::arrays(const nsdae_dims &d)
                  {"dissipated", dissipated},
                  {"projection_energy", projection_energy},
                  {"lcp_residual", lcp_residual},
+                 {"contact_tol", contact_tol},
                  {"penetration", penetration},
                  {"constraint_drift", constraint_drift},
                  {"time", time}};

@@ -63,7 +63,8 @@ struct change_row {
 // Records of a run, in columns.
 struct columns {
   std::vector<double> time, q, v, acceleration, multiplier, frictional_joint_impulse, kinetic,
-      potential, dissipated, projection_energy, lcp_residual, constraint_drift, penetration;
+      potential, dissipated, projection_energy, lcp_residual, contact_tol, constraint_drift,
+      penetration;
   std::vector<int> frictional_joint_mode, contact_count;
   std::vector<contact_row> contacts;
   std::vector<impact_row> impacts;

@@ -79,7 +79,7 @@ if [ "$hdf5" = ON ]; then
   "$bin/nsdae-pendulum" --quiet --output c.h5 || fail "C with a trajectory"
   "$bin/nsdae-pendulum-fortran" --quiet --output f.h5 || fail "Fortran with a trajectory"
   for set in /time /q /v /multiplier /contacts/gap /contacts/normal_impulse /contacts/mode \
-    /energy/kinetic /energy/potential /energy/dissipated /certificate/lcp_residual \
+    /energy/kinetic /energy/potential /energy/dissipated /certificate/lcp_residual /certificate/contact_tol \
     /impact/time /impact/normal_impulse /impact/velocity_after /parameters/L /parameters/theta_0 \
     /bodies/size /bodies/points /bodies/point \
     /options/dt; do

@@ -64,7 +64,7 @@ static nsdae_trajectory *create(fixture *f, const char *file, int live)
 
 /* Records of a run, kept beside the file. */
 typedef struct memory {
-  double time[4096], q[4096][NQ], residual[4096];
+  double time[4096], q[4096][NQ], residual[4096], tol[4096];
   int n, impacts;
   double impulse[4096];
   nsdae_certificate certificate[4096];
@@ -76,6 +76,7 @@ static int remember(const nsdae_record *r, nsdae_error *error, void *user)
   (void)error;
   m->time[m->n] = r->time;
   m->residual[m->n] = r->lcp_residual;
+  m->tol[m->n] = r->contact_tol;
   m->certificate[m->n] = r->certificate;
   memcpy(m->q[m->n++], r->q, sizeof m->q[0]);
   for (int i = 0; i < r->impacts; i++) m->impulse[m->impacts++] = r->impact[i].normal_impulse;
@@ -148,6 +149,7 @@ static const struct {
                 {"/energy/dissipated", 1, 0},
                 {"/energy/projection", 1, 0},
                 {"/certificate/lcp_residual", 1, 0},
+                {"/certificate/contact_tol", 1, 0},
                 {"/certificate/constraint_drift", 1, 0},
                 {"/certificate/penetration", 1, 0},
                 {"/certificate/penetration_contact", 1, 0},
@@ -249,6 +251,10 @@ static void expect_values(hid_t file, const memory *m)
   assert_memory_equal(got, m->q, (size_t)m->n * NQ * sizeof *got);
   assert_true(H5LTread_dataset_double(file, "/certificate/lcp_residual", got) >= 0);
   assert_memory_equal(got, m->residual, (size_t)m->n * sizeof *got);
+  assert_true(H5LTread_dataset_double(file, "/certificate/contact_tol", got) >= 0);
+  assert_memory_equal(got, m->tol, (size_t)m->n * sizeof *got);
+  for (int i = 1; i < m->n; i++) got[0] = fmax(got[0], got[i]);
+  assert_true(m->tol[0] == 0 && (m->impacts == 0 || got[0] > 0)); /* the start is no step */
   expect_certificates(file, m);
   if (m->impacts == 0) return;
   assert_true(H5LTread_dataset_double(file, "/impact/normal_impulse", got) >= 0);

@@ -104,6 +104,7 @@ static const char *const datasets[] = {"/time",
                                        "/energy/work",
                                        "/energy/unexplained",
                                        "/certificate/lcp_residual",
+                                       "/certificate/contact_tol",
                                        "/certificate/constraint_rate",
                                        "/certificate/rate_constraint",
                                        "/certificate/complementarity",
@@ -264,6 +265,21 @@ static void test_refused(void **state)
   free(got);
 }
 
+/* A version of the library that did not know a dataset. */
+static void test_missing_dataset(void **state)
+{
+  (void)state;
+  fixture f;
+  write_file(path, 0, 0, 0.1);
+  hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+  assert_true(H5Ldelete(file, "/certificate/contact_tol", H5P_DEFAULT) >= 0);
+  assert_true(H5Fclose(file) >= 0);
+  prepare(&f);
+  refuse(&f, "path");
+  assert_non_null(strstr(f.error.text, "no /certificate/contact_tol"));
+  assert_non_null(strstr(f.error.text, "another version"));
+}
+
 static void test_no_state(void **state)
 {
   (void)state;
@@ -351,10 +367,10 @@ static void test_read_params(void **state)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_later_end),    cmocka_unit_test(test_many_parts),
-      cmocka_unit_test(test_dropped_step), cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_no_state),     cmocka_unit_test(test_killed_live),
-      cmocka_unit_test(test_read_params),
+      cmocka_unit_test(test_later_end),       cmocka_unit_test(test_many_parts),
+      cmocka_unit_test(test_dropped_step),    cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_missing_dataset), cmocka_unit_test(test_no_state),
+      cmocka_unit_test(test_killed_live),     cmocka_unit_test(test_read_params),
   };
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -43,6 +43,8 @@ static const nsdae_column record_columns[] = {
      "change of energy + dissipated - work so far: < 0 is a loss of the method, > 0 a gain"},
     {"/certificate/lcp_residual", FIELD(record.lcp_residual), NSDAE_WIDTH_ONE, "1",
      "scaled natural residual of the step's complementarity problem"},
+    {"/certificate/contact_tol", FIELD(record.contact_tol), NSDAE_WIDTH_ONE, "1",
+     "largest tolerance of the step's contact problems; 0: it had none"},
     {"/certificate/constraint_drift", FIELD(record.constraint_drift), NSDAE_WIDTH_ONE,
      "of the model", "max |Phi|"},
     {"/certificate/penetration", FIELD(record.penetration), NSDAE_WIDTH_ONE, "m|rad",

@@ -108,6 +108,11 @@ hsize_t nsdae_series_open(nsdae_series *series, nsdae_h5 *h5)
   for (int i = 0; i < series->columns; i++) {
     nsdae_series_column *c = &series->column[i];
     hsize_t length[NSDAE_H5_RANK] = {0, 1, 1};
+    if (!nsdae_h5_has(h5, c->of->path))
+      nsdae_h5_refuse(h5, "resume",
+                      "it has no %s, because another version of the library wrote it: "
+                      "start the run again, with another file",
+                      c->of->path);
     nsdae_h5_shape(h5, c->of->path, c->rank + 1, length);
     if (length[1] != (hsize_t)c->shape[0] || length[2] != (hsize_t)c->shape[1])
       nsdae_h5_refuse(h5, "resume", "%s has rows of another length", c->of->path);
