@@ -33,7 +33,8 @@ typedef enum nsdae_h5_kind {
  * if there is none. */
 int nsdae_h5_create(nsdae_h5 *h5, nsdae_h5_kind kind);
 /* Opens it to be changed; on trial: not before the first nsdae_h5_flush, so that a file which is
- * refused stays as it was. */
+ * refused stays as it was. Other files are one's own, which may be the part of a flush that failed.
+ */
 int nsdae_h5_reopen(nsdae_h5 *h5, int on_trial);
 /* Opens it to be read. */
 int nsdae_h5_open(nsdae_h5 *h5);
