@@ -212,7 +212,7 @@ static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, dou
  * falls. 1, 0 if it does not fall, or a status. */
 static int find_span(nsdae_event_crossing *c, nsdae_event_setting *s, double t, const double *y)
 {
-  double here, there = 0;
+  double here = 0, there = 0;
   int status = nsdae_event_sine(s, c->rank, &here);
   c->width = fmin(c->tau, here);
   if (status < 0 || !(here < NSDAE_CROSSING_NEAR * c->tau) || !(here > 0)) return status;
