@@ -436,7 +436,8 @@ typedef struct sensed {
   nsdae_record record;
   double q[NQ_MAX], v[NV_MAX], rate[NV_MAX], multiplier[NV_MAX];
   long id[K_MAX];
-  double impulse[3 * K_MAX];
+  double impulse[3 * K_MAX], linear[3 * K_MAX];
+  double normal[NV_MAX * K_MAX], tangent[2 * NV_MAX * K_MAX]; /* W_N, W_T */
 } sensed;
 
 static const nsdae_sensor *sensor_of(const sensed *s, int i)
@@ -452,7 +453,7 @@ static void read_sensor(const sensed *s, int i, const double *q, const double *v
   r.q = q, r.v = v;
   memset(value, 0, 4 * sizeof *value);
   s->maker.sensors.follow(s->b, NULL, &at, 0, NULL, angle);
-  s->maker.sensors.sense(s->b, i, &r, angle, value);
+  s->maker.sensors.sense(s->b, i, &r, s->linear, angle, value);
 }
 
 /* Central differences along q' = H v, v' = rate. */
@@ -522,25 +523,43 @@ static void check_reaction(const sensed *s, int i)
   assert_near(power, expected, tol * (1 + fabs(expected)));
 }
 
-/* The power of contacts with a translation of the body is that of the columns W Lambda / h. */
+/* Entry `row` of W Lambda of contact k. */
+static double momentum(const sensed *s, int k, int row)
+{
+  int nv = s->dims.nv, nt = s->dims.nt;
+  double sum = s->normal[k * nv + row] * s->record.contacts.normal_impulse[k];
+  for (int l = 0; l < nt; l++)
+    sum += s->tangent[(k * nt + l) * nv + row] * s->record.contacts.tangential_impulse[k * nt + l];
+  return sum;
+}
+
+/* What a method hands to the sensors: of each contact the impulse on one of its two bodies. */
+static void draw_linear(sensed *s)
+{
+  const nsdae_bodies *b = s->b;
+  memset(s->normal, 0, sizeof s->normal);
+  memset(s->tangent, 0, sizeof s->tangent);
+  s->system->call.gap_normal(0, s->q, s->normal, s->dims.nv, s->system->user);
+  s->system->call.gap_tangent(0, s->q, s->tangent, s->dims.nv, s->system->user);
+  for (int k = 0; k < s->record.contacts.count; k++) {
+    const nsdae_feature *f = nsdae_feature_at(b, k);
+    int one = nsdae_solid_at(b, f->solid[0])->body, other = nsdae_solid_at(b, f->solid[1])->body;
+    int first = nsdae_body_nv(b) * (one > other ? one : other);
+    for (int j = 0; j < b->dimension; j++) s->linear[3 * k + j] = momentum(s, k, first + j);
+  }
+}
+
+/* The power of contacts with a translation of the body is that of the columns W Lambda / h, on the
+ * first of two bodies as on the second. */
 static void check_contact_force(const sensed *s, int i)
 {
-  static double W[2][NV_MAX * 2 * K_MAX];
   const nsdae_bodies *b = s->b;
-  int nv = s->dims.nv, nt = s->dims.nt, first = nsdae_body_nv(b) * sensor_of(s, i)->body;
+  int first = nsdae_body_nv(b) * sensor_of(s, i)->body;
   double value[4];
-  memset(W, 0, sizeof W);
-  s->system->call.gap_normal(0, s->q, W[0], nv, s->system->user);
-  s->system->call.gap_tangent(0, s->q, W[1], nv, s->system->user);
   read_sensor(s, i, s->q, s->v, value);
   for (int j = 0; j < b->dimension; j++) {
     double sum = 0;
-    for (int k = 0; k < s->record.contacts.count; k++) {
-      sum += W[0][k * nv + first + j] * s->record.contacts.normal_impulse[k];
-      for (int l = 0; l < nt; l++)
-        sum +=
-            W[1][(k * nt + l) * nv + first + j] * s->record.contacts.tangential_impulse[k * nt + l];
-    }
+    for (int k = 0; k < s->record.contacts.count; k++) sum += momentum(s, k, first + j);
     sum /= s->record.duration;
     assert_near(value[j], sum, tol * (1 + fabs(sum)));
   }
@@ -568,6 +587,7 @@ static void draw_record(sensed *s)
                                            .id = s->id,
                                            .normal_impulse = s->impulse,
                                            .tangential_impulse = s->impulse + K_MAX};
+  draw_linear(s);
 }
 
 /* In the order of add_reaction, add_parts_of_joints, add_sensors. */
