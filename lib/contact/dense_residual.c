@@ -27,18 +27,35 @@ static void fit_speed(const nsdae_dense_island *l, int j, double u,
   if (l->kkt.m > 0) nsdae_natural_residual_speed(residual, u + nsdae_dot(l->kkt.n, W, l->free));
 }
 
-/* v is as good as contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN:
- * of velocities along columns of W. */
-static double rounding_of(const nsdae_dense_island *l, int column, int columns)
+/* |W|^T |x + y| of a contact, the largest of its columns. */
+static double size_along(const nsdae_dense_island *l, int column, int columns, const double *x,
+                         const double *y)
 {
   const double *W = l->contacts.delassus.W + (size_t)column * (size_t)l->kkt.n;
   double most = 0;
   for (int c = 0; c < columns; c++) {
     double sum = 0;
-    for (int j = 0; j < l->kkt.n; j++) sum += fabs(*W++) * l->at.size[j];
+    for (int j = 0; j < l->kkt.n; j++) sum += fabs(*W++ * (x[j] + (y ? y[j] : 0)));
     most = fmax(most, sum);
   }
-  return 32 * DBL_EPSILON * most + DBL_MIN;
+  return most;
+}
+
+/* v is as good as contacts.c has it, to 32 roundings of its terms, and has no digits below DBL_MIN:
+ * of velocities along columns of W. */
+static double rounding_of(const nsdae_dense_island *l, int column, int columns)
+{
+  return 32 * DBL_EPSILON * size_along(l, column, columns, l->at.size, NULL) + DBL_MIN;
+}
+
+/* What the rounding of impulses forgives, where it is more than tol of how fast the bodies would be
+ * without any: less is no error of their motion. */
+static void hide(const nsdae_dense_island *l, int column, int columns, double left,
+                 nsdae_natural_residual *residual)
+{
+  double forgiven = fmin(left, rounding_of(l, column, columns));
+  if (forgiven > l->contacts.lcp.options.tol * size_along(l, column, columns, l->at.v, l->free))
+    nsdae_natural_residual_raise(&residual->hidden, forgiven);
 }
 
 /* The residual of a law with velocities along columns of W. */
@@ -84,8 +101,7 @@ static void fit_contact(const nsdae_dense_island *l, int a, int rounded,
   fit_speed(l, column, u, residual);
   double left =
       columns == 1 ? nsdae_natural_normal(d * r->normal[i], u) : fit_friction(l, a, d, u, residual);
-  if (rounded)
-    nsdae_natural_residual_raise(&residual->hidden, fmin(left, rounding_of(l, column, columns)));
+  if (rounded) hide(l, column, columns, left, residual);
   leave(l, column, columns, rounded, left, residual);
 }
 
@@ -125,12 +141,12 @@ nsdae_natural_residual nsdae_dense_residual(const nsdae_dense_island *l, int rou
 {
   const nsdae_contacts *c = &l->contacts;
   nsdae_natural_residual residual = {0};
-  if (l->kkt.m > 0) {
+  if (l->kkt.m > 0 || rounded) {
     memcpy(l->free, l->at.r, (size_t)l->kkt.n * sizeof *l->free);
     nsdae_kkt_solve_mass(&l->kkt, l->free);
     for (int j = 0; j < l->kkt.n; j++) l->free[j] -= l->at.v[j];
-  } else
-    residual.speed = nsdae_largest(c->columns, c->delassus.offset);
+  }
+  if (l->kkt.m == 0) residual.speed = nsdae_largest(c->columns, c->delassus.offset);
   for (int a = 0; a < c->active_count; a++) fit_contact(l, a, rounded, &residual);
   for (int i = 0; i < c->slides.count; i++) fit_joint(l, i, rounded, &residual);
   for (int i = 0; i < l->kkt.m; i++) fit_row(l, i, rounded, &residual);
