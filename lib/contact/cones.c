@@ -167,15 +167,19 @@ static int joint_mode(const nsdae_contacts *c, int j)
   return fabs(u[1]) > fmax(margin, s->options.tol * size) ? NSDAE_MODE_SLIP : NSDAE_MODE_STICK;
 }
 
-/* Contacts without load begin with the joints' limits in equal parts. At zero load and zero
- * velocity rounding decides which contacts are closed in the first step of Newton's method, and so
- * which of many solutions it finds: one has all load at a corner, about which the body turns. */
+/* Where no contact has a load, those that touch without velocity begin with the joints' limits in
+ * equal parts. Of them rounding would decide which are closed in the first step of Newton's method,
+ * and so which of many solutions it finds: one has all load at a corner, about which the body
+ * turns. Of others the velocity decides it. With such a load they may jam, where a solution moves.
+ */
 static void share_limits(nsdae_contacts *c)
 {
-  double *r = c->cones.r, sum = 0;
+  double *r = c->cones.r, none = c->lcp.options.tol * c->slides.fastest, sum = 0;
   if (nsdae_largest(contact_columns(c), r) > 0) return;
   for (int j = 0; j < c->slides.count; j++) sum += c->slides.limit[j];
-  for (int a = 0; a < c->active_count; a++) r[c->first_column[a]] = sum / c->active_count;
+  for (int a = 0; a < c->active_count; a++)
+    if (fabs(c->delassus.offset[c->first_column[a]]) <= none)
+      r[c->first_column[a]] = sum / c->active_count;
 }
 
 static int solve_with_joints(nsdae_contacts *c, const double *lambda)
