@@ -164,9 +164,9 @@ static int explain(nsdae_event *e, int status)
   return nsdae_event_failed(e, status, e->integrator.ahead);
 }
 
-/* No step of the integrator is short enough at t, where its y is: a gap may have a kink just ahead.
- * The least step of Euler from which one is seen is taken, at the same time: q + h q'. v and the
- * forces in y stay: no time passes, so there is no impulse.
+/* No step of the integrator is short enough at t, where its y is: the gap of a closed contact may
+ * have a kink just ahead. The least step of Euler from which one is seen is taken, at the same
+ * time: q + h q'. v and the forces in y stay: no time passes, so there is no impulse.
  * Returns 1 where it is, else 0. */
 static int cross_kink(nsdae_event *e, double t)
 {
@@ -176,6 +176,7 @@ static int cross_kink(nsdae_event *e, double t)
   double *from = g->z, *rate = g->later,
          longest = (double)KINK_AHEAD * TINY * e->setting.options->dt;
   int found = 0;
+  if (!(e->phase.terms & NSDAE_TERM_NORMAL)) return 0;
   memcpy(from, g->y, (size_t)at->lambda * sizeof *from);
   if (nsdae_event_forces(&e->phase, t, g->y) < 0 || nsdae_kinematics_at(T, T->v, rate) < 0)
     return 0;

@@ -168,11 +168,11 @@ static int cross_change_point(nsdae_event_integrator *e, double t)
   }
   memcpy(c->a_ahead, p->x, size);
   if (crosses > 0) crosses = nsdae_event_is_straight(c, p->setting, e->y);
-  if (crosses == 0) nsdae_event_narrow(c);
+  if (crosses <= 0) nsdae_event_narrow(c);
   if (crosses > 0) crosses = nsdae_event_hold(c, p->setting, e->y);
-  if (crosses < 0) return crosses;
+  nsdae_error_clear(p->setting->error); /* terms that fail ahead: the motion does not go there */
   int status = NSDAE_OK;
-  if (crosses) {
+  if (crosses > 0) {
     nsdae_crossed *crossed = &p->setting->result->crossed;
     if (crossed->constraint < 0 && !e->again)
       *crossed = (nsdae_crossed){p->setting->kkt->dependent, t + c->span / 2, 0};

@@ -20,6 +20,10 @@ static const double TURNS = 0.1;
 /* Of the tolerance of positions: as far as a drift may be before it is projected. */
 static const double DRIFT = 10;
 
+/* Of the sine here: beyond a change point it rises again, by as much as it fell; not so where rows
+ * become redundant and stay so, as of a drive that fades out: (1 - t)^n has 3^-n of it there. */
+static const double RISEN = 0.5;
+
 /* Rounds of Newton's method: the prediction is off by the square of the width. */
 enum { ROUNDS = 3 };
 
@@ -55,12 +59,18 @@ static int factor_rank(nsdae_event_setting *s, int rank)
   return status;
 }
 
+/* Of the rows that were factored. */
+static double sine_of(const nsdae_event_setting *s, int rank)
+{
+  return s->kkt->rank < rank ? s->kkt->left : s->kkt->kept;
+}
+
 int nsdae_event_sine(nsdae_event_setting *s, int rank, double *sine)
 {
   int status = nsdae_terms_need(s->here, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = factor_rank(s, rank);
   if (status < 0) return status;
-  *sine = s->kkt->rank < rank ? s->kkt->left : s->kkt->kept;
+  *sine = sine_of(s, rank);
   return NSDAE_OK;
 }
 
@@ -190,7 +200,8 @@ static int correct(nsdae_event_crossing *c, nsdae_event_setting *s, int all)
   return nsdae_terms_need(T, NSDAE_TERM_PHI);
 }
 
-/* `ahead` to the constraints. 1 if those of small sines hold once the others do, else 0. */
+/* `ahead` to the constraints. 1 if those of small sines hold once the others do and are independent
+ * again, else 0. */
 static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, double tol)
 {
   nsdae_terms *T = s->here;
@@ -205,7 +216,7 @@ static int meet_constraints(nsdae_event_crossing *c, nsdae_event_setting *s, dou
   if (status == NSDAE_OK) status = solve_rows(c, s);
   if (status < 0) return status;
   nsdae_add(T->system->dims.nv, 1, c->room.x, c->room.ahead + nq);
-  return 1;
+  return sine_of(s, c->rank) > RISEN * c->width;
 }
 
 /* The time in which the motion from y crosses the change point, by how fast the smallest sine
