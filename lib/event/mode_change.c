@@ -1,6 +1,7 @@
 /* The events between the smooth phases: the transition (instant.h), its failures, the start of the
  * next phase, and contacts that chatter. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "acceleration.h"
@@ -76,6 +77,20 @@ static const double SOON = 10;
 /* Sines of rows that depend, in parts of the least one: from step to step, and at most. */
 static const double LOOSER = 100, LOOSEST = 1e4;
 
+/* The constraint that the others nearly determine at t, by a sine up to rtol^(1/2), at which an error
+ * of rtol is all of it; or -1. */
+static int nearly_dependent(nsdae_event *e, double t, double *sine)
+{
+  nsdae_event_setting *s = &e->setting;
+  int rank = s->system->dims.m - *e->phase.modes.redundant;
+  if (rank < 2) return -1;
+  nsdae_event_move(s, t, e->integrator.y);
+  int status = nsdae_event_sine(s, rank - 1, sine);
+  nsdae_error_clear(s->error);
+  *sine = s->kkt->left;
+  return status == NSDAE_OK && *sine <= sqrt(s->options->rtol) ? s->kkt->dependent : -1;
+}
+
 int nsdae_event_failed(nsdae_event *e, int status, double t)
 {
   nsdae_error *error = e->setting.error;
@@ -88,12 +103,19 @@ int nsdae_event_failed(nsdae_event *e, int status, double t)
                                     nsdae_event_yield(&e->phase, contact));
   if (nsdae_event_diagnose(&e->instant.acceleration, t, e->integrator.y) < 0)
     return NSDAE_E_PAINLEVE;
+  char called[NSDAE_CALLED_SIZE], near[NSDAE_CALLED_SIZE + 80] = "";
+  double sine, time = nsdae_system_time(e->setting.system, t);
+  int row = nearly_dependent(e, t, &sine);
+  if (row >= 0)
+    snprintf(near, sizeof near, "; %s depends on the other constraints up to a sine of %.2g",
+             nsdae_system_called(e->setting.system, NSDAE_NAME_CONSTRAINT, row, called), sine);
   nsdae_error_set(
       error, status, "nsdae_event", "rtol",
-      "the integrator failed at t = %g: no step length satisfies rtol and atol%s%s; the "
+      "the integrator failed at t = %g: no step length satisfies rtol and atol%s%s%s; the "
       "equations may have no solution after this time: try a larger rtol, or method = implicit",
-      nsdae_system_time(e->setting.system, t), *cause ? ", reason of SUNDIALS: " : "", cause);
-  return nsdae_error_at(error, status, -1, nsdae_system_time(e->setting.system, t));
+      time, *cause ? ", reason of SUNDIALS: " : "", cause, near);
+  int index = row >= 0 ? nsdae_system_index(e->setting.system, NSDAE_NAME_CONSTRAINT, row) : -1;
+  return nsdae_error_at(error, status, index, time);
 }
 
 void nsdae_event_set_integrator(nsdae_event *e)
