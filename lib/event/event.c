@@ -189,6 +189,19 @@ static int cross_kink(nsdae_event *e, double t)
   return found > 0;
 }
 
+/* Whether rows of the phase are redundant at t, where no step of it succeeds. */
+static int lost_rank(nsdae_event *e, double t)
+{
+  nsdae_event_setting *s = &e->setting;
+  int rank = s->system->dims.m - *e->phase.modes.redundant, refused = s->error->status;
+  double sine;
+  if (rank < 1 || (refused != NSDAE_OK && refused != NSDAE_E_CONVERGENCE)) return 0;
+  nsdae_event_move(s, t, e->integrator.y);
+  if (nsdae_event_sine(s, rank, &sine) < 0 || s->kkt->rank == rank) return 0;
+  nsdae_error_clear(s->error);
+  return 1;
+}
+
 /* The integrator's y at t, which it has reached. Where it has just started that is the state. */
 static int read_state(nsdae_event *e, double t)
 {
@@ -220,8 +233,9 @@ static int integrate(nsdae_event *e)
   g->ahead = from;
   if (nsdae_event_integrator_read(g, from, g->y) < 0) return nsdae_event_failed(e, status, from);
   if (!g->smooth.is_stiff || goes_by_ida(e)) {
+    g->pending = lost_rank(e, from);
     int refused = e->setting.error->status != NSDAE_OK; /* by a callback: no stop */
-    if (refused) return explain(e, status);
+    if (g->pending || refused) return g->pending ? NSDAE_OK : explain(e, status);
     g->pending = nsdae_event_stop_slow(&e->roots, from, g->y) > 0;
     if (!g->pending && cross_kink(e, from)) return nsdae_event_change_modes(e, from);
     return g->pending ? NSDAE_OK : explain(e, status);

@@ -77,8 +77,8 @@ static const double SOON = 10;
 /* Sines of rows that depend, in parts of the least one: from step to step, and at most. */
 static const double LOOSER = 100, LOOSEST = 1e4;
 
-/* The constraint that the others nearly determine at t, by a sine up to rtol^(1/2), at which an error
- * of rtol is all of it; or -1. */
+/* The constraint that the others nearly determine at t, by a sine up to rtol^(1/2), at which an
+ * error of rtol is all of it; or -1. */
 static int nearly_dependent(nsdae_event *e, double t, double *sine)
 {
   nsdae_event_setting *s = &e->setting;

@@ -197,6 +197,10 @@ static int search(nsdae_penalty *p, double from)
   return status < 0 || !found ? status : nsdae_penalty_slots_close(p, from);
 }
 
+/* Of the largest sine of the step: a change point is one where it falls, unlike of rows that are
+ * nearly dependent in all poses. */
+static const double FALLEN = 0.5;
+
 /* Near a change point a drift of the constraints turns the motion onto another branch, in steps
  * that follow it. On a smooth branch v turns by a small part while a sine changes by its width: in
  * the step from `from`, whose velocities are still in qv, it turns by more. The new ones are in the
@@ -208,23 +212,35 @@ static int leaves_branch(nsdae_penalty *p, double from)
   const nsdae_dims *d = nsdae_penalty_dims(p);
   const double turned = 0.5; /* smooth ones of tests/system/change_points.c: 0.02 at most */
   double width = cbrt(s->options->rtol), *v = p->equations.room + d->nq, *change = p->qv + d->nq;
-  if (d->m == 0 || (!p->integrator.is_stiff && s->kkt.kept >= width)) return NSDAE_OK;
+  if (d->m == 0) return NSDAE_OK;
+  if (!p->integrator.is_stiff && s->kkt.kept >= width) {
+    p->widest = fmax(p->widest, s->kkt.kept);
+    return NSDAE_OK;
+  }
   nsdae_terms_at(T, p->ahead, p->equations.room, v);
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
   double speed = nsdae_largest(d->nv, v), sine = s->kkt.kept;
-  if (status < 0 || sine >= width || !(speed > 0)) return status;
+  if (status < 0) return status;
+  p->widest = fmax(p->widest, sine);
+  if (sine > FALLEN * p->widest || sine >= width || !(speed > 0)) return NSDAE_OK;
   for (int i = 0; i < d->nv; i++) change[i] = v[i] - change[i];
   double bend = sqrt(nsdae_terms_energy(T, change)) * width / (8 * speed * (p->ahead - from));
   if (!(bend > turned * sqrt(nsdae_terms_energy(T, v)))) return NSDAE_OK;
   double t = nsdae_terms_time(T);
+  char called[NSDAE_CALLED_SIZE];
+  s->kkt.spare = d->m - s->kkt.rank + 1; /* which row is nearest to the others */
+  status = nsdae_terms_factor(T, T->M, &s->kkt, 1);
+  s->kkt.spare = 0;
+  if (status < 0) return status;
   nsdae_error_set(
       s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "method",
-      "the constraints are dependent up to a sine of %.2g at t = %g: this pose is a change "
-      "point, and the error of penalty would turn the motion onto another branch; use "
+      "%s depends on the other constraints up to a sine of %.2g at t = %g: at this pose, a change "
+      "point or one that they do not let pass, the error of penalty would turn the motion; use "
       "method = event",
-      sine, t);
-  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, -1, t);
+      nsdae_system_called(s->system, NSDAE_NAME_CONSTRAINT, s->kkt.dependent, called), sine, t);
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE,
+                        nsdae_system_index(s->system, NSDAE_NAME_CONSTRAINT, s->kkt.dependent), t);
 }
 
 /* One step of the integrator, up to the first gap that crosses zero. */
@@ -426,6 +442,7 @@ static int advance(void *own, const nsdae_state *state, double t_end, nsdae_resu
   nsdae_penalty *p = own;
   int status = arrive(p, state, result);
   p->reached = state->terms->t;
+  p->widest = 0;
   if (status == NSDAE_OK) status = nsdae_penalty_slots_trim(p, state->terms);
   if (status == NSDAE_OK) status = integrate(p, result, t_end);
   if (status == NSDAE_OK) status = read_results(p, state->terms, result);

@@ -30,6 +30,7 @@ typedef struct nsdae_penalty {
   double *qv, *z[2];     /* nq + nv: at `ahead`; n: between which the step is accounted for */
   double *peak, *force;  /* k: largest force of each contact until `ahead`; force there */
   double ahead, reached; /* integrated, accounted for up to here */
+  double widest;         /* largest sine of the constraints since the step began */
   long stamp, stamps;    /* of the memory that the integrator stands at, 0: none; given so far */
 } nsdae_penalty;
 

@@ -213,8 +213,9 @@ static nsdae_sim *row_of_boxes(int count, const double *velocity, const nsdae_si
   return sim;
 }
 
-/* Ten multiplications do not solve the impact of a row of boxes: contact_give = 1 ends the run, and
- * else the residual that is left is above the tolerance. */
+/* One multiplication does not solve the impact of a row of boxes (ten do, as flush boxes have no
+ * contacts beyond their common faces): contact_give = 1 ends the run, and else the residual that is
+ * left is above the tolerance. */
 static void test_unsolved(void **state)
 {
   static const double down[3] = {0.3, 0.2, -1};
@@ -228,7 +229,7 @@ static void test_unsolved(void **state)
     nsdae_sim_options_default(&o);
     o.method = NSDAE_METHOD_MOREAU;
     o.contact_tol = 1e-10;
-    o.contact_work = 10;
+    o.contact_work = 1;
     o.contact_give = give ? 1e10 : 1;
     nsdae_sim *sim = row_of_boxes(4, down, &o, &b, &system);
     assert_int_equal(nsdae_sim_step(sim), give ? NSDAE_WARN_CONTACT : NSDAE_E_LCP);
