@@ -197,6 +197,26 @@ static int search(nsdae_penalty *p, double from)
   return status < 0 || !found ? status : nsdae_penalty_slots_close(p, from);
 }
 
+/* The row that is nearest to the others has a name. */
+static int refuse_pose(nsdae_stepper *s, nsdae_terms *T, double sine)
+{
+  double t = nsdae_terms_time(T);
+  char called[NSDAE_CALLED_SIZE];
+  s->kkt.spare = s->kkt.m - s->kkt.rank + 1;
+  int status = nsdae_terms_factor(T, T->M, &s->kkt, 1), row = s->kkt.dependent;
+  s->kkt.spare = 0;
+  if (status < 0) return status;
+  nsdae_error_set(
+      s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "method",
+      "%s depends on the other constraints up to a sine of %.2g at t = %g: at this pose, a change "
+      "point or one that they do not let pass, the error of penalty would turn the motion; use "
+      "method = event",
+      row < 0 ? "a constraint" : nsdae_system_called(s->system, NSDAE_NAME_CONSTRAINT, row, called),
+      sine, t);
+  int index = row < 0 ? -1 : nsdae_system_index(s->system, NSDAE_NAME_CONSTRAINT, row);
+  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE, index, t);
+}
+
 /* Of the largest sine of the step: a change point is one where it falls, unlike of rows that are
  * nearly dependent in all poses. */
 static const double FALLEN = 0.5;
@@ -213,10 +233,8 @@ static int leaves_branch(nsdae_penalty *p, double from)
   const double turned = 0.5; /* smooth ones of tests/system/change_points.c: 0.02 at most */
   double width = cbrt(s->options->rtol), *v = p->equations.room + d->nq, *change = p->qv + d->nq;
   if (d->m == 0) return NSDAE_OK;
-  if (!p->integrator.is_stiff && s->kkt.kept >= width) {
-    p->widest = fmax(p->widest, s->kkt.kept);
-    return NSDAE_OK;
-  }
+  if (!p->integrator.is_stiff) p->widest = fmax(p->widest, s->kkt.kept);
+  if (!p->integrator.is_stiff && s->kkt.kept >= width) return NSDAE_OK;
   nsdae_terms_at(T, p->ahead, p->equations.room, v);
   int status = nsdae_terms_need(T, NSDAE_TERM_MASS | NSDAE_TERM_JACOBIAN);
   if (status == NSDAE_OK) status = nsdae_stepper_factor(s, T, T->M);
@@ -227,20 +245,7 @@ static int leaves_branch(nsdae_penalty *p, double from)
   for (int i = 0; i < d->nv; i++) change[i] = v[i] - change[i];
   double bend = sqrt(nsdae_terms_energy(T, change)) * width / (8 * speed * (p->ahead - from));
   if (!(bend > turned * sqrt(nsdae_terms_energy(T, v)))) return NSDAE_OK;
-  double t = nsdae_terms_time(T);
-  char called[NSDAE_CALLED_SIZE];
-  s->kkt.spare = d->m - s->kkt.rank + 1; /* which row is nearest to the others */
-  status = nsdae_terms_factor(T, T->M, &s->kkt, 1);
-  s->kkt.spare = 0;
-  if (status < 0) return status;
-  nsdae_error_set(
-      s->error, NSDAE_E_CONVERGENCE, "nsdae_penalty", "method",
-      "%s depends on the other constraints up to a sine of %.2g at t = %g: at this pose, a change "
-      "point or one that they do not let pass, the error of penalty would turn the motion; use "
-      "method = event",
-      nsdae_system_called(s->system, NSDAE_NAME_CONSTRAINT, s->kkt.dependent, called), sine, t);
-  return nsdae_error_at(s->error, NSDAE_E_CONVERGENCE,
-                        nsdae_system_index(s->system, NSDAE_NAME_CONSTRAINT, s->kkt.dependent), t);
+  return refuse_pose(s, T, sine);
 }
 
 /* One step of the integrator, up to the first gap that crosses zero. */
