@@ -351,7 +351,10 @@ static int replay(nsdae_penalty *p, const nsdae_terms *to)
   int status = nsdae_penalty_start_integrator(p);
   p->slots.replays = 1;
   *b->steps = 0;
-  while (status == NSDAE_OK && *b->steps < steps && !(p->ahead > to->t)) status = one_step(p);
+  while (status == NSDAE_OK && *b->steps < steps && !(p->ahead > to->t)) {
+    p->widest = 0; /* no pose is refused again */
+    status = one_step(p);
+  }
   p->slots.replays = 0;
   if (status < 0) return nsdae_penalty_failed(p, status, p->ahead);
   if (to->t <= p->ahead) status = read_state(p, to->t, p->equations.room);
