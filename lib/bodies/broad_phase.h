@@ -61,8 +61,8 @@ int nsdae_broad_touches(const nsdae_broad *broad, int i, int j);
 /* Whether a part of solid i may be as near to x as within. */
 static inline int nsdae_broad_is_about(const nsdae_broad *p, int i, const double *x, double within)
 {
-  double d[3], most = p->radius[i] + within;
-  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * i + l] - x[l];
+  const double *c = p->centre + 3L * i, d[3] = {c[0] - x[0], c[1] - x[1], c[2] - x[2]};
+  double most = p->radius[i] + within;
   return nsdae_dot3(d, d) <= most * most;
 }
 
