@@ -57,9 +57,9 @@ typedef struct view {
 
 static inline int planes_of(const nsdae_solid_of *s)
 {
+  if (s->shape == NSDAE_SHAPE_PLANE) return 1;
   if (s->radius > 0) return 0;
   if (s->hull) return s->hull->faces;
-  if (s->shape == NSDAE_SHAPE_PLANE) return 1;
   return s->points < 2 || nsdae_solid_is_smooth(s) ? 0 : s->points > 2 ? s->points : 3;
 }
 
@@ -73,14 +73,16 @@ static inline int is_flat(const nsdae_solid_of *s)
 static inline const double *plane_of(const nsdae_solid_of *s, int i, const double *x,
                                      double *height, double room[3])
 {
-  const double *n = s->edge + 4L * i, *at = s->origin;
+  const double *n = s->R + 6, *at = s->origin; /* of a plane */
   if (s->hull) {
+    n = s->edge + 4L * i;
     *height = nsdae_dot3(n, x) - n[3];
     return n;
   }
   if (s->points > 0) at = nsdae_solid_corner(s, i % s->points);
-  if (s->points < 3) { /* a plane; a line: its ends, and its upper side */
-    n = s->shape == NSDAE_SHAPE_PLANE ? s->R + 6 : i == 2 ? s->R + 3 : room;
+  if (s->points > 2) n = s->edge + 4L * i;
+  if (s->points == 2) { /* a line: its ends, and its upper side */
+    n = i == 2 ? s->R + 3 : room;
     for (int j = 0; j < 3; j++) room[j] = (i ? 1 : -1) * s->R[j];
   }
   *height = nsdae_dot3(n, x) - nsdae_dot3(n, at);
