@@ -48,8 +48,8 @@ typedef struct view {
   const nsdae_pose *pose;
   const double *at; /* the place itself */
   double x[3], n[3];
-  double eps, slack, rounding; /* slack: of more; rounding: of places */
-  double more, off; /* how far it goes beyond x along n; x from its faces, of those within eps */
+  double eps, slack, rounding; /* slack: of n . y; rounding: of places */
+  double more, off; /* the largest n . y of it; how far x is from its faces, of those within eps */
   int into, ways;
 } view;
 
@@ -171,19 +171,15 @@ static int comes_out_of_triangle(void *to, int t)
          comes_out(v, m->normal + 3L * t, nsdae_mesh_height(m, t, v->x));
 }
 
-/* Of a face of the normal m. */
-static void measure_face(view *v, const double *m, double height)
+/* Of a face of the normal m: for a place on a face whether n goes into it, else what is off. */
+static inline void measure_face(view *v, const double *m, double height)
 {
-  if (fabs(height) <= v->eps) v->off = nsdae_more_of(v->off, fabs(height));
-  int goes = height + into * v->eps * nsdae_dot3(m, v->n) <= v->eps;
-  v->into = v->s->mesh ? v->into || goes : v->into && goes;
-}
-
-static void measure_corner(view *v, const double *corner)
-{
-  double y[3];
-  for (int j = 0; j < 3; j++) y[j] = corner[j] - v->x[j];
-  v->more = nsdae_more_of(v->more, nsdae_dot3(v->n, y));
+  if (v->a->face) {
+    int goes = height + into * v->eps * nsdae_dot3(m, v->n) <= v->eps;
+    v->into = v->s->mesh ? v->into || goes : v->into && goes;
+  } else if (fabs(height) <= v->eps) {
+    v->off = nsdae_more_of(v->off, fabs(height));
+  }
 }
 
 static int measure_triangle(void *to, int t)
@@ -192,7 +188,8 @@ static int measure_triangle(void *to, int t)
   const nsdae_mesh *m = v->s->mesh;
   if (!nsdae_mesh_is_beneath(m, t, v->x, v->eps)) return 0;
   measure_face(v, m->normal + 3L * t, nsdae_mesh_height(m, t, v->x));
-  for (int k = 0; k < 3; k++) measure_corner(v, nsdae_mesh_corner(m, t, k));
+  for (int k = 0; k < 3; k++)
+    v->more = nsdae_more_of(v->more, nsdae_dot3(v->n, nsdae_mesh_corner(m, t, k)));
   return 0;
 }
 
@@ -201,7 +198,7 @@ static int goes_into(view *v)
 {
   const nsdae_solid_of *s = v->s;
   int planes = planes_of(s);
-  double height, room[3];
+  double height, room[3], from = nsdae_dot3(v->n, v->x);
   if (v->a->face && nsdae_solid_at(v->a->s->p->b, v->a->of)->mesh) return 0;
   v->into = s->mesh == NULL;
   v->off = 0;
@@ -210,11 +207,13 @@ static int goes_into(view *v)
   for (int i = 0; i < planes; i++) {
     const double *n = plane_of(s, i, v->x, &height, room);
     measure_face(v, n, height);
-    if (s->shape == NSDAE_SHAPE_PLANE) v->more = 1 - nsdae_dot3(n, v->n); /* of a length of 1 */
+    if (s->shape == NSDAE_SHAPE_PLANE) v->more = from + 1 - nsdae_dot3(n, v->n); /* a length of 1 */
   }
   if (v->a->face) return v->into;
-  for (int i = 0; i < s->points; i++) measure_corner(v, nsdae_solid_corner(s, i));
-  return v->more > v->off + v->slack;
+  from += v->off + v->slack;
+  for (int i = 0; i < s->points && v->more <= from; i++)
+    v->more = nsdae_dot3(v->n, nsdae_solid_corner(s, i));
+  return v->more > from;
 }
 
 /* Whether all of the solid that touches is beyond plane f of the other, at which x is: what covers
@@ -297,7 +296,7 @@ static int hides(void *to, int i)
   int planes = planes_of(v.s), comes = 0;
   for (int f = 0; f < planes && !comes; f++) {
     const double *n = plane_of(v.s, f, v.x, &height, room);
-    comes = comes_out(&v, n, height);
+    comes = height >= -deep * v.eps && comes_out(&v, n, height);
   }
   return !comes;
 }
