@@ -169,15 +169,15 @@ static int are_near(const nsdae_broad *p, int i, int j, double reach)
   return nsdae_dot3(d, d) <= most * most;
 }
 
-/* Whether a solid is near a plane's surface, or beyond it; or near the rim of a hole. */
-static int is_near_base(const nsdae_broad *p, const nsdae_solid_of *base, int number, int other,
-                        double reach)
+/* Whether x is within of a plane's surface, or beyond it; or of the rim of a hole. */
+static int is_near_base(const nsdae_broad *p, int number, const double *x, double within)
 {
+  const nsdae_solid_of *base = nsdae_solid_at(p->b, number);
   double d[3], n[3];
-  for (int l = 0; l < 3; l++) d[l] = p->centre[3 * other + l] - p->centre[3 * number + l];
-  if (base->hollow) return sqrt(nsdae_dot3(d, d)) + p->radius[other] + reach >= base->radius;
+  for (int l = 0; l < 3; l++) d[l] = x[l] - p->centre[3 * number + l];
+  if (base->hollow) return sqrt(nsdae_dot3(d, d)) + within >= base->radius;
   nsdae_turn(nsdae_broad_pose(p, base->body)->R, base->R + 6, n);
-  return nsdae_dot3(n, d) <= p->radius[other] + reach;
+  return nsdae_dot3(n, d) <= within;
 }
 
 static int contains(const nsdae_broad *p, double pair)
@@ -204,8 +204,8 @@ int nsdae_broad_touches(const nsdae_broad *p, int i, int j)
 int nsdae_broad_near(const nsdae_broad *p, int i, int j, double reach)
 {
   const nsdae_solid_of *s = p->b->solid.at;
-  return is_endless(&s[i])   ? is_near_base(p, &s[i], i, j, reach)
-         : is_endless(&s[j]) ? is_near_base(p, &s[j], j, i, reach)
+  return is_endless(&s[i])   ? is_near_base(p, i, p->centre + 3L * j, p->radius[j] + reach)
+         : is_endless(&s[j]) ? is_near_base(p, j, p->centre + 3L * i, p->radius[i] + reach)
                              : are_near(p, i, j, reach);
 }
 
@@ -274,7 +274,7 @@ static int visit_large(const nsdae_broad *p, int i, double reach, nsdae_broad_fn
 
 /* ---- a hashed grid of the others */
 
-static int bucket_of(const nsdae_broad *p, const int *cell)
+static inline int bucket_of(const nsdae_broad *p, const int *cell)
 {
   uint32_t hash =
       (uint32_t)cell[0] * 73856093u ^ (uint32_t)cell[1] * 19349663u ^ (uint32_t)cell[2] * 83492791u;
@@ -321,8 +321,11 @@ int nsdae_broad_about(const nsdae_broad *p, const double *x, double within, nsda
                       void *to)
 {
   int low[3], high[3], at[3], code = 0;
-  for (int i = 0; i < p->larges && !code; i++)
-    if (nsdae_broad_is_about(p, p->large[i], x, within)) code = visit(to, p->large[i]);
+  for (int k = 0; k < p->larges && !code; k++) {
+    int i = p->large[k], endless = is_endless(nsdae_solid_at(p->b, i));
+    if (endless ? is_near_base(p, i, x, within) : nsdae_broad_is_about(p, i, x, within))
+      code = visit(to, i);
+  }
   for (int l = 0; l < 3; l++) {
     low[l] = cell_of(p, x[l] - p->usual - within);
     high[l] = cell_of(p, x[l] + p->usual + within);
