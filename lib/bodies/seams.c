@@ -50,7 +50,7 @@ typedef struct view {
   double x[3], n[3];
   double eps, slack, rounding; /* slack: of n . y; rounding: of places */
   double more, off; /* the largest n . y of it; how far x is from its faces, of those within eps */
-  int into, ways;
+  int into, ways, beside; /* beside: stands_beside */
 } view;
 
 /* ---- a solid as planes, in the frame of its body */
@@ -263,35 +263,26 @@ static int stands_beside(view *v)
   return beyond;
 }
 
-typedef struct look {
-  const place *a;
-  const double *x;
-  int ways;
-  int seen, beside; /* whether of is known; stands_beside */
-  view of;          /* from its own solid */
-} look;
-
-/* Whether solid i hides a place: 1, or 0. */
+/* Whether solid i hides a place, of which its own solid's view is given: 1, or 0. */
 static int hides(void *to, int i)
 {
-  look *l = to;
-  const place *a = l->a;
+  view *of = to, v;
+  const place *a = of->a;
   const nsdae_broad *p = a->s->p;
   double height, room[3];
-  view v;
   if (i == a->of || i == a->other || !is_flat(nsdae_solid_at(p->b, i))) return 0;
-  put_place(&v, a, i, l->x);
+  put_place(&v, a, i, of->at);
   if (!holds(&v) || !nsdae_broad_touches(p, i, a->other)) return 0;
-  if (!l->seen++) {
-    put_place(&l->of, a, a->of, l->x);
-    put_direction(&l->of);
-    l->beside = l->ways == WAYS && stands_beside(&l->of);
+  if (!of->s) { /* the first that holds it */
+    put_place(of, a, a->of, of->at);
+    put_direction(of);
+    of->beside = of->ways == WAYS && stands_beside(of);
   }
-  if (l->beside) return 1;
+  if (of->beside) return 1;
   put_direction(&v);
-  v.ways = l->ways;
-  if (!goes_into(&v)) return !a->face && goes_into(&l->of);
-  if (l->ways == 0) return 1;
+  v.ways = of->ways;
+  if (!goes_into(&v)) return !a->face && goes_into(of);
+  if (v.ways == 0) return 1;
   if (v.s->mesh) return !nsdae_mesh_about(v.s->mesh, v.x, v.eps, comes_out_of_triangle, &v);
   int planes = planes_of(v.s), comes = 0;
   for (int f = 0; f < planes && !comes; f++) {
@@ -304,18 +295,17 @@ static int hides(void *to, int i)
 static int is_hidden(const place *a, const double *x, int ways)
 {
   const sieve *s = a->s;
-  double square = 0;
+  double d[3] = {x[0] - s->middle[0], x[1] - s->middle[1], x[2] - s->middle[2]};
   int code = 0;
-  look l;
-  l.a = a;
-  l.x = x;
-  l.ways = ways;
-  l.seen = 0;
-  for (int j = 0; j < 3; j++) square += (x[j] - s->middle[j]) * (x[j] - s->middle[j]);
-  if (s->covers > NEAR || square > s->ball * s->ball)
-    return nsdae_broad_about(s->p, x, a->eps, hides, &l);
+  view of;
+  of.a = a;
+  of.s = NULL;
+  of.at = x;
+  of.ways = ways;
+  if (s->covers > NEAR || nsdae_dot3(d, d) > s->ball * s->ball)
+    return nsdae_broad_about(s->p, x, a->eps, hides, &of);
   for (int i = 0; i < s->covers && !code; i++)
-    if (nsdae_broad_is_about(s->p, s->cover[i], x, a->eps)) code = hides(&l, s->cover[i]);
+    if (nsdae_broad_is_about(s->p, s->cover[i], x, a->eps)) code = hides(&of, s->cover[i]);
   return code;
 }
 
