@@ -370,15 +370,21 @@ static int solve_to(nsdae_cone_island *c, nsdae_cone_work *work, double tol, dou
   return status;
 }
 
-/* Whether the residual explains all velocities; also that of a body that rolls, which moves no
- * item. Over n bodies, one upon the other, random errors add up to sqrt(n) times one. */
+/* Whether the residual explains all velocities of contacts. */
+static int all_stick(const nsdae_cone_island *c, const nsdae_cone_work *work)
+{
+  const double most = FROM_RESIDUAL * work->info.residual * nsdae_fc_speed(work->solver);
+  return nsdae_largest(c->m, c->at.u) <= most;
+}
+
+/* Whether it explains those of bodies, too: one that rolls moves no item. Over n bodies, one upon
+ * the other, random errors add up to sqrt(n) times one. */
 static int is_at_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
                       const nsdae_cone_work *work)
 {
   const int *first = w->system->blocks.first;
   const double most = FROM_RESIDUAL * work->info.residual * nsdae_fc_speed(work->solver);
-  if (!(nsdae_largest(c->m, c->at.u) <= most) || nsdae_cone_form_velocities(c, w, work->L) < 0)
-    return 0;
+  if (!all_stick(c, work) || nsdae_cone_form_velocities(c, w, work->L) < 0) return 0;
   const double stacked = most * sqrt(c->problem.blocks);
   for (int i = 0; i < c->problem.blocks; i++)
     for (int b = c->at.member[i], j = first[b]; j < first[b + 1]; j++)
@@ -417,17 +423,17 @@ static int rested(const nsdae_cone_island *c, const nsdae_island_equations *w,
 
 /* Coulomb's law may have several solutions where contacts are hyperstatic, as of a body in a grip.
  * If all rested, and rest is one, it is the one that is used: that of the convex problem with s = 0
- * (Acary, Cadoux, Lemarechal, Malick 2011), which has the least |u|, if it has u = 0. */
+ * (Acary, Cadoux, Lemarechal, Malick 2011), which has the least |u|, if it has u = 0. All that have
+ * it have the same v: J M^-1 J' dr = 0 only if J' dr = 0. */
 static int prefer_rest(nsdae_cone_island *c, const nsdae_island_equations *w, nsdae_cone_work *work,
                        double budget)
 {
-  if (c->driven || c->contacts < 2 || !rested(c, w, work) || is_at_rest(c, w, work))
-    return NSDAE_OK;
+  if (c->driven || c->contacts < 2 || !rested(c, w, work) || all_stick(c, work)) return NSDAE_OK;
   const nsdae_friction_info before = work->info;
   const nsdae_friction_options options = c->options;
   c->options.stages = NSDAE_FRICTION_SOCP_INTERIOR_POINT | NSDAE_FRICTION_ITERATIVE_REFINEMENT;
   int status = solve_to(c, work, work->tol, budget);
-  if (status == NSDAE_OK && is_at_rest(c, w, work)) return status;
+  if (status == NSDAE_OK && all_stick(c, work)) return status;
   /* back to the other one, which is a solution */
   memcpy(c->at.r, c->at.guess, (size_t)c->m * sizeof *c->at.r);
   work->info = before;
