@@ -321,6 +321,7 @@ int nsdae_broad_about(const nsdae_broad *p, const double *x, double within, nsda
                       void *to)
 {
   int low[3], high[3], at[3], code = 0;
+  double cells = 1;
   for (int k = 0; k < p->larges && !code; k++) {
     int i = p->large[k], endless = is_endless(nsdae_solid_at(p->b, i));
     if (endless ? is_near_base(p, i, x, within) : nsdae_broad_is_about(p, i, x, within))
@@ -329,10 +330,16 @@ int nsdae_broad_about(const nsdae_broad *p, const double *x, double within, nsda
   for (int l = 0; l < 3; l++) {
     low[l] = cell_of(p, x[l] - p->usual - within);
     high[l] = cell_of(p, x[l] + p->usual + within);
+    cells *= (double)high[l] - low[l] + 1;
   }
-  for (at[2] = low[2]; at[2] <= high[2]; at[2]++)
-    for (at[1] = low[1]; at[1] <= high[1]; at[1]++)
-      for (at[0] = low[0]; at[0] <= high[0]; at[0]++)
+  if (!(cells <= p->b->solid.count)) { /* a ball about large solids: all are fewer than its cells */
+    for (int i = 0; i < p->b->solid.count && !code; i++)
+      if (p->radius[i] <= p->usual && nsdae_broad_is_about(p, i, x, within)) code = visit(to, i);
+    return code;
+  }
+  for (at[2] = low[2]; at[2] <= high[2] && !code; at[2]++)
+    for (at[1] = low[1]; at[1] <= high[1] && !code; at[1]++)
+      for (at[0] = low[0]; at[0] <= high[0] && !code; at[0]++)
         for (int i = p->grid.head[bucket_of(p, at)]; i >= 0 && !code; i = p->grid.next[i])
           if (nsdae_broad_is_about(p, i, x, within) && p->grid.cell[3 * i] == at[0] &&
               p->grid.cell[3 * i + 1] == at[1] && p->grid.cell[3 * i + 2] == at[2])
