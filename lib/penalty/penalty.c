@@ -230,7 +230,7 @@ static int leaves_branch(nsdae_penalty *p, double from)
   nsdae_stepper *s = p->equations.stepper;
   nsdae_terms *T = &s->middle;
   const nsdae_dims *d = nsdae_penalty_dims(p);
-  const double turned = 0.5; /* smooth ones of tests/system/change_points.c: 0.02 at most */
+  const double turned = 0.5;
   double width = cbrt(s->options->rtol), *v = p->equations.room + d->nq, *change = p->qv + d->nq;
   if (d->m == 0) return NSDAE_OK;
   if (!p->integrator.is_stiff) p->widest = fmax(p->widest, s->kkt.kept);

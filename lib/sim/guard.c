@@ -31,9 +31,8 @@ static int refuse_concurrent(const nsdae_call *call)
   return nsdae_error_set(
       nsdae_refusal_on(call->sim), NSDAE_E_STATE, call->where, "sim",
       "%s was called while another call on this simulation was in progress, in a callback or in "
-      "another thread: call it before or after, or give each thread a simulation of its own. After "
-      "a "
-      "callback that left by longjmp, destroy the simulation in the function that ran it",
+      "another thread: call it before or after, or give each thread a simulation of its own. If a "
+      "callback left by longjmp, destroy the simulation in the function that ran it",
       call->where);
 }
 

@@ -395,8 +395,7 @@ static void name_stiff(nsdae_sim *sim, int status, double length)
   const nsdae_maker *maker = &sim->system->maker;
   const nsdae_terms *start = &sim->now->result.end;
   nsdae_reason reason;
-  int of_callback =
-      status == NSDAE_E_NONFINITE && strncmp(sim->error.text, "callback force", 14) != 0;
+  int of_callback = status == NSDAE_E_NONFINITE && strncmp(sim->error.where, "force", 5) != 0;
   int diverged = status == NSDAE_E_CONVERGENCE || status == NSDAE_E_NONFINITE;
   if (!(diverged || status == NSDAE_WARN_ENERGY) || of_callback || !sim->method->closes ||
       !maker->stiff || !maker->stiff(start->q, start->v, length, &reason, sim->model.user))

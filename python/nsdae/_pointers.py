@@ -60,7 +60,6 @@ def rebound(name: str, function: Any) -> str | None:
     return None
 
 
-
 def _kind(argument: str) -> str:
     return "pointer" if "void" in argument or "_list" in argument else "array" if "*" in argument else argument.split()[0]
 

@@ -81,8 +81,7 @@ void nsdae_event_narrow(nsdae_event_crossing *crossing);
 /* Before a step: the width again, as far as the sines of the step before allow. */
 void nsdae_event_widen(nsdae_event_crossing *crossing);
 
-/* After both: holds the directions from y on. 1, 0 if they are
- * not found, or a status. */
+/* After both: holds the directions from y on. 1, 0 if they are not found, or a status. */
 int nsdae_event_hold(nsdae_event_crossing *crossing, nsdae_event_setting *setting, const double *y);
 
 /* (M u)^T v' of direction j at t. */

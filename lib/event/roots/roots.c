@@ -77,7 +77,7 @@ static double change_point(const nsdae_event_phase *p)
   const nsdae_event_crossing *c = &p->crossing;
   int crosses = c->count > 0, rank = p->setting->system->dims.m - *p->modes.redundant;
   double sine;
-  if (!crosses && !(c->least < 4 * c->width)) return 1;
+  if (!crosses && !(c->least < NSDAE_CROSSING_NEAR * c->width)) return 1;
   if (nsdae_event_sine(p->setting, crosses ? c->rank : rank, &sine) < 0) return 1;
   return crosses ? 1.5 - sine / c->width : sine / c->width - 1;
 }

@@ -9,8 +9,8 @@
  *   jam        of the phase: det A / det A(t_0) of its border, whose zeros are those of the forces'
  *              poles: forces are without bound (Painleve's paradox); with relations that less 1/2,
  *              as relations that lie along what they leave open have a pole, too: new ones are due
- *   change     of the phase: smallest sine of the constraints - width, a change point is near;
- * while it is crossed, 3/2 width - that sine (change_point.h)
+ *   change     of the phase: smallest sine of the constraints - width: a change point is near;
+ *              while it is crossed 3/2 width - that sine (change_point.h)
  *
  * One that is zero at the start of a phase would be found there again and again. With a known rate
  * r > 0 it is divided by t - t_0, which makes it r at t_0 and leaves its further zeros where they
