@@ -39,7 +39,7 @@ nsdae_unit_test(smooth runge_kutta)
 nsdae_unit_test(smooth ida)
 target_link_libraries(test_unit_smooth_ida PRIVATE test_process_allocator)
 
-foreach(name contact_momentum messages continuity controls convex_pairs derivatives distance flush forces inertia joints limited limits listed mesh_rates meshes motors position_motors names one_source pins polyhedra user_rows refused sensors smooth)
+foreach(name broad_phase contact_momentum messages continuity controls convex_pairs derivatives distance flush forces inertia joints limited limits listed mesh_rates meshes motors position_motors names one_source pins polyhedra user_rows refused sensors smooth)
   nsdae_unit_test(bodies ${name})
   target_include_directories(test_unit_bodies_${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib/system ${PROJECT_SOURCE_DIR}/lib/linalg
                              ${PROJECT_SOURCE_DIR}/lib/base)
