@@ -85,4 +85,15 @@ int nsdae_cone_form_velocities(nsdae_cone_island *c, const nsdae_island_equation
 int nsdae_cone_velocities(nsdae_cone_island *c, const nsdae_island_equations *w,
                           const nsdae_cone_work *work, double speed);
 
+/* To tol by budget multiplications by J, from at.r; guess keeps from where. */
+int nsdae_cone_solve_to(nsdae_cone_island *c, nsdae_cone_work *work, double tol, double budget);
+
+/* ---- cone_rest.c: of several solutions the one at rest, and rest to rounding. After a solution
+ * within its tolerance; a status. */
+
+int nsdae_cone_prefer_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
+                           nsdae_cone_work *work, double budget);
+int nsdae_cone_solve_rest(nsdae_cone_island *c, const nsdae_island_equations *w,
+                          nsdae_cone_work *work, double budget);
+
 #endif
